@@ -1,0 +1,101 @@
+// The block: U2 and V2 span the smallest singular directions, F = U2^T J V2 vanishes exactly where the rank drops to
+// `rank`, and D = U2^T dJ V2 says what each joint does to it.
+#pragma once
+
+#include "chain.hpp"
+#include "svd.hpp"
+
+namespace rankdrop::RANKDROP_ISA {
+
+// Scratch for one pack of configurations; sized once, reused for a whole range.
+struct Workspace {
+    Placed at;
+    Pack *jacobian, *w, *sigma, *u, *v, *f, *d;
+    Pack* storage;
+
+    static std::size_t size(const Chain& chain, int m) {
+        const std::size_t joints = chain.joints.size(), n = chain.variables;
+        return joints * 6 + 2 * m * n + (m < (int)n ? m : n) + m * m + n * n + m * n + m * n * n;
+    }
+    // `memory` has room for size() packs
+    Workspace(const Chain& chain, int m, Pack* memory) : storage(memory) {
+        const std::size_t joints = chain.joints.size(), n = chain.variables;
+        Pack* next = memory;
+        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
+        at.screws = reinterpret_cast<Twist*>(take(joints * 6));
+        jacobian = take(m * n), w = take(m * n);
+        sigma = take(m < (int)n ? m : n);
+        u = take(m * m), v = take(n * n);
+        f = take(m * n), d = take(m * n * n);
+    }
+};
+
+// Jacobian (m x n, by rows) at q, and its singular values; U and V by columns, the first `keep` columns of the longer
+// side from J, the rest any completion. keep < 0: singular values only.
+inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws) {
+    const int m = view.m, n = chain.variables;
+    forward(chain, view, q, ws.at);
+    jacobian(chain, view, ws.at, ws.jacobian, n, 1);
+    if (m <= n) {
+        for (int i = 0; i < m * n; ++i) ws.w[i] = ws.jacobian[i];
+        svd(ws.w, n, m, ws.sigma, keep < 0 ? nullptr : ws.u);
+        if (keep >= 0) complete_basis(ws.w, ws.sigma, n, keep < m ? keep : m, ws.v);
+    } else {
+        for (int a = 0; a < m; ++a)
+            for (int j = 0; j < n; ++j) ws.w[j * m + a] = ws.jacobian[a * n + j];
+        svd(ws.w, m, n, ws.sigma, keep < 0 ? nullptr : ws.v);
+        if (keep >= 0) complete_basis(ws.w, ws.sigma, m, keep < n ? keep : n, ws.u);
+    }
+}
+
+// dJ(e_k) x for every variable k, with x in the space of the variables: out[k * m + a].
+inline void derivative_times(const Chain& chain, const View& view, const Placed& at, const Pack* x, Pack* out) {
+    const int n = chain.variables, joints = (int)chain.joints.size();
+    for (int i = 0; i < n * view.m; ++i) out[i] = fill(0.0);
+    Twist all{};
+    for (int i = 0; i < 3; ++i) all.v[i] = all.w[i] = fill(0.0);
+    Twist later = all;
+    const auto add = [&](Twist& sum, int i) {
+        const Pack value = x[chain.joints[i].variable];
+        for (int c = 0; c < 3; ++c) {
+            sum.v[c] = sum.v[c] + at.screws[i].v[c] * value;
+            sum.w[c] = sum.w[c] + at.screws[i].w[c] * value;
+        }
+    };
+    for (int i = 0; i < joints; ++i) add(all, i);
+    Pack seen[6];
+    for (int k = joints - 1; k >= 0; --k) {
+        seen_derivative(view, at, k, later, all, seen);
+        Pack* slot = out + chain.joints[k].variable * view.m;
+        for (int a = 0; a < view.m; ++a) slot[a] = slot[a] + seen[view.row[a]] * view.factor[a];
+        add(later, k);
+    }
+}
+
+// F[a * r + b] and D[(a * r + b) * n + k] at the configuration that `decompose(..., rank)` was called for.
+// `scratch` has room for n * m packs.
+inline void block(const Chain& chain, const View& view, int rank, Workspace& ws, Pack* scratch) {
+    const int m = view.m, n = chain.variables, p = m - rank, r = n - rank;
+    for (int b = 0; b < r; ++b) {
+        const Pack* x = ws.v + (rank + b) * n;
+        derivative_times(chain, view, ws.at, x, scratch);
+        Pack image[6];
+        for (int c = 0; c < m; ++c) {
+            image[c] = fill(0.0);
+            for (int j = 0; j < n; ++j) image[c] = image[c] + ws.jacobian[c * n + j] * x[j];
+        }
+        for (int a = 0; a < p; ++a) {
+            const Pack* y = ws.u + (rank + a) * m;
+            Pack sum = fill(0.0);
+            for (int c = 0; c < m; ++c) sum = sum + y[c] * image[c];
+            ws.f[a * r + b] = sum;
+            for (int k = 0; k < n; ++k) {
+                Pack slope = fill(0.0);
+                for (int c = 0; c < m; ++c) slope = slope + y[c] * scratch[k * m + c];
+                ws.d[(a * r + b) * n + k] = slope;
+            }
+        }
+    }
+}
+
+}  // namespace rankdrop::RANKDROP_ISA

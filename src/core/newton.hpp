@@ -1,0 +1,278 @@
+// Block Levenberg-Marquardt: drives F = U2^T J V2 to zero with D as its derivative. Half the squared norm of F is half
+// the sum of squares of the singular values beyond `rank`, smooth whatever ties lie among them.
+#pragma once
+
+#include "block.hpp"
+#include "settings.hpp"
+
+namespace rankdrop::RANKDROP_ISA {
+
+// Solves (N + mu I) x = b by Cholesky, N symmetric (n x n), in lanes. `l` has room for n * n packs.
+inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack* l, Pack* x) {
+    const Pack tiny = fill(1e-300);
+    for (int j = 0; j < n; ++j) {
+        Pack pivot = normal[j * n + j] + mu;
+        for (int k = 0; k < j; ++k) pivot = pivot - l[j * n + k] * l[j * n + k];
+        // rounding may eat the pivot of a direction that D does not see; the damping alone is left then
+        const Pack root = sqrt(max(pivot, max(mu * fill(1e-3), tiny)));
+        l[j * n + j] = root;
+        const Pack inverse = fill(1.0) / root;
+        for (int i = j + 1; i < n; ++i) {
+            Pack sum = normal[i * n + j];
+            for (int k = 0; k < j; ++k) sum = sum - l[i * n + k] * l[j * n + k];
+            l[i * n + j] = sum * inverse;
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        Pack sum = b[i];
+        for (int k = 0; k < i; ++k) sum = sum - l[i * n + k] * x[k];
+        x[i] = sum / l[i * n + i];
+    }
+    for (int i = n - 1; i >= 0; --i) {
+        Pack sum = x[i];
+        for (int k = i + 1; k < n; ++k) sum = sum - l[k * n + i] * x[k];
+        x[i] = sum / l[i * n + i];
+    }
+}
+
+inline Pack dot(const Pack* a, const Pack* b, int n) {
+    Pack sum = fill(0.0);
+    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
+    return sum;
+}
+
+// The quadratic model of |F|^2 / 2 at one point: gradient g = D^T F, normal matrix N = D^T D (angles and scaled
+// lengths), with variables pressed against a limit taken out.
+struct Model {
+    Pack *g, *normal;
+    Pack size2;  // |F|^2
+    Pack trace;  // of N
+};
+
+class BlockNewton {
+  public:
+    static std::size_t size(const Chain& chain, int m) {
+        const std::size_t n = chain.variables;
+        return Workspace::size(chain, m) + n * m + 2 * (n + n * n) + n * n + 6 * n + 2 * (m < (int)n ? m : n);
+    }
+
+    BlockNewton(const Chain& chain, const View& view, const SearchSettings& settings, Pack* memory)
+        : chain_(chain), view_(view), set_(settings), n_(chain.variables),
+          s_(view.m < chain.variables ? view.m : chain.variables), ws_(chain, view.m, memory) {
+        Pack* next = memory + Workspace::size(chain, view.m);
+        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
+        scratch_ = take(n_ * view.m);
+        here_.g = take(n_), here_.normal = take(n_ * n_);
+        trial_.g = take(n_), trial_.normal = take(n_ * n_);
+        factor_ = take(n_ * n_);
+        q_ = take(n_), tried_ = take(n_), step_ = take(n_), minus_g_ = take(n_), best_q_ = take(n_), solution_ = take(n_);
+        sigma_ = take(s_), best_sigma_ = take(s_);
+    }
+
+    // Runs starts begin … end - 1; `stop` is polled once per pack iteration.
+    void run(const double* starts, std::int64_t begin, std::int64_t end, std::int64_t first, const SearchOutput& out,
+             const volatile bool* stop) {
+        std::int64_t next = begin;
+        for (int lane = 0; lane < W; ++lane) lanes_[lane].start = -1;
+        mu_ = fill(0.0);
+        for (int j = 0; j < n_; ++j) q_[j] = fill(0.0);
+        here_.size2 = here_.trace = fill(0.0);
+        for (;;) {
+            bool alive = false, fresh = false;
+            for (int lane = 0; lane < W; ++lane) {
+                if (lanes_[lane].start < 0 && next < end) {
+                    enter(lane, next++, starts);
+                    fresh = true;
+                }
+                alive = alive || lanes_[lane].start >= 0;
+            }
+            if (!alive || *stop) return;
+            if (!fresh || !all_fresh()) propose();
+            for (int lane = 0; lane < W; ++lane)
+                if (lanes_[lane].fresh)
+                    for (int j = 0; j < n_; ++j) set(tried_[j], lane, get(q_[j], lane));
+            evaluate(tried_, trial_);
+            accept();
+            for (int lane = 0; lane < W; ++lane)
+                if (lanes_[lane].start >= 0) judge(lane, first, out);
+        }
+    }
+
+  private:
+    struct Lane {
+        std::int64_t start = -1;
+        int iterations = 0, kicks = 0, stalled = 0;
+        bool fresh = false, accepted = false, has_best = false;
+        double past[10];  // |F|^2 of the last accepted points
+        int pasts = 0;
+    };
+
+    bool all_fresh() const {
+        for (const Lane& lane : lanes_)
+            if (lane.start >= 0 && !lane.fresh) return false;
+        return true;
+    }
+
+    void enter(int lane, std::int64_t start, const double* starts) {
+        lanes_[lane] = Lane{};
+        lanes_[lane].start = start;
+        lanes_[lane].fresh = true;
+        for (int j = 0; j < n_; ++j) set(q_[j], lane, starts[start * n_ + j]);
+        set(mu_, lane, 1e-2);
+    }
+
+    // |F|^2, g and N at q; also leaves sigma in ws_
+    void evaluate(const Pack* q, Model& model) {
+        decompose(chain_, view_, q, set_.rank, ws_);
+        block(chain_, view_, set_.rank, ws_, scratch_);
+        const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
+        for (int j = 0; j < n_; ++j) {
+            model.g[j] = fill(0.0);
+            for (int k = 0; k <= j; ++k) model.normal[j * n_ + k] = fill(0.0);
+        }
+        model.size2 = fill(0.0);
+        for (int e = 0; e < entries; ++e) {
+            Pack* d = ws_.d + e * n_;
+            const Pack f = ws_.f[e];
+            model.size2 = model.size2 + f * f;
+            for (int j = 0; j < n_; ++j) d[j] = d[j] * scale(j);
+            for (int j = 0; j < n_; ++j) {
+                model.g[j] = model.g[j] + d[j] * f;
+                for (int k = 0; k <= j; ++k) model.normal[j * n_ + k] = model.normal[j * n_ + k] + d[j] * d[k];
+            }
+        }
+        if (set_.lower) hold_at_limits(q, model);
+        model.trace = fill(0.0);
+        for (int j = 0; j < n_; ++j) {
+            model.trace = model.trace + model.normal[j * n_ + j];
+            for (int k = 0; k < j; ++k) model.normal[k * n_ + j] = model.normal[j * n_ + k];
+        }
+    }
+
+    void hold_at_limits(const Pack* q, Model& model) {
+        const Pack zero = fill(0.0);
+        for (int j = 0; j < n_; ++j) {
+            const Mask held = ((q[j] <= fill(set_.lower[j])) & (model.g[j] > zero)) |
+                              ((q[j] >= fill(set_.upper[j])) & (model.g[j] < zero));
+            if (!any(held)) continue;
+            model.g[j] = select(held, zero, model.g[j]);
+            for (int k = 0; k < n_; ++k) {
+                Pack& entry = k <= j ? model.normal[j * n_ + k] : model.normal[k * n_ + j];
+                entry = select(held, zero, entry);
+            }
+        }
+    }
+
+    double scale(int j) const { return set_.variable_scale ? set_.variable_scale[j] : 1.0; }
+
+    void propose() {
+        const Pack size = sqrt(here_.size2);
+        for (int j = 0; j < n_; ++j) minus_g_[j] = -here_.g[j];
+        solve_damped(here_.normal, mu_ * size + here_.trace * fill(1e-15) + fill(1e-30), minus_g_, n_, factor_, step_);
+        const Pack length = sqrt(dot(step_, step_, n_));
+        const Pack cap = min(fill(1.0), fill(set_.step) / max(length, fill(1e-300)));
+        for (int j = 0; j < n_; ++j) {
+            tried_[j] = q_[j] + step_[j] * cap * scale(j);
+            if (set_.lower) tried_[j] = min(max(tried_[j], fill(set_.lower[j])), fill(set_.upper[j]));
+            step_[j] = (tried_[j] - q_[j]) / fill(scale(j));
+        }
+    }
+
+    // Gain of the trial against the model's prediction decides the damping, and whether the trial is taken.
+    void accept() {
+        Pack predicted = -dot(here_.g, step_, n_);
+        for (int j = 0; j < n_; ++j) predicted = predicted - fill(0.5) * step_[j] * dot(here_.normal + j * n_, step_, n_);
+        const Pack gained = fill(0.5) * (here_.size2 - trial_.size2);
+        const Pack gain = gained / max(predicted, fill(1e-300));
+        Mask better = trial_.size2 < here_.size2;
+        Pack mu = select(gain > fill(0.75), mu_ * fill(0.2), select(gain < fill(0.25), mu_ * fill(4.0), mu_));
+        mu = select(better, mu, mu * fill(2.0));
+        mu_ = min(max(mu, fill(1e-12)), fill(1e8));
+        Pack take = select(better, fill(1.0), fill(0.0));
+        for (int lane = 0; lane < W; ++lane) {
+            Lane& state = lanes_[lane];
+            state.accepted = state.fresh || get(better, lane);
+            if (state.fresh) {
+                set(take, lane, 1.0);
+                set(mu_, lane, 1e-2);
+            }
+        }
+        const Mask taken = take > fill(0.5);
+        for (int j = 0; j < n_; ++j) {
+            q_[j] = select(taken, tried_[j], q_[j]);
+            here_.g[j] = select(taken, trial_.g[j], here_.g[j]);
+        }
+        for (int i = 0; i < n_ * n_; ++i) here_.normal[i] = select(taken, trial_.normal[i], here_.normal[i]);
+        here_.size2 = select(taken, trial_.size2, here_.size2);
+        here_.trace = select(taken, trial_.trace, here_.trace);
+        for (int i = 0; i < s_; ++i) sigma_[i] = select(taken, ws_.sigma[i], sigma_[i]);
+        // share of F that motion can still reach: |P_range(D) F|^2 / |F|^2 = g^T N^+ g / |F|^2
+        solve_damped(here_.normal, here_.trace * fill(1e-13) + fill(1e-30), here_.g, n_, factor_, solution_);
+        reachable2_ = dot(here_.g, solution_, n_) / max(here_.size2, fill(1e-300));
+    }
+
+
+    void judge(int lane, std::int64_t first, const SearchOutput& out) {
+        Lane& state = lanes_[lane];
+        if (!state.fresh) ++state.iterations;
+        state.fresh = false;
+        if (out.history && state.iterations <= set_.iterations)
+            for (int i = 0; i < s_; ++i)
+                out.history[(state.start * (set_.iterations + 1) + state.iterations) * s_ + i] = get(sigma_[i], lane);
+        const double sigma = get(sigma_[set_.rank], lane);
+        if (sigma <= set_.target) return leave(lane, kConverged, out);
+        state.stalled = state.accepted ? 0 : state.stalled + 1;
+        if (sigma <= set_.singular && state.stalled > 3) return leave(lane, kConverged, out);
+        if (state.accepted) {
+            const double size2 = get(here_.size2, lane);
+            const double reachable = std::sqrt(std::fmax(0.0, get(reachable2_, lane)));
+            const bool flat = state.pasts >= 10 && size2 > (1.0 - 1e-3) * state.past[state.pasts % 10] && reachable < 0.3;
+            state.past[state.pasts++ % 10] = size2;
+            if (sigma > set_.singular && (reachable < set_.stationary || flat)) return minimum(lane, first, out);
+        } else if (state.stalled > 40 && sigma > set_.singular) {
+            return minimum(lane, first, out);
+        }
+        if (state.iterations >= set_.iterations) leave(lane, sigma <= set_.singular ? kConverged : kSlow, out);
+    }
+
+    // A nonzero local minimum: remember the smallest, start again beside it, and give up after `kicks`.
+    void minimum(int lane, std::int64_t first, const SearchOutput& out) {
+        Lane& state = lanes_[lane];
+        if (!state.has_best || get(sigma_[set_.rank], lane) < get(best_sigma_[set_.rank], lane)) {
+            state.has_best = true;
+            for (int j = 0; j < n_; ++j) set(best_q_[j], lane, get(q_[j], lane));
+            for (int i = 0; i < s_; ++i) set(best_sigma_[i], lane, get(sigma_[i], lane));
+        }
+        if (state.kicks++ >= set_.kicks || state.iterations >= set_.iterations) return leave(lane, kNearMiss, out);
+        for (int j = 0; j < n_; ++j) {
+            double value = get(q_[j], lane) + scale(j) * noise(set_.seed, first + state.start, state.kicks, j);
+            if (set_.lower) value = std::fmin(std::fmax(value, set_.lower[j]), set_.upper[j]);
+            set(q_[j], lane, value);
+        }
+        state.fresh = true;
+        state.pasts = state.stalled = 0;
+    }
+
+    void leave(int lane, Outcome outcome, const SearchOutput& out) {
+        Lane& state = lanes_[lane];
+        const bool best = outcome != kConverged && state.has_best &&
+                          get(best_sigma_[set_.rank], lane) < get(sigma_[set_.rank], lane);
+        for (int j = 0; j < n_; ++j) out.q[state.start * n_ + j] = get(best ? best_q_[j] : q_[j], lane);
+        for (int i = 0; i < s_; ++i) out.sigma[state.start * s_ + i] = get(best ? best_sigma_[i] : sigma_[i], lane);
+        out.outcome[state.start] = outcome;
+        out.iterations[state.start] = state.iterations;
+        state.start = -1;
+    }
+
+    const Chain& chain_;
+    const View& view_;
+    const SearchSettings& set_;
+    const int n_, s_;
+    Workspace ws_;
+    Model here_, trial_;
+    Pack *scratch_, *factor_, *q_, *tried_, *step_, *minus_g_, *best_q_, *solution_, *sigma_, *best_sigma_;
+    Pack mu_, reachable2_;
+    Lane lanes_[W];
+};
+
+}  // namespace rankdrop::RANKDROP_ISA

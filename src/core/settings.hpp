@@ -1,0 +1,50 @@
+// What a search is told, and what it says of each start. Plain data shared by every instruction set.
+#pragma once
+
+#include <cstdint>
+
+namespace rankdrop {
+
+enum Outcome : std::int8_t { kConverged = 0, kNearMiss = 1, kSlow = 2, kNotRun = 3 };
+
+struct SearchSettings {
+    int rank = 0;                  // the rank to be reached; the block is what lies beyond it
+    int iterations = 200;
+    double singular = 1e-9;        // sigma[rank] at or below: converged
+    double target = 1e-13;         // sigma[rank] at or below: stop
+    double stationary = 1e-5;      // share of F inside range(D) at a nonzero local minimum
+    double step = 1.0;             // largest step [rad, or length scale]
+    int kicks = 2;                 // restarts from beside a local minimum before it is called a near miss
+    std::uint64_t seed = 0;
+    const double* lower = nullptr;           // (n) limits, or null for none
+    const double* upper = nullptr;
+    const double* variable_scale = nullptr;  // (n) 1 for angles, the length scale for lengths
+    // descent only
+    bool rotate = false;           // AM eqs 12-14
+    double tie = 1e-2;             // relative gap below which singular values count as equal
+};
+
+// Where results go; rows are starts. `history` may be null; else (starts, iterations + 1, s), and `turning`
+// (starts, iterations + 1) the angle between successive gradients [rad].
+struct SearchOutput {
+    double* q;
+    double* sigma;
+    std::int8_t* outcome;
+    std::int32_t* iterations;
+    double* history = nullptr;
+    double* turning = nullptr;
+};
+
+// Uniform in [-1, 1), a function of its arguments alone (splitmix64).
+inline double noise(std::uint64_t seed, std::uint64_t start, std::uint64_t kick, std::uint64_t joint) {
+    std::uint64_t x = seed * 0x9E3779B97F4A7C15ull + start * 0xBF58476D1CE4E5B9ull + kick * 0x94D049BB133111EBull + joint;
+    for (int round = 0; round < 2; ++round) {
+        x += 0x9E3779B97F4A7C15ull;
+        x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+        x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
+        x ^= x >> 31;
+    }
+    return (double)(std::int64_t)(x >> 11) * 0x1.0p-52 - 1.0;
+}
+
+}  // namespace rankdrop

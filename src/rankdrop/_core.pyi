@@ -1,0 +1,59 @@
+"""The compiled core: batched kernels over rows of configurations. Arrays are float64, C-contiguous."""
+
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+_A = NDArray[np.float64]
+
+class Chain:
+    @property
+    def variables(self) -> int: ...
+
+class View:
+    @property
+    def m(self) -> int: ...
+
+def make_chain(
+    screws: _A,
+    turns: list[int],
+    frames: _A,
+    variable: list[int],
+    multiplier: _A,
+    offset: _A,
+    variables: int,
+) -> Chain: ...
+def make_view(axes: int, origin: int, point: list[float], rows: list[int], factors: list[float]) -> View: ...
+def pose(chain: Chain, q: _A, threads: int = 0) -> _A: ...
+def jacobian(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
+def jacobian_one(chain: Chain, view: View, q: _A) -> _A | None: ...
+def derivative(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
+def singular_values(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
+def decompose(chain: Chain, view: View, q: _A, threads: int = 0) -> tuple[_A, _A, _A]: ...
+def block(chain: Chain, view: View, q: _A, rank: int, threads: int = 0) -> tuple[_A, _A, _A, _A, _A]: ...
+@overload
+def svd(a: _A, vectors: Literal[True] = True, threads: int = 0) -> tuple[_A, _A, _A]: ...
+@overload
+def svd(a: _A, vectors: Literal[False], threads: int = 0) -> _A: ...
+def search(
+    chain: Chain,
+    view: View,
+    starts: _A,
+    rank: int,
+    method: int,
+    iterations: int,
+    singular: float,
+    target: float,
+    stationary: float,
+    seed: int,
+    first: int,
+    scale: _A,
+    limits: _A | None,
+    tie: float,
+    history: bool,
+    threads: int,
+) -> tuple[_A, _A, NDArray[np.int8], NDArray[np.int32], _A | None, _A | None, bool]: ...
+def instruction_sets() -> list[str]: ...
+def instruction_set() -> str: ...
+def choose_instruction_set(name: str) -> bool: ...

@@ -1,0 +1,83 @@
+"""What the core is told: one chain per robot, one view per robot and frame or task, made once and kept."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop import _core
+from rankdrop.errors import ConfigurationError
+from rankdrop.frames import Frame, link_index
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task
+
+_ALL_ROWS = (0, 1, 2, 3, 4, 5)
+_chains: WeakKeyDictionary[Robot, _core.Chain] = WeakKeyDictionary()
+_views: WeakKeyDictionary[Robot, dict[tuple[Frame, tuple[int, ...], float], _core.View]] = WeakKeyDictionary()
+
+
+def chain_of(robot: Robot) -> _core.Chain:
+    """The robot's chain in the core."""
+    chain = _chains.get(robot)
+    if chain is None:
+        chain = _chains[robot] = _make_chain(robot)
+    return chain
+
+
+def frame_view(robot: Robot, frame: Frame) -> _core.View:
+    """All six rows, seen in `frame`."""
+    return _view(robot, frame, _ALL_ROWS, 1.0)
+
+
+def task_view(robot: Robot, task: Task) -> _core.View:
+    """The rows of `task`, translation divided by its length scale."""
+    return _view(robot, task.frame, task.rows, task.scale(robot))
+
+
+def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """q as a contiguous (B, n) array, and its leading batch shape.
+
+    Raises:
+        ConfigurationError: wrong last dimension, or a value that is not finite (named by its index).
+    """
+    array = np.ascontiguousarray(q, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != robot.n:
+        raise ConfigurationError(
+            f"expected q of shape (..., {robot.n})", where=f"robot {robot.name!r}", got=array.shape,
+            allowed="one number per joint: " + ", ".join(joint.name for joint in robot.variables),
+        )
+    if not np.isfinite(array).all():
+        bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ConfigurationError(
+            "q has a value that is not finite", where=f"robot {robot.name!r}", got=f"{array[bad]} at index {bad}"
+        )
+    return array.reshape(-1, robot.n), array.shape[:-1]
+
+
+def _make_chain(robot: Robot) -> _core.Chain:
+    index = {joint.name: i for i, joint in enumerate(robot.variables)}
+    driver = [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+    return _core.make_chain(
+        screws=np.array([joint.screw for joint in robot.joints]),
+        turns=[int(joint.kind is not JointKind.PRISMATIC) for joint in robot.joints],
+        frames=np.array([np.eye(4), *(joint.frame for joint in robot.joints), robot.home]),
+        variable=driver,
+        multiplier=np.array([joint.mimic.multiplier if joint.mimic else 1.0 for joint in robot.joints]),
+        offset=np.array([joint.mimic.offset if joint.mimic else 0.0 for joint in robot.joints]),
+        variables=robot.n,
+    )
+
+
+def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+    views = _views.setdefault(robot, {})
+    key = (frame, rows, length)
+    view = views.get(key)
+    if view is None:
+        joints = len(robot.joints)
+        view = views[key] = _core.make_view(
+            link_index(frame.axes, joints, "axes"), link_index(frame.origin, joints, "origin"), list(frame.point),
+            list(rows), [1.0 / length if row < 3 else 1.0 for row in rows],
+        )
+    return view

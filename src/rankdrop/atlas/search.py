@@ -1,0 +1,268 @@
+"""Search: drive many starts into singularities of one corank, and say of each how it ended.
+
+The block F = U₂ᵀJV₂ is driven to zero by Levenberg–Marquardt with D as its derivative (`method="lm"`). Steepest descent
+of a single singular value (AM eq. 11, `"gradient"`) and AM's own method, which turns the singular subspaces where
+singular values tie (AM eqs 12–14, `"almarkhi"`), are there for comparison.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop.errors import OptionError
+from rankdrop.local.block import generic_rank, sample, sampling_box
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+Progress = Callable[[int, int], None]
+"""Called with (starts done, starts in all)."""
+
+METHODS = ("lm", "gradient", "almarkhi")
+AM_THRESHOLD = 1e-6
+"""AM's ε: the two descent methods stop a start here [1]."""
+_ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
+_TIE = 1e-2  # relative gap below which AM's method takes two singular values for equal
+
+
+class Outcome(IntEnum):
+    """How one start ended."""
+
+    CONVERGED = 0
+    """σ beyond the kept rank is zero within the tolerance: a singular configuration."""
+    NEAR_MISS = 1
+    """A local minimum that is not zero: no singularity, however small σ is there."""
+    SLOW = 2
+    """The iterations ran out on the way."""
+    NOT_RUN = 3
+    """Stopped before this start was done."""
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What happened on the way, per start and iteration; NaN after the end (AM Figures 1–3).
+
+    Attributes:
+        sigma: (N, iterations + 1, min(m, n)) singular values.
+        turning: (N, iterations + 1) angle between the gradients of two successive iterations [rad]; descent only.
+    """
+
+    sigma: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The outcome of every start, in the order of the starts.
+
+    Attributes:
+        robot, task: what was searched.
+        corank: k, task freedoms lost.
+        rank: the kept rank, generic rank − k.
+        method, seed, limits, tolerances: how.
+        q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
+        sigma: (N, min(m, n)) singular values there.
+        outcome: (N,) `Outcome`.
+        iterations: (N,) iterations used.
+        history: per-iteration values, if asked for.
+    """
+
+    robot: Robot
+    task: Task
+    corank: int
+    rank: int
+    method: str
+    seed: int
+    limits: bool
+    tolerances: Tolerances
+    q: Array
+    sigma: Array
+    outcome: NDArray[np.int8]
+    iterations: NDArray[np.int32]
+    history: History | None = None
+
+    @property
+    def converged(self) -> Array:
+        """(C, n) the singular configurations found."""
+        return self.q[self.outcome == Outcome.CONVERGED]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every start was run to its end."""
+        return not bool((self.outcome == Outcome.NOT_RUN).any())
+
+    @property
+    def smallest_near_miss(self) -> float | None:
+        """Smallest σ at a nonzero local minimum, or None where there was none."""
+        missed = self.sigma[self.outcome == Outcome.NEAR_MISS, self.rank]
+        return float(missed.min()) if len(missed) else None
+
+    def count(self, outcome: Outcome) -> int:
+        """Number of starts that ended so."""
+        return int((self.outcome == outcome).sum())
+
+    def residual(self) -> float:
+        """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
+        found = self.converged
+        if not len(found):
+            return 0.0
+        sigma = _core.singular_values(chain_of(self.robot), task_view(self.robot, self.task), np.ascontiguousarray(found))
+        return float(sigma[:, self.rank].max())
+
+
+def search(
+    robot: Robot,
+    corank: int,
+    *,
+    task: Task | str | None = None,
+    starts: int = 10_000,
+    seed: int = 0,
+    limits: bool = False,
+    method: str = "lm",
+    iterations: int | None = None,
+    history: bool = False,
+    threads: int = 0,
+    progress: Progress | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Search:
+    """Search for singularities of one corank from uniform random starts.
+
+    Args:
+        robot: the arm.
+        corank: k ≥ 1, at most the generic rank.
+        task: what the tip has to do; None for the arm's own task.
+        starts: number of random starts.
+        seed: of the starts and of every random choice; same seed, same result, on any number of threads.
+        limits: start and stay inside the joint limits.
+        method: "lm", "gradient" or "almarkhi".
+        iterations: most iterations per start; None for the method's own.
+        history: keep singular values per iteration.
+        threads: 0 for all cores.
+        progress: called now and then with (done, total).
+        tolerances: thresholds; σ ≤ `singular` is zero ("gradient" and "almarkhi" stop at AM's 1e-6).
+
+    Returns:
+        A `Search`. On Ctrl-C the starts already done are kept, the rest are `Outcome.NOT_RUN`.
+
+    Raises:
+        OptionError: corank, starts or method outside what is allowed.
+        TaskError: no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = search(open_robot("pa10"), 3, starts=100)
+        >>> bool((found.sigma[found.outcome == 0][:, 3] <= 1e-9).all())
+        True
+    """
+    if starts < 1:
+        raise OptionError("a search needs at least one start", got=starts, allowed="1 or more")
+    resolved = resolve_task(task, robot)
+    q0 = sample(robot, resolved, starts, seed, limits=limits)
+    return refine(
+        robot, q0, corank, task=resolved, seed=seed, limits=limits, method=method, iterations=iterations, history=history,
+        threads=threads, progress=progress, tolerances=tolerances,
+    )
+
+
+def refine(
+    robot: Robot,
+    q0: ArrayLike,
+    corank: int,
+    *,
+    task: Task | str | None = None,
+    seed: int = 0,
+    limits: bool = False,
+    method: str = "lm",
+    iterations: int | None = None,
+    history: bool = False,
+    threads: int = 0,
+    progress: Progress | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Search:
+    """`search` from starts of your own.
+
+    Args:
+        q0: (N, n) starts [rad or m]; outside the limits they are moved to the nearest limit if `limits`.
+
+    Other arguments, result and errors as for `search`; and
+        ConfigurationError: q0 has the wrong shape or is not finite.
+    """
+    resolved = resolve_task(task, robot)
+    rank = generic_rank(robot, resolved) - corank
+    _check(method, corank, rank + corank)
+    rows, _ = configurations(robot, q0)
+    box = np.stack(sampling_box(robot, resolved, limits=True)) if limits else None
+    if box is not None:
+        rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
+    length = resolved.scale(robot)
+    scale = np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
+    most = _ITERATIONS[method] if iterations is None else iterations
+    singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
+    parts = []
+    done, size, interrupted = 0, 64, False
+    while done < len(rows) and not interrupted:
+        begun = time.perf_counter()
+        part = _core.search(
+            chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method), most,
+            singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
+        )
+        interrupted = part[6]
+        parts.append(part)
+        done += len(part[0])
+        if progress is not None:
+            progress(done, len(rows))
+        # parts of about a tenth of a second: progress moves, and the threads stay busy
+        size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
+    return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts, done)
+
+
+def _check(method: str, corank: int, full: int) -> None:
+    if method not in METHODS:
+        raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
+    if not 1 <= corank <= full:
+        raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
+
+
+def _assemble(
+    robot: Robot,
+    task: Task,
+    corank: int,
+    rank: int,
+    method: str,
+    seed: int,
+    limits: bool,
+    tolerances: Tolerances,
+    starts: Array,
+    parts: list[tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]],
+    done: int,
+) -> Search:
+    left = len(starts) - done
+    values = min(task.m, robot.n)
+    q = np.concatenate([*(part[0] for part in parts), starts[done:]])
+    if not limits:
+        turns = robot.periodic
+        q[:, turns] -= 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
+    history = None
+    if parts and parts[0][4] is not None:
+        history = History(*(_frozen(np.concatenate([part[i] for part in parts])) for i in (4, 5)))
+    return Search(
+        robot, task, corank, rank, method, seed, limits, tolerances,
+        q=_frozen(q),
+        sigma=_frozen(np.concatenate([*(part[1] for part in parts), np.full((left, values), np.nan)])),
+        outcome=_frozen(np.concatenate([*(part[2] for part in parts), np.full(left, Outcome.NOT_RUN, np.int8)])),
+        iterations=_frozen(np.concatenate([*(part[3] for part in parts), np.zeros(left, np.int32)])),
+        history=history,
+    )
+
+
+def _frozen(array):  # type: ignore[no-untyped-def]
+    array.flags.writeable = False
+    return array

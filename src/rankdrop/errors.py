@@ -1,0 +1,72 @@
+"""One base error. Every error says in one line: what is wrong, where, what was got, what is allowed, how to mend it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class RankdropError(Exception):
+    """Base of every error that rankdrop raises on purpose.
+
+    The parts are kept as attributes, so that a program can read them; `str(error)` is one line.
+
+    Args:
+        what: what is wrong, as a claim ("lower limit is above the upper limit").
+        where: file, line, element or joint.
+        got: the value met.
+        allowed: what would have been accepted.
+        mend: what to do about it.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        where: str | None = None,
+        got: Any = None,
+        allowed: Any = None,
+        mend: str | None = None,
+    ) -> None:
+        self.what, self.where, self.got, self.allowed, self.mend = what, where, got, allowed, mend
+        parts = [f"{where}: {what}" if where else what]
+        if got is not None:
+            parts.append(f"got {got}")
+        if allowed is not None:
+            parts.append(f"allowed: {allowed}")
+        if mend:
+            parts.append(f"mend: {mend}")
+        super().__init__(" ".join("; ".join(parts).split()))
+
+
+class RobotError(RankdropError):
+    """A robot description (file, table, screw set) that cannot be used as it stands."""
+
+
+class UnknownRobotError(RobotError):
+    """A name that is neither in the catalogue nor a file."""
+
+
+class ConfigurationError(RankdropError):
+    """A configuration q (or a batch of them) of the wrong shape or with values that are not finite."""
+
+
+class TaskError(RankdropError):
+    """A task, frame or length scale that does not exist or makes no sense for the arm."""
+
+
+class OptionError(RankdropError):
+    """An option (method, corank, number of starts …) outside what is allowed."""
+
+
+class ResultFileError(RankdropError):
+    """A saved result that cannot be read back."""
+
+
+class MissingExtraError(RankdropError):
+    """An optional dependency is not installed; names the extra that brings it."""
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(
+            f"{purpose} needs the package {package}", mend=f'pip install "rankdrop[{extra}]"'
+        )

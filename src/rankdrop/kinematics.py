@@ -1,0 +1,124 @@
+"""Pose, Jacobian and its derivative, batched: free functions of a robot and its configurations.
+
+Joint screws at q, in one fixed frame: S_i(q) = Ad(exp(S_1 q_1) … exp(S_{i−1} q_{i−1})) S_i. Moving joint k carries
+every later screw along, and that is all there is to differentiate:
+
+    ∂S_i/∂q_k = [S_k, S_i] for k < i, else 0,   [A, B] = (ω_A × v_B + v_A × ω_B ; ω_A × ω_B).
+
+Twists are (v; ω), linear part first. Leading batch axes are kept; empty batches work.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, configurations, frame_view, task_view
+from rankdrop.frames import WORLD_ALIGNED, Frame
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+
+
+def pose(robot: Robot, q: ArrayLike) -> Array:
+    """Pose of the tip in the base frame, T(q) = exp(S_1 q_1) … exp(S_N q_N) · home.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+
+    Returns:
+        (..., 4, 4).
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+    """
+    rows, batch = configurations(robot, q)
+    return _core.pose(chain_of(robot), rows).reshape(*batch, 4, 4)
+
+
+def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
+    """Geometric Jacobian: column i is the twist (v; ω) that unit speed of joint i gives the tip.
+
+    J_i = (Rᵀ(v_i + ω_i × p) ; Rᵀω_i), with R the axes and p the reference point of `frame` (AM eq. 1; for a revolute
+    joint v_i + ω_i × p = z_i × (p − p_i)).
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        frame: SPACE, BODY, WORLD_ALIGNED (default), or any `Frame` of the chain.
+
+    Returns:
+        (..., 6, n): rows 0–2 in m per rad or m, rows 3–5 in rad per rad or m.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+        TaskError: the frame names a link that does not exist.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> jacobian(open_robot("pa10"), [0.0] * 7).shape
+        (6, 7)
+    """
+    chain, view = chain_of(robot), frame_view(robot, frame)
+    if type(q) is np.ndarray and q.shape == (chain.variables,) and q.dtype == np.float64:
+        single = _core.jacobian_one(chain, view, q)
+        if single is not None:
+            return single
+    rows, batch = configurations(robot, q)
+    return _core.jacobian(chain, view, rows).reshape(*batch, 6, robot.n)
+
+
+def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
+    """Derivative of the Jacobian by every joint, from the bracket.
+
+    In SPACE, ∂J_i/∂q_k = [J_k, J_i] for k < i, else 0. In another frame the reference point and the axes move too:
+    the linear part gains ω_i × ∂p/∂q_k (AM eq. 9, with the erratum's p_i), and axes of a moving link turn it back.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        frame: as for `jacobian`.
+
+    Returns:
+        (..., 6, n, n): [..., :, i, k] = ∂J[:, i]/∂q_k.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+        TaskError: the frame names a link that does not exist.
+    """
+    rows, batch = configurations(robot, q)
+    derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows)
+    return derivative.reshape(*batch, 6, robot.n, robot.n)
+
+
+def task_jacobian(robot: Robot, q: ArrayLike, task: Task) -> Array:
+    """Rows of the Jacobian that the task needs, translation rows divided by the length scale.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        task: from `resolve_task`.
+
+    Returns:
+        (..., m, n), without unit for revolute joints.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+    """
+    rows, batch = configurations(robot, q)
+    return _core.jacobian(chain_of(robot), task_view(robot, task), rows).reshape(*batch, task.m, robot.n)
+
+
+def task_jacobian_derivative(robot: Robot, q: ArrayLike, task: Task) -> Array:
+    """Derivative of `task_jacobian` by every joint.
+
+    Returns:
+        (..., m, n, n): [..., :, i, k] = ∂J[:, i]/∂q_k.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+    """
+    rows, batch = configurations(robot, q)
+    derivative = _core.derivative(chain_of(robot), task_view(robot, task), rows)
+    return derivative.reshape(*batch, task.m, robot.n, robot.n)

@@ -1,0 +1,155 @@
+"""The block: what the smallest singular directions see, and how every joint moves it.
+
+U₂ (m × (m − r)) and V₂ (n × (n − r)) span the left and right singular directions of the task Jacobian J beyond rank r.
+
+    F = U₂ᵀ J V₂        vanishes exactly where rank J ≤ r
+    D(Δ) = U₂ᵀ dJ(Δ) V₂   is what a joint motion Δ does to F, dJ from the bracket
+
+With r = generic rank − k, F = 0 is a singularity of corank k. D answers the rest: its columns for k = 1 are the
+gradient of σ_i (AM eq. 7), its kernel the tangent space of the singular set, D(e_j) what joint j alone can do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop.errors import OptionError
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task
+
+
+@dataclass(frozen=True, slots=True)
+class Decomposition:
+    """J = U Σ Vᵀ.
+
+    Attributes:
+        u: (..., m, m) left singular vectors as columns: twists of the task, lost ones last.
+        sigma: (..., min(m, n)) singular values, descending.
+        v: (..., n, n) right singular vectors as columns: joint motions, the null space last.
+    """
+
+    u: Array
+    sigma: Array
+    v: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """F and D at a configuration, for a kept rank r; p = m − r, s = n − r.
+
+    Attributes:
+        f: (..., p, s) U₂ᵀ J V₂.
+        d: (..., p, s, n) D of each joint, [1/rad or 1/m].
+        u2: (..., m, p) left directions beyond rank r.
+        v2: (..., n, s) right directions beyond rank r, the null space included.
+        sigma: (..., min(m, n)) singular values, descending.
+    """
+
+    f: Array
+    d: Array
+    u2: Array
+    v2: Array
+    sigma: Array
+
+
+def singular_values(robot: Robot, q: ArrayLike, task: Task) -> Array:
+    """Singular values of the task Jacobian, descending, by one-sided Jacobi; error at most 4 · eps · ‖J‖.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        task: from `resolve_task`.
+
+    Returns:
+        (..., min(m, n)) [1, with the translation rows divided by the length scale].
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+    """
+    rows, batch = configurations(robot, q)
+    sigma = _core.singular_values(chain_of(robot), task_view(robot, task), rows)
+    return sigma.reshape(*batch, sigma.shape[1])
+
+
+def decompose(robot: Robot, q: ArrayLike, task: Task) -> Decomposition:
+    """Singular value decomposition of the task Jacobian (AM eq. 3), full bases on both sides.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+    """
+    rows, batch = configurations(robot, q)
+    u, sigma, v = _core.decompose(chain_of(robot), task_view(robot, task), rows)
+    return Decomposition(*(part.reshape(batch + part.shape[1:]) for part in (u, sigma, v)))
+
+
+def block(robot: Robot, q: ArrayLike, task: Task, rank: int) -> Block:
+    """F, D and the bases they are written in.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        task: from `resolve_task`.
+        rank: the kept rank r, 0 … min(m, n) − 1; generic rank − k for corank k.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: there is no block beyond that rank.
+    """
+    smallest = min(task.m, robot.n)
+    if not 0 <= rank < smallest:
+        raise OptionError("there is no block beyond this rank", got=rank, allowed=f"0 … {smallest - 1}")
+    rows, batch = configurations(robot, q)
+    parts = _core.block(chain_of(robot), task_view(robot, task), rows, rank)
+    f, d, u2, v2, sigma = (part.reshape(batch + part.shape[1:]) for part in parts)
+    return Block(f, d, u2, v2, sigma)
+
+
+def sample(robot: Robot, task: Task, count: int, seed: int, *, limits: bool = False) -> Array:
+    """Uniform random configurations in `sampling_box`.
+
+    Args:
+        robot: the arm.
+        task: gives the length scale.
+        count: how many.
+        seed: of the generator; same seed, same configurations.
+        limits: keep every joint inside its limits.
+
+    Returns:
+        (count, n) [rad or m].
+    """
+    low, high = sampling_box(robot, task, limits=limits)
+    return np.random.default_rng(seed).uniform(low, high, (count, robot.n))
+
+
+def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Array]:
+    """Lower and upper corner (n,) of the configurations worth sampling.
+
+    A turning joint goes round the full circle unless `limits`. A sliding joint always keeps its limits. A limit that is
+    missing leaves room for one turn, or for two length scales.
+    """
+    low, high = np.empty(robot.n), np.empty(robot.n)
+    for i, joint in enumerate(robot.variables):
+        slides = joint.kind is JointKind.PRISMATIC
+        room = task.scale(robot) if slides else np.pi
+        lower, upper = (joint.lower, joint.upper) if limits or slides else (-np.inf, np.inf)
+        if not np.isfinite(lower):
+            lower = -room if not np.isfinite(upper) else min(-room, upper - 2 * room)
+        if not np.isfinite(upper):
+            upper = max(room, lower + 2 * room)
+        low[i], high[i] = lower, upper
+    return low, high
+
+
+def generic_rank(robot: Robot, task: Task) -> int:
+    """Largest rank of the task Jacobian over random configurations: the rank of almost all of them.
+
+    Below min(m, n) the arm is singular at every configuration for this task.
+    """
+    sigma = singular_values(robot, sample(robot, task, 64, seed=20231), task)
+    noise = 1e3 * np.finfo(float).eps * sigma[:, :1]
+    return int((sigma > noise).sum(axis=1).max())

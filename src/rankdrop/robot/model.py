@@ -1,0 +1,184 @@
+"""The robot as data: an ordered list of joint screws at q = 0, the home pose, and what is known about each joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop.errors import RobotError
+
+Array = NDArray[np.float64]
+
+
+class JointKind(StrEnum):
+    """What one joint does: turn about its axis, slide along it, or both at a fixed pitch."""
+
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+    HELICAL = "helical"
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """Joint value = multiplier · (value of the joint named `leader`) + offset."""
+
+    leader: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a robot came from: `kind` (dh, screws, urdf, catalogue, …), `origin` (file, URL or call), `reference` (document)."""
+
+    kind: str
+    origin: str = ""
+    reference: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One joint of the chain.
+
+    Attributes:
+        name: unique in the chain.
+        kind: revolute [rad], prismatic [m] or helical [rad].
+        screw: (6,) twist (v; ω) of the joint at q = 0 in the base frame, linear part first, reference point at the
+            base origin. Revolute: (p × ω; ω), |ω| = 1, p any point on the axis. Prismatic: (v; 0), |v| = 1.
+            Helical with pitch h [m/rad]: (p × ω + hω; ω).
+        lower, upper: limits [rad or m]; ±inf where the source gives none.
+        velocity: largest joint rate [rad/s or m/s]; inf where the source gives none.
+        frame: (4, 4) pose at q = 0, in the base frame, of the frame carried by the link after this joint
+            (DH frame, URDF child link; else a frame on the axis).
+        mimic: set when the joint follows another one; it is then not a variable of its own.
+    """
+
+    name: str
+    kind: JointKind
+    screw: Array  # (6,)
+    lower: float = -inf
+    upper: float = inf
+    velocity: float = inf
+    frame: Array = field(default_factory=lambda: np.eye(4))  # (4, 4)
+    mimic: Mimic | None = None
+
+    def __post_init__(self) -> None:
+        where = f"joint {self.name!r}"
+        screw = _read_only(self.screw, (6,), where, "screw")
+        object.__setattr__(self, "kind", JointKind(self.kind))
+        axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]
+        length = float(np.linalg.norm(axis))
+        if length < 1e-9:
+            raise RobotError("the axis has no length", where=where, got=axis.tolist(), allowed="a non-zero axis")
+        if self.kind is JointKind.PRISMATIC and np.abs(screw[3:]).max() > 0:
+            raise RobotError("a prismatic screw has no angular part", where=where, got=screw.tolist())
+        if abs(length - 1.0) > 1e-15:
+            screw = _read_only(screw / length, (6,), where, "screw")
+        object.__setattr__(self, "screw", screw)
+        object.__setattr__(self, "frame", _read_only(self.frame, (4, 4), where, "frame"))
+        for label in ("lower", "upper", "velocity"):
+            value = float(getattr(self, label))
+            if np.isnan(value):
+                raise RobotError(f"{label} is not a number", where=where, got=value, allowed="a number or ±inf")
+            object.__setattr__(self, label, value)
+        if self.lower > self.upper:
+            raise RobotError(
+                "lower limit above upper limit", where=where, got=f"lower {self.lower}, upper {self.upper}",
+                allowed="lower ≤ upper", mend="exchange or correct the two limits",
+            )
+
+    @property
+    def unit(self) -> str:
+        """Unit of the joint's variable: "rad", or "m" for a prismatic joint."""
+        return "m" if self.kind is JointKind.PRISMATIC else "rad"
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A serial chain. Immutable; arrays are read-only; equality is identity.
+
+    Pose of the tip: T(q) = exp(S_1 q_1) … exp(S_N q_N) · home.
+
+    Attributes:
+        name: of the arm.
+        joints: the N moving joints from base to tip, mimic joints included.
+        home: (4, 4) pose of the tip at q = 0 in the base frame.
+        task: name of the task (see `rankdrop.task`) that the arm is made for.
+        source: where the numbers come from.
+        base, tip: names of the first and last link, where the source has names.
+        notes: what a reader of the description should be told (choices made, things tolerated).
+        about: one line for lists ("7-DoF arm, spherical shoulder and wrist").
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    home: Array = field(default_factory=lambda: np.eye(4))  # (4, 4)
+    task: str = "pose"
+    source: Source = Source("python")
+    base: str = "base"
+    tip: str = "tip"
+    notes: tuple[str, ...] = ()
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"robot {self.name!r}"
+        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "home", _read_only(self.home, (4, 4), where, "home pose"))
+        if not self.joints:
+            raise RobotError("there is no moving joint", where=where, allowed="at least one", mend="name another tip")
+        names = [joint.name for joint in self.joints]
+        for name in names:
+            if names.count(name) > 1:
+                raise RobotError("two joints have the same name", where=where, got=repr(name), mend="rename one of them")
+        leaders = {joint.name for joint in self.joints if joint.mimic is None}
+        for joint in self.joints:
+            if joint.mimic is not None and joint.mimic.leader not in leaders:
+                raise RobotError(
+                    "a mimic joint follows a joint that is not a variable of the chain", where=f"{where}, joint {joint.name!r}",
+                    got=repr(joint.mimic.leader), allowed=", ".join(sorted(leaders)),
+                )
+
+    @property
+    def variables(self) -> tuple[Joint, ...]:
+        """The n joints that are variables of their own: the entries of q, in order."""
+        return tuple(joint for joint in self.joints if joint.mimic is None)
+
+    @property
+    def n(self) -> int:
+        """Number of variables."""
+        return len(self.variables)
+
+    @property
+    def lower(self) -> Array:
+        """(n,) lower limits [rad or m]."""
+        return np.array([joint.lower for joint in self.variables])
+
+    @property
+    def upper(self) -> Array:
+        """(n,) upper limits [rad or m]."""
+        return np.array([joint.upper for joint in self.variables])
+
+    @property
+    def periodic(self) -> NDArray[np.bool_]:
+        """(n,) whether adding 2π to a variable gives the same arm: revolute, and so is all that follows it."""
+        whole = [joint.kind is JointKind.REVOLUTE for joint in self.variables]
+        index = {joint.name: i for i, joint in enumerate(self.variables)}
+        for joint in self.joints:
+            if joint.mimic is not None:
+                turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
+                whole[index[joint.mimic.leader]] &= turns
+        return np.array(whole)
+
+
+def _read_only(value: ArrayLike, shape: tuple[int, ...], where: str, what: str) -> Array:
+    array = np.array(value, dtype=np.float64)
+    if array.shape != shape:
+        raise RobotError(f"{what} has the wrong shape", where=where, got=array.shape, allowed=shape)
+    if not np.isfinite(array).all():
+        raise RobotError(f"{what} has values that are not finite", where=where, got=array.tolist())
+    array.flags.writeable = False
+    return array

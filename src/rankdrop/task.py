@@ -1,0 +1,103 @@
+"""The task: which of the six rows of the Jacobian matter, in which frame, at which point, on which length scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from rankdrop.errors import TaskError
+from rankdrop.frames import WORLD_ALIGNED, Frame
+from rankdrop.reach import reach
+from rankdrop.robot.model import Robot
+
+ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+_NAMED: dict[str, tuple[int, ...]] = {
+    "pose": (0, 1, 2, 3, 4, 5),
+    "position": (0, 1, 2),
+    "orientation": (3, 4, 5),
+    "planar": (0, 1, 5),
+    "planar-position": (0, 1),
+    "scara": (0, 1, 2, 5),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What the end effector has to do, as rows of the twist (vx, vy, vz, wx, wy, wz).
+
+    Attributes:
+        name: `pose`, `position`, `orientation`, `planar` (vx, vy, wz), `planar-position` (vx, vy), `scara`
+            (vx, vy, vz, wz), or the rows joined by commas.
+        rows: indices of the rows, increasing.
+        frame: axes and reference point in which the rows are taken.
+        length_scale: translation rows are divided by it [m]; None means the arm's reach.
+    """
+
+    name: str
+    rows: tuple[int, ...]
+    frame: Frame = WORLD_ALIGNED
+    length_scale: float | None = None
+
+    @property
+    def m(self) -> int:
+        """Number of rows."""
+        return len(self.rows)
+
+    def scale(self, robot: Robot) -> float:
+        """The length scale in use for `robot` [m]."""
+        return reach(robot) if self.length_scale is None else self.length_scale
+
+
+def task_names() -> tuple[str, ...]:
+    """The tasks that have a name."""
+    return tuple(_NAMED)
+
+
+def resolve_task(
+    task: str | Sequence[str] | Task | None,
+    robot: Robot,
+    *,
+    frame: Frame | None = None,
+    length_scale: float | None = None,
+) -> Task:
+    """Make a `Task` from a name, a list of rows, a Task, or None (the task the arm is made for).
+
+    Args:
+        task: "position", "vx,vy,wz", ["vx", "vy"], a Task, or None.
+        robot: the arm; gives the default.
+        frame: overrides the frame.
+        length_scale: overrides the length scale [m]; 1.0 reproduces papers that mix metres and radians.
+
+    Raises:
+        TaskError: unknown name or row, empty or repeated rows, a length scale that is not positive.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> resolve_task("wz,vx", open_robot("pa10")).rows
+        (0, 5)
+    """
+    if length_scale is not None and not 0.0 < length_scale < float("inf"):
+        raise TaskError("the length scale must be positive", got=length_scale, allowed="a finite length > 0 m")
+    resolved = task if isinstance(task, Task) else _from_rows(robot.task if task is None else task)
+    if frame is not None:
+        resolved = replace(resolved, frame=frame)
+    if length_scale is not None:
+        resolved = replace(resolved, length_scale=length_scale)
+    return resolved
+
+
+def _from_rows(task: str | Sequence[str]) -> Task:
+    if isinstance(task, str) and task in _NAMED:
+        return Task(task, _NAMED[task])
+    words = [word.strip() for word in (task.split(",") if isinstance(task, str) else task)]
+    unknown = [word for word in words if word not in ROWS]
+    if unknown or not words or len(set(words)) != len(words):
+        raise TaskError(
+            "there is no such task", got=repr(task), allowed=", ".join(_NAMED) + ", or rows out of " + ",".join(ROWS)
+        )
+    rows = tuple(sorted(ROWS.index(word) for word in words))
+    for name, named in _NAMED.items():
+        if rows == named:
+            return Task(name, rows)
+    return Task(",".join(ROWS[row] for row in rows), rows)

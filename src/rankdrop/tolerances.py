@@ -1,0 +1,42 @@
+"""Every threshold of the product, once, with its reason and unit."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """Thresholds, all on Jacobians whose translation rows are divided by the length scale (σ has no unit then).
+
+    Attributes:
+        singular: σ at or below this counts as zero [1]. Polished points reach 1e-13; the smallest nonzero local minimum
+            met on a real arm is 4e-5 (Gen3's 12 mm offset), so nine decades separate the two.
+        target: the search stops a start here [1]: rounding of a Jacobian of norm 3 leaves 1e-15.
+        stationary: share of F inside the range of D below which a start has met a nonzero local minimum [1].
+        block_rank: singular values of D at or below this are zero, an absolute cut [1/rad].
+        tangent: entry of the projector on ker D below which a joint is pinned (above one minus it: free) [1].
+        value: two joint values closer than this are the same, and simple values (multiples of π/12) are taken [rad, m].
+        fit_gap: a null space of the fit is believed when the largest singular value inside is below this share of the
+            smallest one outside [1].
+        coefficient: fitted coefficients below this share of the largest are zero [1].
+        explained: a singular point satisfies a family when its residual is below this [rad]; a point where families
+            meet is itself only known to the square root of `target`.
+    """
+
+    singular: float = 1e-9
+    target: float = 1e-13
+    stationary: float = 1e-5
+    block_rank: float = 2e-6
+    tangent: float = 1e-9
+    value: float = 1e-6
+    fit_gap: float = 1e-3
+    coefficient: float = 1e-8
+    explained: float = 1e-5
+
+    def to_dict(self) -> dict[str, float]:
+        """The thresholds as a plain dictionary, for a result file."""
+        return asdict(self)
+
+
+DEFAULT = Tolerances()

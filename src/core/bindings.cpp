@@ -19,6 +19,7 @@ using namespace rankdrop;
 
 using In1 = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using In2 = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Out2 = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using In3 = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
 namespace {
@@ -124,15 +125,15 @@ nb::object jacobian(const Chain& chain, const View& view, const In2& q, int thre
     return array(out, {rows, m, n});
 }
 
-// One configuration, the shortest way from Python to the kernel and back; None for one that is not finite.
-nb::object jacobian_one(const Chain& chain, const View& view, const In1& q) {
-    if ((int)q.shape(0) != chain.variables) throw nb::value_error("q has the wrong length");
+// One configuration into an array that is there already: the shortest way from Python to the kernel and back. The
+// narrowest lanes serve a single row best, and give the same bits. False for a q that is not finite.
+bool jacobian_one(const Chain& chain, const View& view, const In1& q, const Out2& out) {
     const std::size_t m = view.m, n = chain.variables;
+    if (q.shape(0) != n || out.shape(0) != m || out.shape(1) != n) throw nb::value_error("q or out has the wrong shape");
     for (std::size_t j = 0; j < n; ++j)
-        if (!std::isfinite(q.data()[j])) return nb::none();
-    double* out = make<double>(m * n);
-    kernels().jacobian(chain, view, q.data(), 0, 1, out);
-    return array(out, {m, n});
+        if (!std::isfinite(q.data()[j])) return false;
+    narrowest().jacobian(chain, view, q.data(), 0, 1, out.data());
+    return true;
 }
 
 nb::object derivative(const Chain& chain, const View& view, const In2& q, int threads) {
@@ -269,7 +270,8 @@ NB_MODULE(_core, module) {
                nb::arg("factors"));
     module.def("pose", &pose, nb::arg("chain"), nb::arg("q"), nb::arg("threads") = 0);
     module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
-    module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q"));
+    module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q"),
+               nb::arg("out"));
     module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
     module.def("singular_values", &singular_values, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
     module.def("decompose", &decompose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);

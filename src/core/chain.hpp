@@ -73,12 +73,14 @@ struct Placed {
     Twist* screws;   // (joints) in base coordinates, times the joint's multiplier
     Pack p[3];       // reference point
     Pack axes[9];    // R: its columns are the axes of the view
+    bool base_axes;  // R = I: nothing to turn
     Motion end;      // pose of the tip
 };
 
 inline void forward(const Chain& chain, const View& view, const Pack* q, Placed& out) {
     const int joints = (int)chain.joints.size();
     Motion g = identity();
+    out.base_axes = view.axes == 0;
     for (int link = 0;; ++link) {
         const double* frame = chain.frames.data() + 12 * link;
         if (link == view.origin) {
@@ -128,6 +130,10 @@ inline void see(const Placed& at, const Twist& s, Pack* out) {
     Pack v[3];
     cross(s.w, at.p, v);
     for (int i = 0; i < 3; ++i) v[i] = s.v[i] + v[i];
+    if (at.base_axes) {
+        for (int i = 0; i < 3; ++i) out[i] = v[i], out[3 + i] = s.w[i];
+        return;
+    }
     for (int j = 0; j < 3; ++j) {
         out[j] = at.axes[j] * v[0] + at.axes[3 + j] * v[1] + at.axes[6 + j] * v[2];
         out[3 + j] = at.axes[j] * s.w[0] + at.axes[3 + j] * s.w[1] + at.axes[6 + j] * s.w[2];

@@ -39,6 +39,9 @@ class Descent {
     }
 
   private:
+    // refinements of the line search: the step is then right to a thousandth
+    static constexpr int kRounds = 5;
+
     void one(const double* starts, std::int64_t start, const SearchOutput& out) {
         for (int j = 0; j < n_; ++j) q_[j] = starts[start * n_ + j];
         Outcome outcome = kSlow;
@@ -53,7 +56,7 @@ class Descent {
             const int tied = set_.rotate ? ties() : 1;
             if (tied > 1) combine(tied);
             double length = 0.0;
-            const double reached = line_search(direction_, 2, length);
+            const double reached = line_search(direction_, kRounds, length);
             if (value - reached < 1e-12) {
                 outcome = kNearMiss;
                 break;

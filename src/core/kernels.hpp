@@ -33,6 +33,8 @@ struct Kernels {
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
+// The table for single rows.
+const Kernels& narrowest();
 // Names of the sets this processor can run, narrowest first.
 int available(const char** names, int room);
 // False if there is no such set here.

@@ -2,28 +2,48 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
+import weakref
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError
-from rankdrop.frames import Frame, link_index
+from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
 _ALL_ROWS = (0, 1, 2, 3, 4, 5)
-_chains: WeakKeyDictionary[Robot, _core.Chain] = WeakKeyDictionary()
-_views: WeakKeyDictionary[Robot, dict[tuple[Frame, tuple[int, ...], float], _core.View]] = WeakKeyDictionary()
+
+
+class Handles:
+    """Everything the core keeps for one robot."""
+
+    __slots__ = ("chain", "n", "shape", "views", "world")
+
+    def __init__(self, robot: Robot) -> None:
+        self.chain = _make_chain(robot)
+        self.n = robot.n
+        self.shape = (robot.n,)
+        self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
+        self.world = _make_view(robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
+
+
+_handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
+
+
+def handles_of(robot: Robot) -> Handles:
+    """The robot's handles, forgotten when the robot is."""
+    handles = _handles.get(id(robot))
+    if handles is None:
+        handles = _handles[id(robot)] = Handles(robot)
+        weakref.finalize(robot, _handles.pop, id(robot), None)
+    return handles
 
 
 def chain_of(robot: Robot) -> _core.Chain:
     """The robot's chain in the core."""
-    chain = _chains.get(robot)
-    if chain is None:
-        chain = _chains[robot] = _make_chain(robot)
-    return chain
+    return handles_of(robot).chain
 
 
 def frame_view(robot: Robot, frame: Frame) -> _core.View:
@@ -71,13 +91,17 @@ def _make_chain(robot: Robot) -> _core.Chain:
 
 
 def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
-    views = _views.setdefault(robot, {})
+    views = handles_of(robot).views
     key = (frame, rows, length)
     view = views.get(key)
     if view is None:
-        joints = len(robot.joints)
-        view = views[key] = _core.make_view(
-            link_index(frame.axes, joints, "axes"), link_index(frame.origin, joints, "origin"), list(frame.point),
-            list(rows), [1.0 / length if row < 3 else 1.0 for row in rows],
-        )
+        view = views[key] = _make_view(robot, frame, rows, length)
     return view
+
+
+def _make_view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+    joints = len(robot.joints)
+    return _core.make_view(
+        link_index(frame.axes, joints, "axes"), link_index(frame.origin, joints, "origin"), list(frame.point),
+        list(rows), [1.0 / length if row < 3 else 1.0 for row in rows],
+    )

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, frame_view, task_view
+from rankdrop._core import jacobian_one
+from rankdrop._handles import chain_of, configurations, frame_view, handles_of, task_view
 from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -60,13 +61,14 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
         >>> jacobian(open_robot("pa10"), [0.0] * 7).shape
         (6, 7)
     """
-    chain, view = chain_of(robot), frame_view(robot, frame)
-    if type(q) is np.ndarray and q.shape == (chain.variables,) and q.dtype == np.float64:
-        single = _core.jacobian_one(chain, view, q)
-        if single is not None:
+    handles = handles_of(robot)
+    view = handles.world if frame is WORLD_ALIGNED else frame_view(robot, frame)
+    if type(q) is np.ndarray and q.shape == handles.shape and q.dtype == np.float64:
+        single = np.empty((6, handles.n))
+        if jacobian_one(handles.chain, view, q, single):
             return single
     rows, batch = configurations(robot, q)
-    return _core.jacobian(chain, view, rows).reshape(*batch, 6, robot.n)
+    return _core.jacobian(handles.chain, view, rows).reshape(*batch, 6, robot.n)
 
 
 def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:

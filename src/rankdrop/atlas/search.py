@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, task_view
 from rankdrop.errors import OptionError
-from rankdrop.local.block import generic_rank, sample, sampling_box
+from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -92,7 +93,8 @@ class Search:
     @property
     def converged(self) -> Array:
         """(C, n) the singular configurations found."""
-        return self.q[self.outcome == Outcome.CONVERGED]
+        found: Array = self.q[self.outcome == Outcome.CONVERGED]
+        return found
 
     @property
     def complete(self) -> bool:
@@ -114,8 +116,7 @@ class Search:
         found = self.converged
         if not len(found):
             return 0.0
-        sigma = _core.singular_values(chain_of(self.robot), task_view(self.robot, self.task), np.ascontiguousarray(found))
-        return float(sigma[:, self.rank].max())
+        return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
 
 
 def search(
@@ -249,10 +250,13 @@ def _assemble(
     q = np.concatenate([*(part[0] for part in parts), starts[done:]])
     if not limits:
         turns = robot.periodic
-        q[:, turns] -= 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
+        wrapped = q[:, turns] - 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
+        q[:, turns] = np.clip(wrapped, -np.pi, np.pi)
     history = None
     if parts and parts[0][4] is not None:
-        history = History(*(_frozen(np.concatenate([part[i] for part in parts])) for i in (4, 5)))
+        sigma = [part[4] for part in parts if part[4] is not None]
+        turning = [part[5] for part in parts if part[5] is not None]
+        history = History(_frozen(np.concatenate(sigma)), _frozen(np.concatenate(turning)))
     return Search(
         robot, task, corank, rank, method, seed, limits, tolerances,
         q=_frozen(q),
@@ -263,6 +267,9 @@ def _assemble(
     )
 
 
-def _frozen(array):  # type: ignore[no-untyped-def]
+_Scalar = TypeVar("_Scalar", bound=np.generic)
+
+
+def _frozen(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
     array.flags.writeable = False
     return array

@@ -6,8 +6,17 @@
 
 namespace rankdrop::RANKDROP_ISA {
 
-inline constexpr int kMaxSweeps = 30;
-inline constexpr double kOrthogonal = 1e-15;  // cosine of two columns taken as orthogonal: a few roundings
+inline constexpr int kMaxSweeps = 16;
+inline constexpr double kOrthogonal = 3e-16;  // cosine of two columns taken as orthogonal: what rounding leaves
+
+// (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c)
+inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
+    for (int k = 0; k < length; ++k) {
+        const Pack a = x[k], b = y[k];
+        x[k] = a - s * (b + h * a);
+        y[k] = b + s * (a - h * b);
+    }
+}
 
 // In: w, `columns` columns of length `rows`. Out: w = U diag(sigma) with sigma descending, basis = the right vectors
 // (columns x columns, by columns) so that  w_in = U diag(sigma) basis^T.
@@ -37,23 +46,12 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Pack* sigma, Pack
                 const Pack zeta = (yy - xx) / (fill(2.0) * select(turn, xy, one));
                 const Pack size = one / (abs(zeta) + sqrt(one + zeta * zeta));
                 const Pack tangent = select(zeta < zero, -size, size);
-                const Pack c0 = one / sqrt(one + tangent * tangent);
-                const Pack c = select(turn, c0, one);
-                const Pack s = select(turn, c0 * tangent, zero);
-                for (int k = 0; k < rows; ++k) {
-                    const Pack a = x[k], b = y[k];
-                    x[k] = c * a - s * b;
-                    y[k] = s * a + c * b;
-                }
-                if (basis) {
-                    Pack* p = basis + i * columns;
-                    Pack* q = basis + j * columns;
-                    for (int k = 0; k < columns; ++k) {
-                        const Pack a = p[k], b = q[k];
-                        p[k] = c * a - s * b;
-                        q[k] = s * a + c * b;
-                    }
-                }
+                // a rotation by its sine and the tangent of its half angle: the lengths drift least that way (Rutishauser)
+                const Pack cosine = one / sqrt(one + tangent * tangent);
+                const Pack s = select(turn, cosine * tangent, zero);
+                const Pack h = s / (one + cosine);
+                turn_pair(x, y, rows, s, h);
+                if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, s, h);
             }
         }
         if (!rotated) break;

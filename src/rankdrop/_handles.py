@@ -62,7 +62,7 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     Raises:
         ConfigurationError: wrong last dimension, or a value that is not finite (named by its index).
     """
-    array = np.ascontiguousarray(q, dtype=np.float64)
+    array = np.asarray(q, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != robot.n:
         raise ConfigurationError(
             f"expected q of shape (..., {robot.n})", where=f"robot {robot.name!r}", got=array.shape,
@@ -73,7 +73,7 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
         raise ConfigurationError(
             "q has a value that is not finite", where=f"robot {robot.name!r}", got=f"{array[bad]} at index {bad}"
         )
-    return array.reshape(-1, robot.n), array.shape[:-1]
+    return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
 
 
 def _make_chain(robot: Robot) -> _core.Chain:

@@ -1,4 +1,4 @@
-"""The robot as data: an ordered list of joint screws at q = 0, the home pose, and what is known about each joint."""
+"""The robot as data: an ordered list of joint screws at q = 0, the home pose, what is known about each joint."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Mimic:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a robot came from: `kind` (dh, screws, urdf, catalogue, …), `origin` (file, URL or call), `reference` (document)."""
+    """Where a robot came from: `kind` (dh, screws, urdf …), `origin` (file, URL or call), `reference` (document)."""
 
     kind: str
     origin: str = ""

@@ -1,0 +1,156 @@
+"""Robots from Denavit–Hartenberg tables, standard (distal) or modified (proximal)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.quantity import quantity
+from rankdrop.robot.transform import rigid, rotation, translation
+
+Convention = Literal["standard", "modified"]
+CONVENTIONS = ("standard", "modified")
+DH_KEYS = ("a", "alpha", "d", "theta", "kind", "pitch", "name", "lower", "upper", "velocity")
+_MEASURES = {"a": "length", "alpha": "angle", "d": "length", "theta": "angle", "pitch": "length"}
+
+
+@dataclass(frozen=True, slots=True)
+class DHRow:
+    """One row of a DH table and what is known about its joint.
+
+    Attributes:
+        a: link length [m]. alpha: link twist [rad]. In row i of a modified table these are a_{i−1} and α_{i−1}.
+        d: joint distance [m]; of a prismatic joint the offset of its variable: the distance is d + q.
+        theta: joint angle [rad]; of a revolute joint the offset of its variable: the angle is theta + q.
+        kind: revolute, prismatic, or helical (angle theta + q, distance d + pitch · q).
+        pitch: of a helical joint [m/rad].
+        name: of the joint; "joint3" for row 3 if None.
+        lower, upper: limits of q [rad or m].
+        velocity: largest rate [rad/s or m/s].
+    """
+
+    a: float = 0.0
+    alpha: float = 0.0
+    d: float = 0.0
+    theta: float = 0.0
+    kind: JointKind = JointKind.REVOLUTE
+    pitch: float = 0.0
+    name: str | None = None
+    lower: float = -inf
+    upper: float = inf
+    velocity: float = inf
+
+
+def from_dh(
+    rows: Sequence[DHRow | Mapping[str, Any] | Sequence[Any]],
+    *,
+    convention: Convention,
+    kinds: str | Sequence[str] | None = None,
+    name: str = "robot",
+    task: str = "pose",
+    base: ArrayLike | None = None,
+    tool: ArrayLike | None = None,
+    source: Source | None = None,
+    notes: Sequence[str] = (),
+    about: str = "",
+) -> Robot:
+    """A robot from its DH table.
+
+    Pose of link i in link i − 1, with the offset form of the joint variable (see `DHRow`):
+
+        standard:  Rz(θ_i) Tz(d_i) Tx(a_i) Rx(α_i)            joint i turns about z_{i−1}
+        modified:  Rx(α_{i−1}) Tx(a_{i−1}) Rz(θ_i) Tz(d_i)    joint i turns about z_i
+
+    `Joint.frame` is DH frame i at q = 0 in both conventions.
+
+    Args:
+        rows: one per joint: a `DHRow`, a mapping with its fields as keys, or (a, alpha, d, theta). Numbers in m and
+            rad, or text such as "pi/2", "90 deg", "316 mm".
+        convention: "standard" (as AM's tables) or "modified" (Craig; as KG's Figure 1). There is no default: the same
+            numbers are another arm in the other convention.
+        kinds: overrides the kinds of the rows: "RRPRRR", or a list of "revolute", "prismatic", "helical".
+        name, task, source, notes, about: as in `Robot`.
+        base: (4, 4) pose of DH frame 0 in the base frame.
+        tool: (4, 4) pose of the tip in the last DH frame.
+
+    Raises:
+        RobotError: unknown convention, kind or key; a value that is not a finite number; lower above upper.
+
+    Example:
+        >>> from_dh([(1, 0, 0, 0), (1, 0, 0, "90 deg")], convention="standard").joints[1].screw
+        array([ 0., -1.,  0.,  0.,  0.,  1.])
+    """
+    if convention not in CONVENTIONS:
+        raise RobotError(
+            "the DH convention must be named", where=f"robot {name!r}", got=repr(convention),
+            allowed='"standard" (frame i at the far end of link i) or "modified" (frame i on joint i)',
+        )
+    joints = []
+    pose = np.eye(4) if base is None else rigid(base, f"base of robot {name!r}")
+    for number, entry in enumerate(_rows(rows, kinds), 1):
+        if convention == "modified":
+            pose = pose @ rotation("x", entry.alpha) @ translation(entry.a, 0.0, 0.0)
+        axis, point = pose[:3, 2], pose[:3, 3]
+        pose = pose @ rotation("z", entry.theta) @ translation(0.0, 0.0, entry.d)
+        if convention == "standard":
+            pose = pose @ translation(entry.a, 0.0, 0.0) @ rotation("x", entry.alpha)
+        joints.append(
+            Joint(
+                entry.name or f"joint{number}", entry.kind, _screw(entry, axis, point),
+                entry.lower, entry.upper, entry.velocity, frame=pose,
+            )
+        )
+    home = pose if tool is None else pose @ rigid(tool, f"tool of robot {name!r}")
+    origin = source or Source("dh", f'from_dh(convention="{convention}")')
+    return Robot(name, tuple(joints), home, task, origin, notes=tuple(notes), about=about)
+
+
+def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:
+    """Read one row from a mapping, with `where` naming the place of each key in errors.
+
+    Raises:
+        RobotError: unknown key or kind, a value that is not a finite number, lower above upper.
+    """
+    check_keys(given, DH_KEYS, where)
+    kind = joint_kind(given.get("kind", "revolute"), where("kind"))
+    numbers = {key: quantity(given.get(key, 0.0), measure, where=where(key)) for key, measure in _MEASURES.items()}
+    if numbers["pitch"] != 0.0 and kind is not JointKind.HELICAL:
+        raise RobotError(
+            "only a helical joint has a pitch", where=where("pitch"), got=f"kind {kind.value}", mend='kind = "helical"'
+        )
+    return DHRow(**numbers, kind=kind, name=joint_name(given, number, where), **limits(given, kind, where))
+
+
+def _rows(rows: Sequence[DHRow | Mapping[str, Any] | Sequence[Any]], kinds: str | Sequence[str] | None) -> list[DHRow]:
+    if kinds is not None and len(kinds) != len(rows):
+        raise RobotError("kinds has one entry per row", got=len(kinds), allowed=f"{len(rows)} entries")
+    result = []
+    for number, row in enumerate(rows, 1):
+        place = f"DH row {number}"
+        if isinstance(row, DHRow):
+            given: dict[str, Any] = {key: getattr(row, key) for key in DH_KEYS}
+        elif isinstance(row, Mapping):
+            given = dict(row)
+        elif not isinstance(row, str) and len(row) == 4:
+            given = dict(zip(DH_KEYS, row, strict=False))
+        else:
+            raise RobotError("a DH row has four numbers", where=place, got=repr(row), allowed="(a, alpha, d, theta)")
+        if kinds is not None:
+            given["kind"] = kinds[number - 1]
+        result.append(dh_row(given, number, lambda key, place=place: f"{place}, {key}"))  # type: ignore[misc]
+    return result
+
+
+def _screw(row: DHRow, axis: Array, point: Array) -> Array:
+    if row.kind is JointKind.PRISMATIC:
+        return np.concatenate([axis, np.zeros(3)])
+    moment = np.cross(point, axis) + 0.0  # + 0.0 turns −0 into 0
+    return np.concatenate([moment + row.pitch * axis, axis])

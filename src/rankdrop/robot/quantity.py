@@ -1,0 +1,111 @@
+"""Quantities as people write them: 1.57, "pi/2", "-3*pi/4", "90 deg", "316 mm", "sqrt(2)/2". No eval."""
+
+from __future__ import annotations
+
+import ast
+import re
+from math import inf, isfinite, nan, pi, radians, sqrt
+from typing import Any
+
+from rankdrop.errors import RobotError
+
+_UNITS: dict[str, dict[str, float]] = {
+    "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
+    "number": {},
+}
+_LONGEST_TEXT = 200
+_ARITHMETIC = re.compile(r"(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\w.])|pi\b|sqrt\b|[-+*/() ])*")
+_WITH_UNIT = re.compile(r"(?P<value>.*?)\s*(?P<unit>[A-Za-zµ°]+)?(?P<rate>/s)?", re.DOTALL)
+
+
+def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endless: bool = False) -> float:
+    """A number in rad or m from a number or a text.
+
+    A text is arithmetic with `+ - * / ( )`, `pi` and `sqrt(…)`, then at most one unit, which applies to the whole
+    text: "180 - 36.5 deg" is 143.5 degrees.
+
+    Args:
+        value: the number or the text.
+        measure: "angle" (rad, deg, °), "length" (m, cm, mm, in) or "number" (no unit).
+        where: for the error: file, line, key.
+        rate: per second ("180 deg/s").
+        endless: ±inf is allowed (limits).
+
+    Raises:
+        RobotError: not a number, not finite, a unit of another measure, a text that is not arithmetic.
+
+    Example:
+        >>> quantity("-3*pi/4", "angle", where="theta"), quantity("316 mm", "length", where="d")
+        (-2.356194490192345, 0.316)
+    """
+    if isinstance(value, str):
+        result = _from_text(value, measure, where, rate)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        result = _float(value)
+    else:
+        raise _error("this is not a number", value, measure, where, rate)
+    if not (isfinite(result) or (endless and abs(result) == inf)):
+        raise _error("the value is not finite", value, measure, where, rate)
+    return result
+
+
+def _from_text(text: str, measure: str, where: str, rate: bool) -> float:
+    units = _UNITS[measure]
+    body, factor = text.strip(), 1.0
+    if body in {"inf", "+inf", "-inf", "nan"}:
+        return float(body)
+    match = _WITH_UNIT.fullmatch(body)
+    if len(body) > _LONGEST_TEXT or match is None:
+        raise _error("the text is not a quantity", body[:40], measure, where, rate)
+    unit = match["unit"]
+    if unit not in {None, "pi"} or match["rate"]:
+        if unit not in units or bool(match["rate"]) is not rate:
+            raise _error("the unit is not one that fits here", repr(text), measure, where, rate)
+        body, factor = match["value"], units[unit]
+    if not body or not _ARITHMETIC.fullmatch(body):
+        raise _error("the text is not a quantity", repr(text), measure, where, rate)
+    try:
+        return _evaluate(ast.parse(body.strip(), mode="eval").body) * factor
+    except (SyntaxError, ValueError, ZeroDivisionError, OverflowError, RecursionError, MemoryError):
+        raise _error("the text is not a quantity", repr(text), measure, where, rate) from None
+
+
+def _evaluate(node: ast.expr) -> float:
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return _float(number)
+        case ast.Name(id="pi"):
+            return pi
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_evaluate(operand)
+        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+            return _evaluate(operand)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return _evaluate(left) + _evaluate(right)
+        case ast.BinOp(left=left, op=ast.Sub(), right=right):
+            return _evaluate(left) - _evaluate(right)
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            return _evaluate(left) * _evaluate(right)
+        case ast.BinOp(left=left, op=ast.Div(), right=right):
+            return _evaluate(left) / _evaluate(right)
+        case ast.Call(func=ast.Name(id="sqrt"), args=[operand], keywords=[]):
+            return sqrt(_evaluate(operand))
+    raise ValueError
+
+
+def _float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer beyond the doubles
+        return nan
+
+
+def _error(what: str, got: Any, measure: str, where: str, rate: bool) -> RobotError:
+    units = [f"{unit}/s" if rate else unit for unit in _UNITS[measure]]
+    return RobotError(
+        what,
+        where=where,
+        got=got,
+        allowed="a finite number, or text with + - * / ( ), pi, sqrt()" + (f" and a unit {units}" if units else ""),
+    )

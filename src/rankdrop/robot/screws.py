@@ -1,0 +1,193 @@
+"""Robots from ordered screw sets of any pitch, and the screws of the usual joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.entries import joint_kind
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.transform import frame_on_axis, rigid
+
+Order = Literal["linear-first", "angular-first"]
+ORDERS = ("linear-first", "angular-first")
+
+_NO_PITCH = 1e-9  # share of |S| below which an angular part or a pitch is rounding
+_SOME_PITCH = 1e-4  # share above which it is meant; between the two the kind must be given
+
+
+def revolute(axis: ArrayLike, point: ArrayLike) -> Array:
+    """(6,) screw (p × ω; ω) of a revolute joint about `axis` through `point` [m]."""
+    return helical(axis, point, 0.0)
+
+
+def prismatic(axis: ArrayLike) -> Array:
+    """(6,) screw (v; 0) of a prismatic joint along `axis`."""
+    return np.concatenate([_unit(axis), np.zeros(3)])
+
+
+def helical(axis: ArrayLike, point: ArrayLike, pitch: float) -> Array:
+    """(6,) screw (p × ω + hω; ω) of a helical joint of pitch h [m/rad]."""
+    omega = _unit(axis)
+    return np.concatenate([np.cross(_vector(point, "point"), omega) + pitch * omega + 0.0, omega])
+
+
+def cylindrical(axis: ArrayLike, point: ArrayLike) -> Array:
+    """(2, 6) a cylindrical joint as a prismatic and a revolute joint on one axis (they commute)."""
+    return np.stack([prismatic(axis), revolute(axis, point)])
+
+
+def spherical(centre: ArrayLike, axes: ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1))) -> Array:
+    """(3, 6) a spherical joint as three revolute joints that meet in `centre`.
+
+    The three angles are one chart of the rotations: where turning the second joint makes the first and third axis
+    parallel (±π/2 for axes at right angles) the chart is singular, although the joint itself is not.
+
+    Raises:
+        RobotError: the three axes lie in a plane.
+    """
+    turns = np.stack([revolute(axis, centre) for axis in np.asarray(axes, dtype=np.float64).reshape(-1, 3)])
+    if turns.shape[0] != 3 or abs(float(np.linalg.det(turns[:, 3:]))) < 1e-6:
+        raise RobotError("a spherical joint has three independent axes", got=np.asarray(axes).tolist())
+    return turns
+
+
+def from_screws(
+    screws: ArrayLike,
+    *,
+    order: Order,
+    kinds: str | Sequence[str] | None = None,
+    names: Sequence[str] | None = None,
+    lower: Sequence[float] | None = None,
+    upper: Sequence[float] | None = None,
+    velocity: Sequence[float] | None = None,
+    home: ArrayLike | None = None,
+    name: str = "robot",
+    task: str = "pose",
+    source: Source | None = None,
+    notes: Sequence[str] = (),
+    about: str = "",
+) -> Robot:
+    """A robot from its joint screws at q = 0, base to tip, in the base frame with the base origin as reference point.
+
+    Each screw is brought to the form stated at `Joint.screw`: |ω| = 1 (|v| = 1 for a prismatic joint), linear part
+    first. The moment of a revolute screw is v = p × ω (GR writes the same as ω × r with r from the axis to the origin).
+
+    Args:
+        screws: (N, 6) of any length and any pitch h = ω·v/|ω|².
+        order: "linear-first" (v; ω) as in AM, or "angular-first" (ω; v) as in GR and KG. There is no default.
+        kinds: "RPRRRR", or a list of "revolute", "prismatic", "helical"; without it, the kind is read off the screw.
+        names, lower, upper, velocity: one per joint [rad or m]; "joint1" … and ±inf by default.
+        home: (4, 4) pose of the tip at q = 0; without it the tip is taken at the base origin, and a note says so.
+        name, task, source, notes, about: as in `Robot`.
+
+    Raises:
+        RobotError: wrong shape, values that are not finite, no length, a pitch that contradicts the kind or is too
+            small to tell from rounding.
+
+    Example:
+        >>> robot = from_screws([[0, 0, 2, 0, 0, 0], [0, 0, 0, 0, 1, 0]], order="angular-first")
+        >>> [str(joint.kind) for joint in robot.joints], robot.joints[0].screw
+        (['revolute', 'prismatic'], array([0., 0., 0., 0., 0., 1.]))
+    """
+    rows = _rows(screws, order, name)
+    count = len(rows)
+    columns = {"kinds": kinds, "names": names, "lower": lower, "upper": upper, "velocity": velocity}
+    for label, given in columns.items():
+        if given is not None and len(given) != count:
+            raise RobotError(f"{label} has one entry per screw", where=f"robot {name!r}", got=len(given), allowed=count)
+    joints = []
+    for i, row in enumerate(rows):
+        label = names[i] if names is not None else f"joint{i + 1}"
+        kind, screw = _normalise(row, None if kinds is None else kinds[i], f"screw {i + 1} ({label})")
+        limits = _item(lower, i, -inf), _item(upper, i, inf), _item(velocity, i, inf)
+        joints.append(Joint(label, kind, screw, *limits, frame=_frame(kind, screw)))
+    remarks = list(notes)
+    if home is None:
+        remarks.append("home pose not given: the tip is taken at the base origin")
+    pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
+    origin = source or Source("screws", f'from_screws(order="{order}")')
+    return Robot(name, tuple(joints), pose, task, origin, notes=tuple(remarks), about=about)
+
+
+def _rows(screws: ArrayLike, order: str, name: str) -> Array:
+    if order not in ORDERS:
+        raise RobotError(
+            "the order of the screws must be named", where=f"robot {name!r}", got=repr(order),
+            allowed='"linear-first" (v; ω) or "angular-first" (ω; v)',
+        )
+    try:
+        rows = np.array(screws, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise RobotError("the screws are not numbers", where=f"robot {name!r}", allowed="shape (N, 6)") from None
+    if rows.ndim != 2 or rows.shape[1] != 6:
+        raise RobotError("the screws have the wrong shape", where=f"robot {name!r}", got=rows.shape, allowed="(N, 6)")
+    for number, row in enumerate(rows, 1):
+        if not np.isfinite(row).all():
+            raise RobotError("the screw has values that are not finite", where=f"screw {number}", got=row.tolist())
+    return rows if order == "linear-first" else np.roll(rows, 3, axis=1)
+
+
+def _normalise(screw: Array, kind: Any, where: str) -> tuple[JointKind, Array]:
+    v, omega = screw[:3], screw[3:]
+    size, turn = float(np.linalg.norm(screw)), float(np.linalg.norm(omega))
+    if size < 1e-9:
+        raise RobotError("the screw has no length", where=where, got=screw.tolist(), allowed="a non-zero screw")
+    wanted = None if kind is None else joint_kind(kind, where)
+    slides = _is_zero(turn / size, wanted is JointKind.PRISMATIC, where, "angular part")
+    if wanted is not None and slides is not (wanted is JointKind.PRISMATIC):
+        raise RobotError(f"the screw is not {wanted.value}", where=where, got=screw.tolist())
+    if slides:
+        return JointKind.PRISMATIC, np.concatenate([_unit(v), np.zeros(3)])
+    omega, v = omega / turn, v / turn
+    pitch = float(omega @ v)
+    straight = wanted is not JointKind.HELICAL and _is_zero(
+        abs(pitch) / max(1.0, float(np.linalg.norm(v))), wanted is JointKind.REVOLUTE, where, "pitch"
+    )
+    if wanted is JointKind.REVOLUTE and not straight:
+        raise RobotError("a revolute screw has no pitch", where=where, got=f"{pitch} m/rad", mend='kind = "helical"')
+    if straight and pitch != 0.0:
+        v = v - pitch * omega
+    return JointKind.REVOLUTE if straight else JointKind.HELICAL, np.concatenate([v, omega]) + 0.0
+
+
+def _is_zero(share: float, told: bool, where: str, what: str) -> bool:
+    """Is this part of the screw zero? Given the kind, printed digits are forgiven; else only rounding is."""
+    if share <= _NO_PITCH or (told and share < _SOME_PITCH):
+        return True
+    if share < _SOME_PITCH:
+        raise RobotError(
+            f"the {what} is too small to tell from rounding", where=where, got=f"{share:.3g} of the whole",
+            mend="give the kind of this joint",
+        )
+    return False
+
+
+def _frame(kind: JointKind, screw: Array) -> Array:
+    if kind is JointKind.PRISMATIC:
+        return frame_on_axis(screw[:3], np.zeros(3))
+    return frame_on_axis(screw[3:], np.cross(screw[3:], screw[:3]))
+
+
+def _unit(axis: ArrayLike) -> Array:
+    vector = _vector(axis, "axis")
+    length = float(np.linalg.norm(vector))
+    if length < 1e-9:
+        raise RobotError("the axis has no length", got=vector.tolist(), allowed="a non-zero axis")
+    return vector if abs(length - 1.0) <= 1e-15 else vector / length
+
+
+def _vector(value: ArrayLike, what: str) -> Array:
+    vector = np.array(value, dtype=np.float64)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise RobotError(f"the {what} is three finite numbers", got=vector.tolist())
+    return vector
+
+
+def _item(values: Sequence[float] | None, i: int, default: float) -> float:
+    return default if values is None else float(values[i])

@@ -1,0 +1,226 @@
+"""The DH file and the screw file: a robot in TOML. The keys are described in docs/robot-files.md."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
+from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.model import Array, JointKind, Robot, Source
+from rankdrop.robot.quantity import quantity
+from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
+from rankdrop.robot.toml_lines import TomlLines
+from rankdrop.robot.transform import from_xyz_rpy
+
+_DH_FILE_KEYS = ("name", "convention", "task", "about", "source", "notes", "base", "tool", "joints")
+_SCREW_FILE_KEYS = ("name", "order", "task", "about", "source", "notes", "home", "joints")
+_SCREW_KEYS = ("kind", "screw", "axis", "point", "pitch", "axes", "name", "lower", "upper", "velocity")
+_KEYS_OF = {
+    "prismatic": ("axis",),
+    "revolute": ("axis", "point"),
+    "cylindrical": ("axis", "point"),
+    "helical": ("axis", "point", "pitch"),
+    "spherical": ("point", "axes"),
+}
+
+Place = Callable[[str, int | None], Where]
+
+
+def robot_from_toml(text: str, *, file: str, default_name: str = "robot", kind: str | None = None) -> Robot:
+    """A robot from the text of a DH file or a screw file.
+
+    A DH file has the key `convention`; a screw file has none.
+
+    Args:
+        text: of the file.
+        file: its name, for errors and for `Robot.source`.
+        default_name: the robot's name where the file gives none.
+        kind: `Source.kind` of the robot; "dh" or "screws" if None.
+
+    Raises:
+        RobotError: not TOML, a missing or unknown key, a value that cannot be used; names file, line and key.
+    """
+    try:
+        document = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
+    lines = TomlLines(text)
+
+    def place(table: str, index: int | None) -> Where:
+        joint = f", joint {index + 1}" if index is not None else ""
+        title = f", [{table}]" if table and index is None else ""
+
+        def where(key: str) -> str:
+            line = lines.find(table, index, key)
+            return f"{file}, line {line}{joint}{title}" + (f", {key}" if key else "")
+
+        return where
+
+    try:
+        return _robot(document, place, file, default_name, kind)
+    except RobotError as error:
+        if error.where is not None and error.where.startswith(file):
+            raise
+        raise relocate(error, file + (f", {error.where}" if error.where else "")) from None
+
+
+def _robot(document: dict[str, Any], place: Place, file: str, default_name: str, kind: str | None) -> Robot:
+    where = place("", None)
+    form = _form(document, where)
+    check_keys(document, _DH_FILE_KEYS if form == "dh" else _SCREW_FILE_KEYS, where)
+    joints = document.get("joints")
+    if not isinstance(joints, list) or not joints or not all(isinstance(joint, dict) for joint in joints):
+        raise RobotError("there are no joints", where=where("joints"), allowed="one [[joints]] table per joint")
+    notes = document.get("notes", [])
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
+        raise RobotError("notes is a list of texts", where=where("notes"), got=repr(notes))
+    common: dict[str, Any] = {
+        "name": _text(document, "name", where, default_name),
+        "task": _text(document, "task", where, "pose"),
+        "about": _text(document, "about", where, ""),
+        "source": Source(kind or form, file, _text(document, "source", where, "")),
+    }
+    if form == "dh":
+        rows = [dh_row(joint, i + 1, place("joints", i)) for i, joint in enumerate(joints)]
+        for end in ("base", "tool"):
+            if end in document:
+                common[end] = _pose(document[end], place(end, None))
+        return from_dh(rows, convention=document["convention"], notes=notes, **common)
+    home = _pose(document["home"], place("home", None)) if "home" in document else None
+    columns = _screw_columns(joints, document.get("order"), place)
+    return from_screws(order="linear-first", home=home, notes=notes, **columns, **common)
+
+
+def _form(document: dict[str, Any], where: Where) -> str:
+    for key, allowed in (("convention", CONVENTIONS), ("order", ORDERS)):
+        if key in document and document[key] not in allowed:
+            raise RobotError(
+                f"there is no such {key}", where=where(key), got=repr(document[key]),
+                allowed=" or ".join(f'"{entry}"' for entry in allowed),
+            )
+    if "convention" in document:
+        return "dh"
+    joints = document.get("joints", [])
+    first = joints[0] if isinstance(joints, list) and joints and isinstance(joints[0], dict) else {}
+    if "order" in document or {"screw", "axis", "point"} & set(first):
+        return "screws"
+    raise RobotError(
+        "the kind of table is not said", where=where(""),
+        allowed='convention = "standard" or "modified" (a DH file), order = "linear-first" or "angular-first" (screws)',
+    )
+
+
+def _screw_columns(joints: list[dict[str, Any]], order: str | None, place: Place) -> dict[str, Any]:
+    columns: dict[str, list[Any]] = {key: [] for key in ("screws", "kinds", "names", "lower", "upper", "velocity")}
+    for i, joint in enumerate(joints):
+        where = place("joints", i)
+        check_keys(joint, _SCREW_KEYS, where)
+        kinds, screws, endings = _simple_joints(joint, order, where)
+        name = joint_name(joint, i + 1, where)
+        for part, (kind, screw, ending) in enumerate(zip(kinds, screws, endings, strict=True)):
+            own = _part(joint, part, len(kinds), where)
+            columns["screws"].append(screw)
+            columns["kinds"].append(kind)
+            columns["names"].append(name + ending)
+            for key, value in limits(own, kind, where).items():
+                columns[key].append(value)
+    return columns
+
+
+def _simple_joints(joint: dict[str, Any], order: str | None, where: Where) -> tuple[list[JointKind], Array, list[str]]:
+    """Kinds, (k, 6) linear-first screws and name endings of the simple joints that one entry stands for."""
+    if "screw" in joint:
+        return _given_screw(joint, order, where)
+    word = joint.get("kind", "revolute")
+    if word not in _KEYS_OF:
+        joint_kind(word, where("kind"), ("cylindrical", "spherical"))
+        word = joint_kind(word, where("kind")).value
+    allowed = (*_KEYS_OF[word], "kind", "name", "lower", "upper", "velocity")
+    check_keys(joint, allowed, where)
+    try:
+        return _from_axis(word, joint, where)
+    except RobotError as error:
+        if error.where is not None:
+            raise
+        raise relocate(error, where("")) from None
+
+
+def _from_axis(word: str, joint: dict[str, Any], where: Where) -> tuple[list[JointKind], Array, list[str]]:
+    axis = _vector(joint, "axis", "number", where) if word != "spherical" else []
+    point = _vector(joint, "point", "length", where) if word != "prismatic" else []
+    if word == "cylindrical":
+        return [JointKind.PRISMATIC, JointKind.REVOLUTE], cylindrical(axis, point), ["_slide", "_turn"]
+    if word == "spherical":
+        axes = joint.get("axes", [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        if not isinstance(axes, list) or len(axes) != 3:
+            raise RobotError("axes is three axes", where=where("axes"), got=repr(axes), allowed="[[…], […], […]]")
+        rows = [_vector({"axes": row}, "axes", "number", where) for row in axes]
+        return [JointKind.REVOLUTE] * 3, spherical(point, rows), ["_1", "_2", "_3"]
+    if word == "prismatic":
+        return [JointKind.PRISMATIC], prismatic(axis)[None], [""]
+    if word == "helical":
+        if "pitch" not in joint:
+            raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
+        pitch = quantity(joint["pitch"], "length", where=where("pitch"))
+        return [JointKind.HELICAL], helical(axis, point, pitch)[None], [""]
+    return [JointKind.REVOLUTE], revolute(axis, point)[None], [""]
+
+
+def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> tuple[list[JointKind], Array, list[str]]:
+    check_keys(joint, ("kind", "screw", "name", "lower", "upper", "velocity"), where)
+    if order is None:
+        raise RobotError(
+            "the order of the screws must be named", where=where("screw"),
+            allowed='order = "linear-first" or "angular-first"',
+        )
+    screw = np.array(_vector(joint, "screw", "number", where, 6))
+    kinds = [joint_kind(joint["kind"], where("kind"))] if "kind" in joint else None
+    try:
+        only = from_screws(screw[None], order=order, kinds=kinds).joints[0]  # type: ignore[arg-type]
+    except RobotError as error:
+        raise relocate(error, where("screw")) from None
+    return [only.kind], only.screw[None], [""]
+
+
+def _part(joint: dict[str, Any], part: int, count: int, where: Where) -> dict[str, Any]:
+    """The limits of one simple joint of a compound one, which gives them as lists."""
+    if count == 1:
+        return joint
+    own: dict[str, Any] = {}
+    for key in ("lower", "upper", "velocity"):
+        if key in joint:
+            if not isinstance(joint[key], list) or len(joint[key]) != count:
+                raise RobotError(
+                    f"{key} of a compound joint is a list", where=where(key), got=repr(joint[key]),
+                    allowed=f"{count} values, one per simple joint",
+                )
+            own[key] = joint[key][part]
+    return own
+
+
+def _pose(table: Any, where: Where) -> Array:
+    if not isinstance(table, dict):
+        raise RobotError("a pose is a table", where=where(""), got=repr(table), allowed="xyz = […], rpy = […]")
+    check_keys(table, ("xyz", "rpy"), where)
+    xyz = _vector(table, "xyz", "length", where) if "xyz" in table else [0.0, 0.0, 0.0]
+    rpy = _vector(table, "rpy", "angle", where) if "rpy" in table else [0.0, 0.0, 0.0]
+    return from_xyz_rpy(xyz, rpy)
+
+
+def _vector(table: Mapping[str, Any], key: str, measure: str, where: Where, size: int = 3) -> list[float]:
+    value = table.get(key)
+    if not isinstance(value, list) or len(value) != size:
+        raise RobotError(f"{key} is a list of {size} numbers", where=where(key), got=repr(value))
+    return [quantity(entry, measure, where=where(key)) for entry in value]
+
+
+def _text(document: dict[str, Any], key: str, where: Where, default: str) -> str:
+    value = document.get(key, default)
+    if not isinstance(value, str):
+        raise RobotError(f"{key} is a text", where=where(key), got=repr(value))
+    return value

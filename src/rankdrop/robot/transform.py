@@ -1,0 +1,84 @@
+"""Rigid transforms as (4, 4) arrays, exact where the angle is a multiple of π/2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, pi, sin
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.model import Array
+
+_EXACT = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
+
+
+def cos_sin(angle: float) -> tuple[float, float]:
+    """(cos, sin) of an angle [rad]; exactly 0 and ±1 where the angle is the double nearest to a multiple of π/2.
+
+    Keeps axes that are parallel or intersecting in the description exactly so in the screws.
+    """
+    quarter = round(angle / (pi / 2))
+    if abs(angle - quarter * (pi / 2)) <= 4e-16 * max(1, abs(quarter)):
+        return _EXACT[quarter % 4]
+    return cos(angle), sin(angle)
+
+
+def rotation(axis: str, angle: float) -> Array:
+    """(4, 4) rotation about the "x", "y" or "z" axis by `angle` [rad]."""
+    c, s = cos_sin(angle)
+    result = np.eye(4)
+    i = "xyz".index(axis)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    result[j, j], result[j, k], result[k, j], result[k, k] = c, -s, s, c
+    return result
+
+
+def translation(x: float, y: float, z: float) -> Array:
+    """(4, 4) translation [m]."""
+    result = np.eye(4)
+    result[:3, 3] = x, y, z
+    return result
+
+
+def from_xyz_rpy(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
+    """(4, 4) pose Trans(xyz) · Rz(yaw) · Ry(pitch) · Rx(roll), as in URDF; metres and radians."""
+    roll, pitch, yaw = rpy
+    turn = rotation("z", yaw) @ rotation("y", pitch) @ rotation("x", roll)
+    return translation(xyz[0], xyz[1], xyz[2]) @ turn
+
+
+def frame_on_axis(direction: Array, point: Array) -> Array:
+    """(4, 4) a frame with its origin at `point` and its z axis along `direction` (3,)."""
+    z = direction / np.linalg.norm(direction)
+    x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
+    x /= np.linalg.norm(x)
+    result = np.eye(4)
+    result[:3, 0], result[:3, 1], result[:3, 2], result[:3, 3] = x, np.cross(z, x), z, point
+    return result
+
+
+def rigid(value: ArrayLike, where: str) -> Array:
+    """A (4, 4) array checked to be a rigid transform within 1e-6, made orthonormal to rounding.
+
+    Raises:
+        RobotError: wrong shape, not finite, or not a rotation with a translation.
+    """
+    try:
+        pose = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise RobotError("this is not a matrix of numbers", where=where, got=repr(value)) from None
+    if pose.shape != (4, 4) or not np.isfinite(pose).all():
+        raise RobotError("a pose is a finite (4, 4) matrix", where=where, got=pose.tolist(), allowed="shape (4, 4)")
+    turn = pose[:3, :3]
+    error = float(np.abs(turn @ turn.T - np.eye(3)).max())
+    if error > 1e-6 or np.linalg.det(turn) < 0.0 or np.abs(pose[3] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-12:
+        raise RobotError(
+            "the matrix is not a rigid transform", where=where, got=pose.tolist(),
+            allowed="[R p; 0 0 0 1] with a rotation R",
+        )
+    if error > 1e-15:
+        u, _, vt = np.linalg.svd(turn)
+        pose[:3, :3] = u @ vt
+    return pose

@@ -1,0 +1,145 @@
+"""Which links of a URDF are base and tip where the user names none; says what was chosen and refuses to guess."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.urdf_tree import Tree, TreeJoint
+
+_TIP_NAMES = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        r"tool_?0$",
+        r"(^|_)tcp(_link|_frame)?$|(^|_)tool(_link|_frame|_center_point)?$",
+        r"(^|_)(ee|eef|end_?effector)(_link|_frame)?$",
+        r"grasp|pinch|gripper_frame",
+        r"flange",
+        r"(hand|gripper|palm)(_link|_base|_base_link)?$",
+    )
+)
+"""Names that say "this is the tip", best first."""
+_JAW = re.compile(r"grip|finger|jaw|claw", re.IGNORECASE)
+_WRIST = re.compile(r"wrist|roll|rot|yaw|pitch|flex", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Base and tip, the joints between them, and what was chosen for the user."""
+
+    base: str
+    tip: str
+    path: list[TreeJoint]
+    notes: list[str]
+
+
+def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
+    """Base and tip of the chain.
+
+    Base: the root of the tree (of `tip` if given). Tip: down from the base along the branch with most moving joints.
+    Where several branches are equally long, or three and more meet, and all are shorter than the chain that carries
+    them, they are fingers and the arm ends there; so it does before a single last joint that is named as a jaw.
+    Otherwise equal branches are an error. Among the links fixed together at the end, a usual name (tool0, tcp, ee_link,
+    flange, hand …) decides, then the only last one, then the link of the last joint itself.
+
+    Raises:
+        RobotError: a link that is not there, several roots or branches to choose from, a tip not below the base.
+    """
+    notes: list[str] = []
+    if tip is not None:
+        tree.check_link(tip, "tip")
+    if base is None:
+        base = _root(tree) if tip is None else tree.root_of(tip)
+        notes.append(f"base {base!r} chosen: the root link")
+    else:
+        tree.check_link(base, "base")
+    if tip is None:
+        tip, note = _default_tip(tree, base)
+        notes.append(note)
+    path = tree.path(base, tip)
+    if not any(joint.moves for joint in path):
+        raise RobotError(
+            f"there is no moving joint between {base!r} and {tip!r}", where=tree.file, mend="name another base or tip"
+        )
+    return Ends(base, tip, path, notes)
+
+
+def _root(tree: Tree) -> str:
+    roots = [link for link in tree.links if link not in tree.above]
+    moving = [link for link in roots if _most_moving(tree, link)[link]]
+    if len(moving) == 1:
+        return moving[0]
+    if not moving:
+        raise RobotError("there is no moving joint in the file", where=tree.file, allowed="at least one")
+    raise RobotError("there are several root links", where=tree.file, got=", ".join(moving), mend="name the base")
+
+
+def _most_moving(tree: Tree, base: str) -> dict[str, int]:
+    """For each link at or below `base`, the largest number of moving joints on a way down from it."""
+    order = [base]
+    for link in order:  # grows while it is walked
+        order.extend(joint.child for joint in tree.below.get(link, ()))
+    most: dict[str, int] = {}
+    for link in reversed(order):
+        most[link] = max((joint.moves + most[joint.child] for joint in tree.below.get(link, ())), default=0)
+    return most
+
+
+def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
+    most = _most_moving(tree, base)
+    link, passed = base, 0
+    while True:
+        body = _fixed_together(tree, link)
+        branches = [joint for part in body for joint in tree.below.get(part, ()) if joint.moves]
+        depth = max((1 + most[joint.child] for joint in branches), default=0)
+        deepest = [joint for joint in branches if 1 + most[joint.child] == depth]
+        hand = depth < passed and (len(deepest) > 1 or len(branches) > 2)
+        jaw = depth == 1 and len(branches) == 1 and passed >= 4 and _is_jaw(branches[0])
+        fingers = hand or jaw
+        if not branches or fingers:
+            break
+        if len(deepest) > 1:
+            ends = [_far_end(tree, most, joint.child) for joint in deepest]
+            raise RobotError(
+                f"several chains of {passed + depth} moving joints start at {base!r}", where=tree.file,
+                got="tips " + ", ".join(ends), mend="name the tip",
+            )
+        link, passed = deepest[0].child, passed + 1
+    tip, why = _name_of_tip(tree, link, body)
+    left_out = f"; the gripper after it is left out ({', '.join(j.name for j in branches)})" if branches else ""
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {passed} moving joints{why}{left_out}"
+
+
+def _is_jaw(joint: TreeJoint) -> bool:
+    names = f"{joint.name} {joint.child}"
+    return _JAW.search(names) is not None and _WRIST.search(names) is None
+
+
+def _fixed_together(tree: Tree, link: str) -> dict[str, int]:
+    """`link` and what is fixed to it below, with the number of fixed joints from `link`."""
+    body = {link: 0}
+    for part in (order := [link]):
+        for joint in tree.below.get(part, ()):
+            if not joint.moves:
+                body[joint.child] = body[part] + 1
+                order.append(joint.child)
+    return body
+
+
+def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]:
+    last = [part for part in body if all(joint.moves for joint in tree.below.get(part, ()))]
+    tip = last[0] if len(last) == 1 else link
+    for pattern in _TIP_NAMES:
+        named = [part for part in body if pattern.search(part)]
+        if named:
+            tip = max(named, key=lambda part: body[part])  # the first of the farthest ones
+            break
+    others = [part for part in body if part != tip]
+    return tip, f"; fixed to it: {', '.join(others[:8])}{' …' if len(others) > 8 else ''}" if others else ""
+
+
+def _far_end(tree: Tree, most: dict[str, int], link: str) -> str:
+    while tree.below.get(link):
+        link = max(tree.below[link], key=lambda joint: joint.moves + most[joint.child]).child
+    return link

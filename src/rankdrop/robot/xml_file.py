@@ -1,0 +1,97 @@
+"""A hardened XML reader: no document types, no entities, no external files, limits on depth, count and size.
+
+It works on expat directly, for three reasons: every element keeps its line number, prefixes that are bound to no
+namespace (`drake:` in real URDF files) are read as they stand, and all that could reach another file is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.files import LARGEST_FILE
+
+DEEPEST = 100
+MOST_ELEMENTS = 200_000
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An element with its line in the file; prefixes are part of the names."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+
+    def first(self, tag: str) -> Element | None:
+        """The first child with this tag."""
+        return next((child for child in self.children if child.tag == tag), None)
+
+
+def read_xml(text: str, file: str, skip: frozenset[str] = frozenset()) -> Element:
+    """The root element of an XML text; elements named in `skip` are left out with all they hold.
+
+    Raises:
+        RobotError: not well-formed, a document type or an entity, too deep, too many elements, too large.
+    """
+    data = text.encode("utf-8", "surrogatepass")
+    if len(data) > LARGEST_FILE:
+        raise RobotError("the text is too large", where=file, allowed=f"at most {LARGEST_FILE // 2**20} MB")
+    builder = _Builder(file, skip)
+    try:
+        builder.parser.Parse(data, True)
+    except expat.ExpatError as error:
+        reason = expat.ErrorString(error.code)
+        raise RobotError(f"this is not well-formed XML: {reason}", where=f"{file}, line {error.lineno}") from None
+    if builder.root is None:  # the root itself is one of those left out
+        raise RobotError("there is no element to read", where=file)
+    return builder.root
+
+
+class _Builder:
+    def __init__(self, file: str, skip: frozenset[str]) -> None:
+        self.file, self.skip = file, skip
+        self.root: Element | None = None
+        self.open: list[Element] = []
+        self.depth = self.count = 0
+        self.skipping = 0  # depth of the element that is left out, 0 if none
+        self.parser = expat.ParserCreate("utf-8")
+        self.parser.StartElementHandler = self.start
+        self.parser.EndElementHandler = self.end
+        self.parser.StartDoctypeDeclHandler = self.refuse
+        self.parser.EntityDeclHandler = self.refuse
+        self.parser.ExternalEntityRefHandler = self.refuse
+
+    def where(self) -> str:
+        return f"{self.file}, line {self.parser.CurrentLineNumber}"
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self.depth += 1
+        self.count += 1
+        if self.depth > DEEPEST:
+            raise RobotError("the elements are nested too deeply", where=self.where(), allowed=f"depth {DEEPEST}")
+        if self.count > MOST_ELEMENTS:
+            raise RobotError("there are too many elements", where=self.where(), allowed=f"{MOST_ELEMENTS}")
+        if self.skipping or tag in self.skip:
+            self.skipping = self.skipping or self.depth
+            return
+        element = Element(tag, attributes, self.parser.CurrentLineNumber)
+        if self.open:
+            self.open[-1].children.append(element)
+        else:
+            self.root = element
+        self.open.append(element)
+
+    def end(self, _tag: str) -> None:
+        if not self.skipping:
+            self.open.pop()
+        elif self.skipping == self.depth:
+            self.skipping = 0
+        self.depth -= 1
+
+    def refuse(self, *_: object) -> int:
+        raise RobotError(
+            "document types and entities are refused", where=self.where(), mend="take out <!DOCTYPE …> and &entities;"
+        )

@@ -1,0 +1,131 @@
+"""Every arm of the catalogue: it opens, says where its numbers are from, and its limits are sane. Known poses."""
+
+from __future__ import annotations
+
+from importlib import resources
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from reference.kinematics import pose
+
+from rankdrop.robot.open import catalog_entries, open_robot, robot_names
+from rankdrop.task import task_names
+
+NAMES = robot_names()
+
+
+def test_the_arms_that_are_promised_are_there() -> None:
+    documents = {"planar2r", "anthropomorphic", "almarkhi4", "pa10", "rcrrrr", "canadarm2"}
+    owned = {
+        "planar3r", "scara", "stanford", "puma560", "ur3e", "ur5", "ur5e", "ur10e", "iiwa14", "panda", "gen3", "sawyer",
+        "irb140", "xarm7", "fetch",
+    }  # fmt: skip
+    assert documents | owned <= set(NAMES)
+
+
+def test_entries_tell_name_joints_task_and_source() -> None:
+    entries = {entry.name: entry for entry in catalog_entries()}
+    assert tuple(entries) == NAMES
+    assert (entries["pa10"].n, entries["pa10"].task) == (7, "pose")
+    assert "Table 2" in entries["pa10"].source
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_arm_opens_with_a_source_and_sane_limits(name: str) -> None:
+    robot = open_robot(name)
+    assert robot.name == name
+    assert robot.about
+    assert len(robot.source.reference) > 60
+    assert robot.source.kind == "catalogue"
+    assert robot.task in task_names()
+    for joint in robot.joints:
+        bound = 7.0 if joint.unit == "rad" else 2.0
+        assert joint.lower == -np.inf or -bound <= joint.lower < joint.upper
+        assert joint.upper == np.inf or joint.upper <= bound
+        assert joint.velocity == np.inf or 0.05 < joint.velocity < 10.0
+    assert robot.home[:3, :3] @ robot.home[:3, :3].T == pytest.approx(np.eye(3), abs=1e-15)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_axes_of_the_catalogue_are_exact_where_they_are_at_right_angles(name: str) -> None:
+    for joint in open_robot(name).joints:
+        axis = joint.screw[3:] if joint.screw[3:].any() else joint.screw[:3]
+        assert set(np.abs(axis)) <= {0.0, 1.0} or name == "rcrrrr"
+
+
+def test_files_hold_no_decimal_angles_for_right_angles() -> None:
+    for item in (resources.files("rankdrop.robot") / "catalog").iterdir():
+        if item.name.endswith(".toml"):
+            assert "alpha = 1.57" not in item.read_text(encoding="utf-8")
+            assert "alpha = -1.57" not in item.read_text(encoding="utf-8")
+
+
+def test_planar_arms_have_their_closed_form() -> None:
+    q = np.array([0.3, -1.1, 0.7])
+    angles = np.cumsum(q)
+    two, three = pose(open_robot("planar2r"), q[:2])[:2, 3], pose(open_robot("planar3r"), q)[:2, 3]
+    lengths = np.array([1.0, 0.7, 0.4])
+    assert two == pytest.approx([lengths[:2] @ np.cos(angles[:2]), lengths[:2] @ np.sin(angles[:2])])
+    assert three == pytest.approx([lengths @ np.cos(angles), lengths @ np.sin(angles)])
+
+
+def test_almarkhi4_stands_where_the_document_has_it() -> None:
+    tip = pose(open_robot("almarkhi4"), [-3.11, 3.02, -1.53, 0.15])[:3, 3]
+    assert tip == pytest.approx([-0.6236455424199617, 3.270950632724666, 0.9863255358147497], abs=1e-12)
+
+
+def test_anthropomorphic_reaches_its_wrist_by_the_law_of_the_elbow() -> None:
+    q1, q2, q3 = 0.4, 0.8, -1.2
+    wrist = pose(open_robot("anthropomorphic"), [q1, q2, q3, 0.1, 0.0, 0.3]) @ [0, 0, -0.1, 1]
+    out = 0.5 * np.cos(q2) + 0.4 * np.cos(q2 + q3)
+    assert wrist[:3] == pytest.approx([out * np.cos(q1), out * np.sin(q1), 0.5 * np.sin(q2) + 0.4 * np.sin(q2 + q3)])
+
+
+def test_puma560_stands_as_its_table_says() -> None:
+    tip = pose(open_robot("puma560"), np.zeros(6))[:3, 3]
+    assert tip == pytest.approx([0.4318 + 0.0203, -0.15005, 0.4318])
+
+
+def test_rcrrrr_holds_the_printed_screws() -> None:
+    columns = np.stack([np.roll(joint.screw, 3) for joint in open_robot("rcrrrr").joints])
+    h = sqrt(0.5)
+    printed = [
+        [1, 0, 0, 0, 0, -1], [0, 0, 0, 0, 1, 0], [0, 1, 0, 0, 0, 0], [0, 1, 0, 0, 0, 5], [1, 0, 0, 0, 0, 0],
+        [0, h, h, 0, -10 * h, 10 * h], [0, h, -h, 0, 10 * h, 10 * h],
+    ]  # fmt: skip
+    assert columns == pytest.approx(np.array(printed), abs=1e-14)
+    assert np.linalg.matrix_rank(columns, tol=1e-12) == 5
+
+
+def test_irb140_stands_in_the_calibration_pose() -> None:
+    home = open_robot("irb140").home
+    assert home[:3, 3] == pytest.approx([0.07 + 0.38 + 0.065, 0.0, 0.352 + 0.36])
+    assert home[:3, 2] == pytest.approx([1.0, 0.0, 0.0])
+
+
+def test_stanford_slides_by_its_third_joint() -> None:
+    robot = open_robot("stanford")
+    assert [str(joint.kind)[0] for joint in robot.joints] == list("rrprrr")
+    near, far = (pose(robot, [0, 0, d, 0, 0, 0])[:3, 3] for d in (0.3, 0.9))
+    assert far - near == pytest.approx([0, 0, 0.6], abs=1e-15)
+    assert (robot.lower[2], robot.upper[2]) == (pytest.approx(0.3048), pytest.approx(1.27))
+
+
+def test_scara_turns_about_the_vertical_and_its_tool_points_down() -> None:
+    robot = open_robot("scara")
+    tip = pose(robot, [0.2, 0.5, 0.1, -1.0])
+    assert tip[:3, 2] == pytest.approx([0, 0, -1])
+    assert tip[2, 3] == pytest.approx(0.387 - 0.1)
+
+
+def test_iiwa14_and_panda_stand_upright_at_their_known_heights() -> None:
+    assert open_robot("iiwa14").home[:3, 3] == pytest.approx([0, 0, 0.36 + 0.42 + 0.4 + 0.126])
+    assert open_robot("panda").home[:3, 3] == pytest.approx([0.088, 0, 0.333 + 0.316 + 0.384 - 0.107])
+    assert open_robot("gen3").home[:3, 3] == pytest.approx([0, -0.0248501, 0.28481 + 0.42076 + 0.31436 + 0.167455])
+
+
+def test_limits_come_in_radians() -> None:
+    robot = open_robot("iiwa14")
+    assert robot.upper == pytest.approx(np.radians([170, 120, 170, 120, 170, 120, 175]))
+    assert robot.joints[0].velocity == pytest.approx(85 * pi / 180)

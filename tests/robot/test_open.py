@@ -1,0 +1,114 @@
+"""open_robot: names, files of every kind, and errors that help."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from rankdrop.errors import RobotError, UnknownRobotError
+from rankdrop.robot import files
+from rankdrop.robot.open import open_robot, robot_names
+from robot.urdf_text import chain, robot
+
+DH = 'convention = "standard"\n[[joints]]\na = 1\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "n"),
+    [
+        ("two.toml", DH, 1), ("no_suffix", DH, 1), ("arm.urdf", robot(chain(3)), 3), ("arm.xml", robot(chain(2)), 2),
+        ("arm", "\ufeff\n  " + robot(chain(2)), 2), ("arm.txt", robot(chain(2)), 2),
+    ],
+)  # fmt: skip
+def test_files_are_known_by_what_they_hold(tmp_path: Path, name: str, text: str, n: int) -> None:
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    assert open_robot(path).n == n
+    assert open_robot(str(path)).source.origin == str(path)
+
+
+def test_a_toml_robot_without_a_name_has_the_name_of_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(DH, encoding="utf-8")
+    assert open_robot(path).name == "two"
+
+
+def test_a_name_of_the_catalogue_wins_over_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "pa10").write_text(DH, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert open_robot("pa10").n == 7
+    assert open_robot("./pa10").n == 1
+
+
+def test_latin_1_is_read_where_it_is_declared(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_bytes(b'<?xml version="1.0" encoding="ISO-8859-1"?><!-- \xe9 -->' + robot(chain(1)).encode())
+    assert open_robot(path).n == 1
+
+
+def test_unknown_names_bring_close_ones_and_the_list() -> None:
+    with pytest.raises(UnknownRobotError, match=r"got 'puma56'; allowed: .*; mend: did you mean puma560") as caught:
+        open_robot("puma56")
+    assert all(name in str(caught.value) for name in robot_names())
+    for name in ("", "nothing like it", "x" * 10_000, "a\0b"):
+        with pytest.raises(UnknownRobotError):
+            open_robot(name)
+
+
+@pytest.mark.parametrize("name", ["robots/arm.urdf", "arm.toml", "./pa10", "arm.XACRO"])
+def test_paths_that_are_not_there_are_called_files(name: str) -> None:
+    with pytest.raises(UnknownRobotError, match="there is no such file; got"):
+        open_robot(name)
+
+
+def test_links_cannot_be_named_where_there_are_none(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(DH, encoding="utf-8")
+    for source in ("pa10", path):
+        with pytest.raises(RobotError, match="no links to name as its tip; got 'tool0'"):
+            open_robot(source, tip="tool0")
+        with pytest.raises(RobotError, match="no links to name as its base"):
+            open_robot(source, base="world")
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"", "neither TOML nor XML|kind of table"),
+        (b"hello there\n", "neither TOML nor XML"),
+        (b"\x7fELF\0\0\0", "not a text file"),
+        (b"a\nb\n\xff\xfe", "line 3: this is not text in UTF-8; got byte 0xff"),
+    ],
+)
+def test_files_that_are_nothing_we_read_are_refused(tmp_path: Path, data: bytes, words: str) -> None:
+    path = tmp_path / "file.urdf"
+    path.write_bytes(data)
+    with pytest.raises(RobotError, match=words) as caught:
+        open_robot(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_folders_large_files_and_files_without_permission_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(RobotError, match="this is a folder"):
+        open_robot(tmp_path)
+    path = tmp_path / "large.toml"
+    path.write_text(DH, encoding="utf-8")
+    monkeypatch.setattr(files, "LARGEST_FILE", 10)
+    with pytest.raises(RobotError, match="too large"):
+        open_robot(path)
+    monkeypatch.undo()
+    path.chmod(0)
+    if not os.access(path, os.R_OK):  # root may read everything
+        with pytest.raises(RobotError, match="cannot be read: Permission denied"):
+            open_robot(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.urdf")
+    with pytest.raises(RobotError, match="this is not a file"):
+        open_robot(tmp_path / "pipe.urdf")

@@ -1,0 +1,109 @@
+"""Base and tip of a URDF: named, chosen with a note, or refused with the candidates."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.urdf import from_urdf
+from robot.urdf_text import chain, joint, robot
+
+
+def fixed(parent: str, child: str) -> str:
+    return joint(f"{parent}-{child}", parent, child, "fixed")
+
+
+def finger(name: str, parent: str = "hand") -> str:
+    return joint(name, parent, f"{name}_link", "prismatic")
+
+
+ARM = chain(6)
+
+
+def test_named_ends_are_taken_without_a_note() -> None:
+    arm = from_urdf(robot(ARM), base="l1", tip="l4")
+    assert (arm.base, arm.tip, arm.n, arm.notes) == ("l1", "l4", 3, ())
+
+
+def test_chosen_ends_are_noted() -> None:
+    arm = from_urdf(robot(ARM))
+    assert (arm.base, arm.tip, arm.n) == ("base", "l6", 6)
+    assert arm.notes[0] == "base 'base' chosen: the root link"
+    assert arm.notes[1] == "tip 'l6' chosen: end of the longest chain, 6 moving joints"
+
+
+def test_the_base_is_the_root_above_a_named_tip() -> None:
+    two = robot([*ARM, *chain(2, "other_", "elsewhere")])
+    assert from_urdf(two, tip="other_l2").base == "elsewhere"
+
+
+@pytest.mark.parametrize(
+    ("ends", "tip"),
+    [
+        (["flange", "tool0", "camera"], "tool0"), (["ee_link", "tool0"], "tool0"), (["camera", "arm_tcp"], "arm_tcp"),
+        (["link_eef"], "link_eef"), (["end_effector", "camera"], "end_effector"), (["camera", "flange"], "flange"),
+        (["panda_hand", "camera"], "panda_hand"), (["stick"], "stick"), (["camera", "light"], "l6"),
+    ],
+)  # fmt: skip
+def test_among_links_fixed_at_the_end_the_usual_name_decides(ends: list[str], tip: str) -> None:
+    arm = from_urdf(robot([*ARM, *(fixed("l6", end) for end in ends)]))
+    assert arm.tip == tip
+    if len(ends) > 1:
+        assert all(end in arm.notes[1] for end in ends)
+
+
+def test_the_farthest_of_fixed_links_in_a_row_is_the_tip() -> None:
+    assert from_urdf(robot([*ARM, fixed("l6", "l7"), fixed("l7", "l8")])).tip == "l8"
+
+
+def test_the_arm_ends_before_its_fingers() -> None:
+    arm = from_urdf(robot([*ARM, fixed("l6", "hand"), fixed("hand", "hand_tcp"), finger("left"), finger("right")]))
+    assert (arm.tip, arm.n) == ("hand_tcp", 6)
+    assert "the gripper after it is left out (left, right)" in arm.notes[1]
+
+
+def test_the_arm_ends_before_a_single_jaw() -> None:
+    assert from_urdf(robot([*ARM, joint("jaw", "l6", "moving_jaw")])).n == 6
+    assert from_urdf(robot([*ARM, joint("gripper_roll", "l6", "gripper_roll_link")])).n == 7
+
+
+def test_a_short_side_branch_does_not_stop_the_chain() -> None:
+    head = [joint("pan", "l1", "head1"), joint("tilt", "head1", "head2")]
+    assert from_urdf(robot([*ARM, *head])).tip == "l6"
+
+
+def test_equal_chains_are_refused_with_the_candidates() -> None:
+    arms = [*chain(1), *chain(6, "left_", "l1"), *chain(6, "right_", "l1")]
+    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; mend: name the tip"
+    with pytest.raises(RobotError, match=words):
+        from_urdf(robot(arms), file="two.urdf")
+    assert from_urdf(robot(arms), tip="left_l6").n == 7
+
+
+def test_several_roots_are_refused_with_the_candidates() -> None:
+    with pytest.raises(RobotError, match="several root links; got base, elsewhere; mend: name the base"):
+        from_urdf(robot([*ARM, *chain(2, "other_", "elsewhere")]))
+    assert from_urdf(robot(ARM, links=["world"])).base == "base"
+
+
+@pytest.mark.parametrize(
+    ("base", "tip", "words"),
+    [
+        ("Base", None, "no link for the base; got 'Base'; .*did you mean base"),
+        (None, "l66", "no link for the tip; got 'l66'; allowed: base, l1.*did you mean l6"),
+        ("l4", "l2", "tip 'l2' is not below the base 'l4'; allowed: a base among: l1, base"),
+        ("l4", "l4", "no moving joint between 'l4' and 'l4'"),
+    ],
+)
+def test_ends_that_do_not_fit_are_refused(base: str | None, tip: str | None, words: str) -> None:
+    with pytest.raises(RobotError, match=words):
+        from_urdf(robot(ARM), base=base, tip=tip, file="arm.urdf")
+
+
+def test_a_file_without_moving_joints_is_refused() -> None:
+    with pytest.raises(RobotError, match="no moving joint in the file"):
+        from_urdf(robot([fixed("a", "b")]))
+
+
+def test_a_chain_of_thousands_of_links_is_read() -> None:
+    assert from_urdf(robot([*ARM, *(fixed(f"l{i}", f"l{i + 1}") for i in range(6, 3000))])).tip == "l3000"

@@ -1,0 +1,279 @@
+"""What can be true of the axes of an arm at a singularity, as geometric facts that can be checked at any configuration.
+
+Facts that hold at *every* configuration are the arm's structure (spherical wrist, spherical shoulder, parallel axes);
+facts that hold on a family only are what the family is named after. Each carries how much rank it costs by itself in
+an arm without redundancy (n = generic rank), with the reason beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from rankdrop.atlas.scene import Scene, Verdicts
+from rankdrop.frames import TIP
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+
+_SAMPLES = 12  # random configurations at which a fact must hold to be structure
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One statement about the axes.
+
+    Attributes:
+        holds: tells at which configurations of a scene it is true.
+        kind: "aligned", "parallel", "perpendicular" (of `joints`), "against" (the first of `joints` parallel to the
+            rest), or "own" with its own `text`.
+        joints: indices from 0.
+        text: of an "own" fact.
+        roles: parts of the arm it concerns: "shoulder", "elbow", "wrist".
+        losses: by how much it lowers the rank of an arm without redundancy by itself.
+    """
+
+    holds: Callable[[Scene], Verdicts]
+    kind: str
+    joints: tuple[int, ...]
+    text: str = ""
+    roles: tuple[str, ...] = ()
+    losses: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """What is true of an arm at every configuration.
+
+    Attributes:
+        tight: no redundancy: as many joints as the generic rank.
+        shoulder: the first three joints, where their axes meet in one point (seven joints or more); else empty.
+        wrist: the last three joints, where their axes meet in one point; else empty.
+        tip_is_centre: the task leaves the rotation free, so that the tip plays the part of the wrist centre.
+        bundles: groups of two or more axes that are always parallel.
+        slides: joints that are not axes.
+        scene: the random configurations that were looked at.
+    """
+
+    tight: bool
+    shoulder: tuple[int, ...]
+    wrist: tuple[int, ...]
+    tip_is_centre: bool
+    bundles: tuple[tuple[int, ...], ...]
+    scene: Scene
+
+    def centre(self, scene: Scene) -> Array | None:
+        """(N, 3) the wrist centre, or the tip for a task without rotation; None where there is none."""
+        if self.tip_is_centre:
+            return scene.tip
+        return scene.common_point(self.wrist)[0] if self.wrist else None
+
+    @property
+    def centre_name(self) -> str:
+        """What to call it."""
+        return "tip" if self.tip_is_centre else "wrist centre"
+
+    def always(self, verdict: Callable[[Scene], Verdicts]) -> bool:
+        """Is it true at every configuration?"""
+        return bool(verdict(self.scene).all())
+
+
+def structure_of(robot: Robot, task: Task, generic_rank: int) -> Structure:
+    """Find the structure at random configurations (a fixed seed; true at all of them means true always)."""
+    scene = Scene(robot, np.random.default_rng(1).uniform(-np.pi, np.pi, (_SAMPLES, robot.n)))
+    n = robot.n
+    rotation_free = not {3, 4, 5} & set(task.rows) and {0, 1} <= set(task.rows) and task.frame.origin == TIP
+    tip_is_centre = rotation_free and not any(task.frame.point)
+    full = len(task.rows) == 6
+    wrist = (n - 3, n - 2, n - 1) if full and n >= 6 and _meet(scene, (n - 3, n - 2, n - 1)) else ()
+    shoulder = (0, 1, 2) if full and n >= 7 and _meet(scene, (0, 1, 2)) else ()
+    bundles = tuple(groups(scene.axes, scene.parallel))
+    return Structure(n == generic_rank, shoulder, wrist, tip_is_centre, bundles, scene)
+
+
+def groups(axes: Sequence[int], related: Callable[[int, int], Verdicts]) -> Iterator[tuple[int, ...]]:
+    """Classes of two or more axes that are related at every configuration of a scene."""
+    left = list(axes)
+    while left:
+        first = left.pop(0)
+        group = [first, *(other for other in left if related(first, other).all())]
+        left = [other for other in left if other not in group]
+        if len(group) > 1:
+            yield tuple(group)
+
+
+def candidate_facts(structure: Structure, scene: Scene) -> Iterator[Fact]:
+    """Facts worth testing on a family seen at `scene`: those about a part of the arm first."""
+    facts = [
+        *_elbow(structure),
+        *_aligned(structure, scene),
+        *_against_bundles(structure),
+        *_spherical(structure),
+        *_centre(structure),
+        *_parallel(structure, scene),
+        *_perpendicular(scene),
+    ]
+    yield from sorted(facts, key=lambda fact: not fact.roles)
+
+
+def _elbow(structure: Structure) -> Iterator[Fact]:
+    """The reach cannot be changed: the arm is stretched or folded."""
+    if structure.shoulder and structure.wrist:
+        # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
+        yield Fact(lambda s: _reach_stationary(structure, s), "own", (), "arm stretched or folded", ("elbow",))
+    for bundle in structure.bundles:
+        if structure.tight and (structure.tip_is_centre or structure.wrist):
+            # two parallel axes both move the centre along the normal of that plane
+            pairs = [pair for pair in pairwise(bundle) if pair[1] == pair[0] + 1]
+            yield from (_with_centre(structure, pair) for pair in pairs if not set(pair) & set(structure.wrist))
+        elif structure.tip_is_centre and len(bundle) == structure.scene.robot.n:
+            yield _with_centre(structure, bundle)
+        elif len(bundle) >= 3:
+            # parallel lines of one plane span a screw system of rank 2, those of space 3
+            text = f"axes {_list(bundle)} coplanar"
+            yield Fact(_coplanar(bundle), "own", bundle, text, ("elbow",), 1 if len(bundle) == 3 else 0)
+
+
+def _with_centre(structure: Structure, axes: tuple[int, ...]) -> Fact:
+    text = f"axes {_list(axes)} and {structure.centre_name} coplanar"
+    return Fact(_coplanar_with_centre(structure, axes), "own", axes, text, ("elbow",))
+
+
+def _aligned(structure: Structure, scene: Scene) -> Iterator[Fact]:
+    """Axes on one line: equal screws."""
+    for group in groups(scene.axes, scene.aligned):
+        in_shoulder, in_wrist = (len(set(group) & set(part)) for part in (structure.shoulder, structure.wrist))
+        centre_on_axis_1 = structure.tight and group[0] == 0 and in_wrist > 0
+        told = (("shoulder", in_shoulder > 1 or centre_on_axis_1), ("wrist", in_wrist > 1))
+        roles = tuple(role for role, concerned in told if concerned)
+        yield Fact(_all_pairs("aligned", group), "aligned", group, roles=roles, losses=len(group) - 1)
+
+
+def _against_bundles(structure: Structure) -> Iterator[Fact]:
+    """The first or the last axis parallel to three parallel ones: four screws of a system of rank 3."""
+    last = structure.scene.robot.n - 1
+    for bundle in structure.bundles:
+        if len(bundle) >= 3:
+            for i, role in ((0, "shoulder"), (last, "wrist")):
+                if i in structure.scene.axes and i not in bundle:
+                    yield Fact(_all_pairs("parallel", (i, bundle[0])), "against", (i, *bundle), roles=(role,))
+
+
+def _spherical(structure: Structure) -> Iterator[Fact]:
+    """Three axes through one point and in one plane: rank 2. Two of them on one line is another fact."""
+    for role, joints in (("shoulder", structure.shoulder), ("wrist", structure.wrist)):
+        if joints:
+            yield Fact(_fan(joints), "own", joints, f"axes {_list(joints)} coplanar", (role,))
+
+
+def _centre(structure: Structure) -> Iterator[Fact]:
+    """Where the wrist centre (or the tip, or the point where the last two axes of a UR-type arm meet) can be."""
+    n = structure.scene.robot.n
+    axes = structure.scene.axes
+    if not structure.tight:
+        return
+    plane = _shoulder_plane(structure)
+    if structure.wrist or structure.tip_is_centre:
+        for i in axes:
+            if i not in structure.wrist:  # a rotation about an axis through the centre does not move it
+                roles = ("shoulder",) if i == 0 else ()
+                yield Fact(_centre_on(structure, i), "own", (i,), f"{structure.centre_name} on axis {i + 1}", roles)
+        if plane:
+            # the line through the centre along axis 2 meets axis 1, and axes 2 and 3 (parallel, or in the same plane)
+            holds = _in_shoulder_plane(structure.centre)
+            yield Fact(holds, "own", (0, 1), f"{structure.centre_name} in {plane}", ("shoulder",))
+    elif n == 6 and plane and _is_ur_type(structure):
+        # the line through that point along axis 2 meets or is parallel to every axis
+        holds = _in_shoulder_plane(lambda s: s.common_point((4, 5))[0])
+        yield Fact(holds, "own", (0, 1, 4, 5), f"axes 5, 6 meet in {plane}", ("shoulder",))
+
+
+def _parallel(structure: Structure, scene: Scene) -> Iterator[Fact]:
+    for group in groups(scene.axes, scene.parallel):
+        # four parallel axes are four screws of a system of rank 3
+        yield Fact(_all_pairs("parallel", group), "parallel", group, losses=max(0, len(group) - 3))
+        if len(group) > 2 and group not in structure.bundles:
+            yield Fact(_coplanar(group), "own", group, f"axes {_list(group)} parallel and coplanar", losses=0)
+
+
+def _perpendicular(scene: Scene) -> Iterator[Fact]:
+    for i, j in zip(scene.axes, scene.axes[2:], strict=False):
+        yield Fact(_all_pairs("perpendicular", (i, j)), "perpendicular", (i, j), losses=0)
+
+
+def _meet(scene: Scene, joints: tuple[int, ...]) -> bool:
+    return set(joints) <= set(scene.axes) and bool(scene.common_point(joints)[1].all())
+
+
+def _is_ur_type(structure: Structure) -> bool:
+    """Axes 2, 3, 4 parallel, axes 5 and 6 meeting, at every configuration."""
+    triple = (1, 2, 3) in structure.bundles
+    return triple and {4, 5} <= set(structure.scene.axes) and structure.always(lambda s: s.meeting(4, 5))
+
+
+def _shoulder_plane(structure: Structure) -> str:
+    """The plane through axis 1 along axis 2, where it decides: axes 1, 2 meet, or axes 2, 3 are parallel."""
+    if not {0, 1} <= set(structure.scene.axes) or structure.always(lambda s: s.parallel(0, 1)):
+        return ""
+    if structure.always(lambda s: s.meeting(0, 1)):
+        return "plane of axes 1, 2"
+    return "plane of 1 parallel to 2" if any({1, 2} <= set(bundle) for bundle in structure.bundles) else ""
+
+
+def _reach_stationary(structure: Structure, scene: Scene) -> Verdicts:
+    shoulder, wrist = scene.common_point(structure.shoulder)[0], scene.common_point(structure.wrist)[0]
+    line = (wrist - shoulder) / scene.length
+    # velocity of the wrist centre, v + ω × W, for every joint
+    velocity = scene.screws[:, :3] + np.cross(scene.screws[:, 3:], wrist[..., None], axis=1)
+    rate = np.einsum("ni,nij->nj", line, velocity) / scene.length
+    return np.asarray((np.abs(rate) < 1e-6).all(axis=1))
+
+
+def _all_pairs(question: str, group: Sequence[int]) -> Callable[[Scene], Verdicts]:
+    first = group[0]
+
+    def holds(scene: Scene) -> Verdicts:
+        ask = {"aligned": scene.aligned, "parallel": scene.parallel, "perpendicular": scene.perpendicular}[question]
+        return np.asarray(np.stack([ask(first, other) for other in group[1:]]).all(axis=0))
+
+    return holds
+
+
+def _coplanar(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
+    return lambda scene: scene.coplanar(axes)
+
+
+def _fan(axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
+    def holds(scene: Scene) -> Verdicts:
+        aligned = np.stack([scene.aligned(i, j) for i, j in combinations(axes, 2)]).any(axis=0)
+        return scene.coplanar(axes) & ~aligned
+
+    return holds
+
+
+def _coplanar_with_centre(structure: Structure, axes: tuple[int, ...]) -> Callable[[Scene], Verdicts]:
+    return lambda scene: scene.coplanar(axes, structure.centre(scene))
+
+
+def _centre_on(structure: Structure, i: int) -> Callable[[Scene], Verdicts]:
+    def holds(scene: Scene) -> Verdicts:
+        centre = structure.centre(scene)
+        return np.zeros(len(scene.q), dtype=bool) if centre is None else scene.on_axis(centre, i)
+
+    return holds
+
+
+def _in_shoulder_plane(point: Callable[[Scene], Array | None]) -> Callable[[Scene], Verdicts]:
+    def holds(scene: Scene) -> Verdicts:
+        at = point(scene)
+        if at is None:
+            return np.zeros(len(scene.q), dtype=bool)
+        return scene.in_plane(at, 0, scene.z[1]) & ~scene.on_axis(at, 1)  # on axis 2 is a fact of its own
+
+    return holds
+
+
+def _list(joints: Sequence[int]) -> str:
+    return ", ".join(str(i + 1) for i in joints)

@@ -1,0 +1,179 @@
+"""Lost directions: which end-effector motions no joint rate can make, in a basis and a frame that can be read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.frames import BASE, TIP, Frame, link_index
+from rankdrop.kinematics import pose
+from rankdrop.local.block import decompose, generic_rank
+from rankdrop.local.readable import readable_basis
+from rankdrop.local.screws import rewrite_wrench
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+
+_ENTRY = 1e-6  # entries of a unit direction below this do not count as entries
+_NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
+_STEP = 0.1  # how far away they are [rad, m]
+
+
+@dataclass(frozen=True, slots=True)
+class FramedDirections:
+    """Lost directions and the frame they are written in.
+
+    Attributes:
+        directions: (k, 6) as from `lost_directions`, in `frame`.
+        frame: axes and reference point.
+        name: of the frame, to end a sentence with: "the base", "the end effector", "link 4", "link 4 at its origin".
+    """
+
+    directions: Array
+    frame: Frame
+    name: str
+
+
+def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Array:
+    """The k task motions lost at q: AM's u_{r+1} … u_m, turned into a readable basis (AM 2.3).
+
+    Each row u is a unit vector of the left null space of the task Jacobian in metres and radians,
+
+        u · (v; ω) = 0  for every twist (v; ω) = J(q) q̇  the joints can make,
+
+    whatever the length scale of the task: with Ĵ = S J, S = diag(1/ℓ, 1), and ûᵀĴ = 0 it is u ∝ Sû. It can be read in
+    two ways. As a twist (vx vy vz wx wy wz) [m/s, rad/s]: no attainable motion has a component along u; this reading
+    takes 1 m and 1 rad as equal, as AM do. As a wrench (f; τ) [N, N m]: the structure carries it with no joint torque;
+    this needs no such choice. The rows are orthonormal and span a space that depends on q and the task's frame only.
+
+    Where the arm never reaches the rank m of the task (SCARA with all six rows), what is lost everywhere is left out:
+    of the m − rank(q) null directions the k are returned that are farthest from the null spaces at regular
+    configurations around q (orthogonal to them where those are all the same).
+
+    Args:
+        robot: the arm.
+        q: (n,) a configuration of corank k [rad, m]. Where it is not singular, the k weakest directions are returned.
+        task: rows and frame; the directions are in this frame, at its point, and zero in rows outside the task.
+        corank: k = generic rank − rank J(q), at least 1.
+
+    Returns:
+        (k, 6) orthonormal rows.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        OptionError: k is not in 1 … generic rank.
+    """
+    blocked, always = _blocked(robot, _one(robot, q), task, corank)
+    return _readable(blocked, always, corank)
+
+
+def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) -> FramedDirections:
+    """`lost_directions` in the frame in which they have the fewest non-zero entries.
+
+    Tried in this order, a later one only if it is strictly sparser: the task's frame; base, end effector and each
+    link's axes (`Joint.frame`) at the task's point; each link's axes at its own origin. Change of frame is that of a
+    wrench.
+
+    Args, Raises: as `lost_directions`.
+    """
+    configuration = _one(robot, q)
+    blocked, always = _blocked(robot, configuration, task, corank)
+    links = _link_poses(robot, configuration)
+    joints = len(robot.joints)
+    old = links[link_index(task.frame.axes, joints, "axes")][:3, :3]
+    at = _point(links, task.frame, joints)
+    best: FramedDirections | None = None
+    for frame, name in _candidates(task.frame, joints):
+        new = links[link_index(frame.axes, joints, "axes")][:3, :3]
+        turn, offset = old.T @ new, old.T @ (_point(links, frame, joints) - at)
+        found = _readable(rewrite_wrench(blocked, turn, offset), rewrite_wrench(always, turn, offset), corank)
+        if best is None or _entries(found) < _entries(best.directions):
+            best = FramedDirections(found, frame, name)
+    if best is None:  # the first candidate is the task's own frame
+        raise OptionError("there is no frame to choose from")
+    return best
+
+
+def frame_name(frame: Frame) -> str:
+    """A frame in words, to end a sentence with."""
+    axes = {BASE: "the base", TIP: "the end effector"}.get(frame.axes, f"link {frame.axes}")
+    if frame.origin == TIP and not any(frame.point):
+        return axes
+    if frame.origin == frame.axes and not any(frame.point):
+        return f"{axes} at its origin"
+    carrier = {BASE: "the base", TIP: "the end effector"}.get(frame.origin, f"link {frame.origin}")
+    where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in frame.point)}) m"
+    return f"{axes} at {where} of {carrier}"
+
+
+def _one(robot: Robot, q: ArrayLike) -> Array:
+    configuration = np.asarray(q, dtype=np.float64)
+    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
+        allowed = f"shape ({robot.n},), finite"
+        raise ConfigurationError("one configuration is needed", got=configuration.shape, allowed=allowed)
+    return configuration
+
+
+def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
+    """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
+    generic = generic_rank(robot, task)
+    if not 1 <= corank <= generic:
+        raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
+    blocked = _wrenches(decompose(robot, q, task).u[:, generic - corank :], robot, task)
+    if generic == task.m:
+        return blocked, np.zeros((0, 6))
+    steps = np.random.default_rng(0).uniform(-_STEP, _STEP, (_NEIGHBOURS, robot.n))
+    around = decompose(robot, q + steps, task).u[..., generic:]
+    return blocked, np.concatenate([_wrenches(u, robot, task) for u in around])
+
+
+def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
+    """Left singular vectors (m, p) of the scaled task Jacobian as (p, 6) wrenches: u = Sû, in all six rows."""
+    rows = np.zeros((u.shape[1], 6))
+    rows[:, list(task.rows)] = u.T
+    rows[:, :3] /= task.scale(robot)
+    return rows
+
+
+def _readable(blocked: Array, always: Array, corank: int) -> Array:
+    """Readable basis (k, 6) of the part of span(blocked) that is farthest from the wrenches blocked around q."""
+    basis = np.linalg.qr(blocked.T)[0]
+    if basis.shape[1] > corank:
+        groups = always.reshape(_NEIGHBOURS, -1, 6)
+        overlap = np.zeros((basis.shape[1], basis.shape[1]))
+        for group in groups:
+            part = np.linalg.qr(group.T)[0].T @ basis
+            overlap += part.T @ part / _NEIGHBOURS
+        basis = basis @ np.linalg.eigh(overlap)[1][:, :corank]  # eigenvalue 1: blocked around q as well; 0: nowhere
+    return readable_basis(basis).T
+
+
+def _candidates(own: Frame, joints: int) -> list[tuple[Frame, str]]:
+    links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
+    frames = [own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links)]
+    return [(frame, frame_name(frame)) for frame in frames]
+
+
+def _entries(directions: Array) -> int:
+    return int((np.abs(directions) > _ENTRY).sum())
+
+
+def _point(links: list[Array], frame: Frame, joints: int) -> Array:
+    carrier = links[link_index(frame.origin, joints, "point")]
+    return np.asarray(carrier[:3, :3] @ np.array(frame.point) + carrier[:3, 3])
+
+
+def _link_poses(robot: Robot, q: Array) -> list[Array]:
+    """Poses of link 0 (the base), link 1 … N and the tip: the pose of the arm cut off after each joint."""
+    values = dict(zip((joint.name for joint in robot.variables), q, strict=True))
+    for joint in robot.joints:
+        if joint.mimic is not None:
+            values[joint.name] = joint.mimic.multiplier * values[joint.mimic.leader] + joint.mimic.offset
+    free = [replace(joint, mimic=None) for joint in robot.joints]
+    every = np.array([values[joint.name] for joint in free])
+    poses = [np.eye(4)]
+    for i, joint in enumerate(free, start=1):
+        poses.append(pose(replace(robot, joints=tuple(free[:i]), home=joint.frame), every[:i]))
+    return [*poses, pose(robot, q)]

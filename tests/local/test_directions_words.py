@@ -1,0 +1,77 @@
+"""Lost directions in words, and twists as screws."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+
+from rankdrop.errors import OptionError
+from rankdrop.local.screws import Screw, rewrite_wrench, screw_of
+from rankdrop.local.words import blocked_words, words
+
+
+@pytest.mark.parametrize(
+    ("direction", "frame", "expected"),
+    [
+        ([0, 0, 0, 1, 0, 0], "the base", "cannot rotate about X of the base"),
+        ([0, -1, 0, 0, 0, 0], "the end effector", "cannot translate along Y of the end effector"),
+        ([0.7071, 0, 0.7071, 0, 0, 0], "the base", "cannot translate along (0.707, 0, 0.707) of the base"),
+        ([0, 0, 0, 0, 0.6, -0.8], "link 4", "cannot rotate about (0, −0.6, 0.8) of link 4"),
+        ([0, -0.91, 0, 0, 0, -0.41], "link 1", "cannot translate along Y while rotating 0.451 rad/m about Z of link 1"),
+        ([0, 0, 0.91, 0, -0.41, 0], "link 1", "cannot translate along Z while rotating −0.451 rad/m about Y of link 1"),
+        ([0, 0.3, 0, 0.6, 0, 0], "link 1", "cannot rotate about X while translating 0.5 m/rad along Y of link 1"),
+    ],
+)
+def test_known_directions_in_words(direction: list[float], frame: str, expected: str) -> None:
+    assert words(direction, frame) == expected
+    assert words(-3.0 * np.array(direction), frame) == expected, "neither sign nor length of a direction matters"
+
+
+def test_a_blocked_force_is_told_by_the_point_that_cannot_move() -> None:
+    said = blocked_words([0, 0.91, 0, 0, 0, 0.41])
+    assert said == "the point (0.451, 0, 0) m from the reference point cannot move along Y of the base"
+    assert blocked_words([1, 0, 0, 0, 0, 0]) == "the reference point cannot move along X of the base"
+    assert blocked_words([0, 0, 0, 0, 2, 0]) == "cannot rotate about Y of the base"
+    said = blocked_words([0, 0, 1, 0, 0, 0.2], "link 2")
+    assert said == "the reference point moves along Z of link 2 only by −0.2 m for every rad of rotation about it"
+
+
+def test_the_sentence_about_the_point_is_true_of_every_motion_that_is_left(rng: np.random.Generator) -> None:
+    for _ in range(50):
+        wrench = rng.normal(size=6)
+        line = screw_of(np.concatenate([wrench[3:], wrench[:3]]))
+        motion = rng.normal(size=6)
+        motion -= wrench * (motion @ wrench) / (wrench @ wrench)
+        velocity = motion[:3] + np.cross(motion[3:], line.point)
+        along = np.array(line.direction)
+        assert velocity @ along == pytest.approx(-line.pitch * (motion[3:] @ along), abs=1e-12)
+
+
+def test_a_twist_is_the_twist_of_its_screw(rng: np.random.Generator) -> None:
+    for twist in [*rng.normal(size=(50, 6)), np.array([0, 0, 2.0, 0, 0, 0]), np.array([0, 0, 0, 0, 3.0, 0])]:
+        assert np.abs(screw_of(twist).twist - twist).max() < 1e-12
+
+
+def test_a_screw_is_the_screw_of_its_twist() -> None:
+    screw = Screw((0.0, 0.3, 0.0), (0.0, 0.0, 1.0), 0.2, 4.0)
+    again = screw_of(screw.twist)
+    assert np.allclose(again.point, screw.point)
+    assert np.allclose(again.direction, screw.direction)
+    assert (again.pitch, again.magnitude) == pytest.approx((0.2, 4.0))
+    assert screw_of([3, 0, 4, 0, 0, 0]) == Screw((0.0, 0.0, 0.0), (0.6, 0.0, 0.8), inf, 5.0)
+
+
+def test_a_change_of_frame_leaves_the_power_of_a_wrench_alone(rng: np.random.Generator) -> None:
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    offset, wrench, motion = rng.normal(size=3), rng.normal(size=6), rng.normal(size=6)
+    moved = np.concatenate([turn.T @ (motion[:3] + np.cross(motion[3:], offset)), turn.T @ motion[3:]])
+    assert rewrite_wrench(wrench, turn, offset) @ moved == pytest.approx(wrench @ motion)
+
+
+@pytest.mark.parametrize("bad", [np.zeros(6), np.ones(5), np.full(6, np.inf)])
+def test_what_is_not_a_direction_is_refused(bad: np.ndarray) -> None:
+    for ask in (words, blocked_words, screw_of):
+        with pytest.raises(OptionError):
+            ask(bad)

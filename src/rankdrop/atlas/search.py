@@ -209,19 +209,22 @@ def refine(
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
     parts = []
     done, size, interrupted = 0, 64, False
-    while done < len(rows) and not interrupted:
-        begun = time.perf_counter()
-        part = _core.search(
-            chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method), most,
-            singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
-        )
-        interrupted = part[6]
-        parts.append(part)
-        done += len(part[0])
-        if progress is not None:
-            progress(done, len(rows))
-        # parts of about a tenth of a second: progress moves, and the threads stay busy
-        size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
+    try:
+        while done < len(rows) and not interrupted:
+            begun = time.perf_counter()
+            part = _core.search(
+                chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method), most,
+                singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
+            )
+            interrupted = part[6]
+            parts.append(part)
+            done += len(part[0])
+            if progress is not None:
+                progress(done, len(rows))
+            # parts of about a tenth of a second: progress moves, and the threads stay busy
+            size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
+    except KeyboardInterrupt:  # met between two parts, in `progress` say
+        done = sum(len(part[0]) for part in parts)
     return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts, done)
 
 

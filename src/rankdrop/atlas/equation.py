@@ -1,0 +1,358 @@
+"""Equations of families: trigonometric polynomials in the joint variables, with value, gradient and text.
+
+An equation is f(q) = Σ c · sin|cos(m·q − s) · Π q_j^p. Revolute joints enter through the harmonics m, prismatic ones
+through the powers p. m may hold half-integers: sin((θ3 + θ5)/2) is the linear relation θ3 + θ5 = 0. Such an f is
+defined on the torus up to its sign when, joint by joint, all terms have the same parity of 2m, and its zero set is
+then well defined (`Equation.parity`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.robot.model import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """c · sin|cos(½·Σ harmonics_j q_j − shift) · Π q_j^powers_j.
+
+    Attributes:
+        coefficient: c.
+        kind: "sin" or "cos".
+        harmonics: (n,) twice the multiples m, so that they are whole numbers.
+        powers: (n,) exponents of prismatic joints.
+        shift: phase s [rad].
+    """
+
+    coefficient: float
+    kind: str
+    harmonics: tuple[int, ...]
+    powers: tuple[int, ...]
+    shift: float = 0.0
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One condition f(q) = 0.
+
+    Attributes:
+        terms: summands, in the order they are printed.
+
+    Raises:
+        OptionError: no term, an unknown kind, or terms of different lengths.
+    """
+
+    terms: tuple[Term, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "terms", tuple(self.terms))
+        if not self.terms:
+            raise OptionError("an equation needs at least one term")
+        lengths = {len(part) for term in self.terms for part in (term.harmonics, term.powers)}
+        if len(lengths) != 1:
+            raise OptionError("the terms of an equation have different numbers of joints", got=sorted(lengths))
+        kinds = {term.kind for term in self.terms} - {"sin", "cos"}
+        if kinds:
+            raise OptionError("unknown kind of term", got=", ".join(sorted(kinds)), allowed="sin, cos")
+
+    @property
+    def n(self) -> int:
+        """Number of joint variables."""
+        return len(self.terms[0].harmonics)
+
+    @cached_property
+    def _tables(self) -> tuple[Array, Array, Array, Array, Array, bool]:
+        """f = Σ (a cos φ + b sin φ)·q^p, one summand per angle: m (t, n), shift (t,), a (t,), b (t,), p (t, n)."""
+        found: dict[tuple[tuple[int, ...], tuple[int, ...], float], list[float]] = {}
+        for term in self.terms:
+            pair = found.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
+            pair[term.kind == "sin"] += term.coefficient
+        m = np.array([key[0] for key in found], dtype=np.float64) / 2
+        p = np.array([key[1] for key in found], dtype=np.float64)
+        shift = np.array([key[2] for key in found])
+        both = np.array(list(found.values()))
+        return m, shift, both[:, 0], both[:, 1], p, bool(p.any())
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Numbers (from 1) of the joints that occur."""
+        m, _, _, _, p, _ = self._tables
+        return tuple(int(j) + 1 for j in np.flatnonzero((np.abs(m) + p).sum(axis=0)))
+
+    @property
+    def parity(self) -> tuple[int, ...] | None:
+        """(n,) 0 or 1 per joint: what q_j + 2π does to the sign of f; None when the terms disagree."""
+        kinds = {tuple(h % 2 for h in term.harmonics) for term in self.terms}
+        return kinds.pop() if len(kinds) == 1 else None
+
+    def __call__(self, q: ArrayLike) -> Array:
+        """f(q).
+
+        Args:
+            q: (..., n) configurations [rad, m].
+
+        Returns:
+            (...,) values.
+
+        Raises:
+            ConfigurationError: q has another number of joints.
+        """
+        q = self._checked(q)
+        m, shift, a, b, p, powered = self._tables
+        angle = q @ m.T - shift  # (..., t)
+        if not powered:
+            return np.asarray(np.cos(angle) @ a + np.sin(angle) @ b)
+        return np.asarray(((np.cos(angle) * a + np.sin(angle) * b) * _monomials(q, p)).sum(axis=-1))
+
+    def gradient(self, q: ArrayLike) -> Array:
+        """∂f/∂q: (..., n) at configurations q (..., n).
+
+        Raises:
+            ConfigurationError: q has another number of joints.
+        """
+        return self.with_gradient(q)[1]
+
+    def with_gradient(self, q: ArrayLike) -> tuple[Array, Array]:
+        """f (...,) and ∂f/∂q (..., n) at once.
+
+        Raises:
+            ConfigurationError: q has another number of joints.
+        """
+        q = self._checked(q)
+        m, shift, a, b, p, powered = self._tables
+        angle = q @ m.T - shift
+        cos, sin = np.cos(angle), np.sin(angle)
+        if not powered:
+            return np.asarray(cos @ a + sin @ b), np.asarray((cos * b - sin * a) @ m)
+        wave, monomials = cos * a + sin * b, _monomials(q, p)
+        slope = ((cos * b - sin * a) * monomials) @ m
+        for j in np.flatnonzero(p.any(axis=0)):
+            lowered = p.copy()
+            lowered[:, j] = np.maximum(p[:, j] - 1, 0)
+            slope[..., j] += (wave * p[:, j] * _monomials(q, lowered)).sum(axis=-1)
+        return np.asarray((wave * monomials).sum(axis=-1)), np.asarray(slope)
+
+    def _checked(self, q: ArrayLike) -> Array:
+        q = np.asarray(q, dtype=np.float64)
+        if q.ndim == 0 or q.shape[-1] != self.n:
+            raise ConfigurationError("q has the wrong number of joints", got=q.shape, allowed=f"(..., {self.n})")
+        return q
+
+    def text(self) -> str:
+        """f as a Python expression in q1 … qn, sin, cos and pi; exact to the last digit, for numbers and arrays."""
+        text = ""
+        for i, term in enumerate(self.terms):
+            sign = "-" if term.coefficient < 0 else "+"
+            body = "*".join(_factors(term))
+            text += f" {sign} {body}" if i else ("-" if sign == "-" else "") + body
+        return text
+
+    def pretty(self, digits: int = 4) -> str:
+        """f for people: "0.9087 cos θ2 + cos(θ2+θ3)"; prismatic joints are written q_j. No "= 0"."""
+        parts = []
+        for term in self.terms:
+            number = f"{abs(term.coefficient):.{digits}g}"
+            factors = _pretty_factors(term, digits)
+            body = factors if number == "1" and factors else f"{number} {factors}".strip()
+            parts.append(("−" if term.coefficient < 0 else "+", body))
+        first = ("−" if parts[0][0] == "−" else "") + parts[0][1]
+        return first + "".join(f" {sign} {body}" for sign, body in parts[1:])
+
+    def __str__(self) -> str:
+        return self.pretty()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: the text and the terms."""
+        return {
+            "text": self.text(),
+            "terms": [
+                {
+                    "coefficient": term.coefficient,
+                    "kind": term.kind,
+                    "harmonics": [h / 2 for h in term.harmonics],
+                    "powers": list(term.powers),
+                    "shift": term.shift,
+                }
+                for term in self.terms
+            ],
+        }
+
+    @classmethod
+    def from_dict(cls, record: dict[str, Any]) -> Equation:
+        """The equation of a record made by `to_dict`."""
+        return cls(
+            tuple(
+                Term(
+                    float(term["coefficient"]),
+                    term["kind"],
+                    tuple(round(2 * m) for m in term["harmonics"]),
+                    tuple(int(p) for p in term["powers"]),
+                    float(term["shift"]),
+                )
+                for term in record["terms"]
+            )
+        )
+
+
+def _monomials(q: Array, powers: Array) -> Array:
+    return np.asarray((q[..., None, :] ** powers).prod(axis=-1))
+
+
+def vanishing_on(covector: Sequence[int], values: Sequence[float], *, periodic: bool) -> Equation:
+    """The simplest equation that holds exactly where covector·q takes one of `values`.
+
+    {0, π} gives sin u, {±π/2} cos u, {v} sin((u − v)/2), {v, v + π} sin(u − v), any other set the product of the
+    sin((u − v)/2) written as a sum; a variable that is not periodic gives Π (u − v).
+
+    Args:
+        covector: (n,) whole numbers; u = covector·q. One ±1 entry for a pinned joint.
+        values: [rad], or [m] where not periodic.
+        periodic: whether u is an angle.
+
+    Raises:
+        OptionError: no value, or a relation between joints that are not angles with more than one value.
+    """
+    n, zero = len(covector), (0,) * len(covector)
+    if not values:
+        raise OptionError("a condition needs at least one value")
+    if not periodic:
+        return _polynomial(covector, values)
+    half = tuple(int(m) for m in covector)
+    whole = tuple(2 * m for m in half)
+    if len(values) == 1:
+        v = float(values[0])
+        if abs(v) < 1e-15:
+            return Equation((Term(1.0, "sin", half, zero),))
+        if abs(abs(v) - pi) < 1e-15:
+            return Equation((Term(1.0, "cos", half, zero),))
+        return Equation((Term(1.0, "sin", half, zero, v / 2),))
+    if len(values) == 2 and abs(np.cos(values[0] - values[1]) + 1) < 1e-15:
+        v = float(values[0])
+        if abs(np.sin(v)) < 1e-15:
+            return Equation((Term(1.0, "sin", whole, zero),))
+        if abs(np.cos(v)) < 1e-15:
+            return Equation((Term(1.0, "cos", whole, zero),))
+        low = v if -pi / 2 < v < pi / 2 else float(values[1])
+        return Equation((Term(1.0, "sin", whole, zero, low),))
+    return _product_of_sines(half, values, n)
+
+
+def _product_of_sines(half: tuple[int, ...], values: Sequence[float], n: int) -> Equation:
+    """Π sin((u − v)/2) over N values is z^(−N/2)·Π(z − e^{iv}) up to a constant, z = e^{iu}: read off its harmonics."""
+    count = len(values)
+    coefficients = np.poly(np.exp(1j * np.asarray(values)))  # of z^count … z^0
+    coefficients = coefficients * np.exp(-0.5j * (np.angle(coefficients[-1])))  # makes it c_k = conj(c_{count−k})
+    terms = []
+    for k in range(count // 2 + 1):
+        order = count - 2 * k  # twice the harmonic
+        c = coefficients[k] * (1.0 if order == 0 else 2.0)
+        harmonics = tuple(order * m for m in half)
+        terms.append(Term(float(c.real), "cos", harmonics, (0,) * n))
+        if order:
+            terms.append(Term(float(-c.imag), "sin", harmonics, (0,) * n))
+    return normalised(terms, threshold=1e-13)
+
+
+def _polynomial(covector: Sequence[int], values: Sequence[float]) -> Equation:
+    n, zero = len(covector), (0,) * len(covector)
+    if sum(abs(m) for m in covector) == 1:
+        j = next(i for i, m in enumerate(covector) if m)
+        coefficients = np.poly(np.asarray(values, dtype=np.float64) * covector[j])
+        degree = len(coefficients) - 1
+        terms = [
+            Term(float(c), "cos", zero, tuple(degree - k if i == j else 0 for i in range(n)))
+            for k, c in enumerate(coefficients)
+            if c != 0.0
+        ]
+        return Equation(tuple(terms))
+    if len(values) > 1:
+        raise OptionError("a relation between joints that are not angles takes one value", got=len(values))
+    terms = [Term(float(m), "cos", zero, tuple(int(i == j) for i in range(n))) for j, m in enumerate(covector) if m]
+    return Equation((*terms, Term(-float(values[0]), "cos", zero, zero)) if values[0] else tuple(terms))
+
+
+def normalised(terms: Iterable[Term], threshold: float = 1e-15) -> Equation:
+    """The equation divided by its largest coefficient, first sign positive, terms below `threshold` dropped."""
+    kept = list(terms)
+    largest = max((abs(term.coefficient) for term in kept), default=0.0)
+    kept = [term for term in kept if abs(term.coefficient) > threshold * largest]
+    if not kept:
+        raise OptionError("an equation needs a term that is not zero")
+    scale = float(np.copysign(largest, kept[0].coefficient))
+    return Equation(tuple(Term(t.coefficient / scale, t.kind, t.harmonics, t.powers, t.shift) for t in kept))
+
+
+def _factors(term: Term) -> list[str]:
+    factors = []
+    if any(term.harmonics) or term.shift:
+        factors.append(f"{term.kind}({_angle(term)})")
+    elif term.kind == "sin":
+        factors.append("0.0")
+    for j, power in enumerate(term.powers, start=1):
+        if power:
+            factors.append(f"q{j}" if power == 1 else f"q{j}**{power}")
+    number = repr(abs(float(term.coefficient)))
+    return factors if factors and number == "1.0" else [number, *factors]
+
+
+def _angle(term: Term) -> str:
+    halved = any(h % 2 for h in term.harmonics)
+    scale = 1 if halved else 2
+    text = ""
+    for j, h in enumerate(term.harmonics, start=1):
+        if h:
+            multiple = abs(h) // scale
+            body = f"q{j}" if multiple == 1 else f"{multiple}*q{j}"
+            text += ("-" if h < 0 else "+" if text else "") + body
+    if term.shift:
+        shift = term.shift * (2 if halved else 1)
+        text += f"{'-' if shift > 0 else '+'}{abs(shift)!r}"
+    if not halved:
+        return text
+    return f"({text})/2" if len([h for h in term.harmonics if h]) > 1 or term.shift else f"{text}/2"
+
+
+def _pretty_factors(term: Term, digits: int) -> str:
+    factors = []
+    if any(term.harmonics) or term.shift:
+        halved = any(h % 2 for h in term.harmonics)
+        text = ""
+        for j, h in enumerate(term.harmonics, start=1):
+            if h:
+                multiple = abs(h) if halved else abs(h) // 2
+                text += ("−" if h < 0 else "+" if text else "") + (f"θ{j}" if multiple == 1 else f"{multiple}θ{j}")
+        if term.shift:
+            shift = term.shift * (2 if halved else 1)
+            text += (" − " if shift > 0 else " + ") + pretty_angle(abs(shift), digits)
+        simple = text.startswith("θ") and sum(map(bool, term.harmonics)) == 1 and not term.shift
+        if halved:
+            text = f"{text}/2" if simple else f"({text})/2"
+        factors.append(f"{term.kind} {text}" if simple and not halved else f"{term.kind}({text})")
+    superscript = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+    for j, power in enumerate(term.powers, start=1):
+        if power:
+            factors.append(f"q{j}" + (str(power).translate(superscript) if power > 1 else ""))
+    return " ".join(factors)
+
+
+def pretty_angle(value: float, digits: int = 4) -> str:
+    """An angle for people: multiples of π/12 as fractions of π ("−π/2", "2π/3"), anything else as a number [rad]."""
+    twelfths = value * 12 / pi
+    whole = round(twelfths)
+    if abs(twelfths - whole) > 1e-9:
+        return f"{value:.{digits}g}".replace("-", "−")
+    if whole == 0:
+        return "0"
+    common = int(np.gcd(abs(whole), 12))
+    top, bottom = abs(whole) // common, 12 // common
+    text = ("π" if top == 1 else f"{top}π") + (f"/{bottom}" if bottom > 1 else "")
+    return ("−" if whole < 0 else "") + text

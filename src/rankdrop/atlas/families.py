@@ -1,0 +1,229 @@
+"""From a cloud of singular configurations to a table of families, each with what speaks for it.
+
+1. Every point gets a signature from D (`signature`): joints pinned, free, coupled; whole-number relations.
+2. Groups of one signature become rows (`rows`): values are snapped, completed by symmetry and verified directly by σ;
+   equations of coupled joints are fitted (`fit`, `residual`). Where D vanishes, shared values do instead (`recognise`).
+3. Soundness: a row's equations are solved from random starts and the rank is looked at; an unsound row is never shown.
+4. Completeness: fresh points from another seed, none of which was used before, are explained by the rows or shown as a
+   family without a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.atlas.estimate import none_found, unseen
+from rankdrop.atlas.family import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness
+from rankdrop.atlas.linear import wrap
+from rankdrop.atlas.naming import name_family
+from rankdrop.atlas.row import Row, soundness
+from rankdrop.atlas.rows import Cover, find_rows
+from rankdrop.atlas.sampling import Setting
+from rankdrop.atlas.search import Outcome, Search, search
+from rankdrop.atlas.signature import Inspection
+from rankdrop.atlas.unnamed import Leftover, leftovers
+from rankdrop.atlas.witness import witness
+from rankdrop.local.directions import frame_name, lost_directions
+from rankdrop.local.words import words
+from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+Progress = Callable[[int, int], None]
+
+FRESH = 1000  # independent points wanted for completeness
+MOST_FRESH = 20_000  # starts spent on them at most
+OTHER_SEED = 1_000_003  # added to the seed for the fresh points
+STEPS = 100  # of the progress: rows up to 60, fresh points to 80, rows finished to 100
+
+
+def families(
+    cloud: Search,
+    *,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+    fresh: Search | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> CorankFamilies:
+    """All families of one corank, with soundness, completeness and an estimate of what was not seen.
+
+    Args:
+        cloud: the search whose converged points the families are made from.
+        seed: of every random choice; same seed and cloud, same table.
+        tolerances: thresholds.
+        fresh: another search, independent of `cloud`, for completeness; None to make one of at least 1000 points of
+            exactly this corank (as far as 20 000 starts give them).
+        threads: for the fresh search.
+        progress: called with (done, total).
+
+    Returns:
+        CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
+        conditions were not found come last, with `named=False`.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = families(search(open_robot("scara"), 1, starts=100))
+        >>> [(family.dimension, str(family.equations[0])) for family in found.families]
+        [(3, 'sin θ2')]
+    """
+    report = progress or (lambda done, total: None)
+    setting = Setting(cloud.robot, cloud.task, cloud.corank, cloud.rank, tolerances, cloud.limits)
+    inspection = setting.inspect(setting.polished(cloud.converged))
+    cover = Cover(setting, inspection.q)
+    rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
+    sounds = []
+    kept = []
+    for i, row in enumerate(rows):
+        sound, _ = soundness(setting, row.system, row.signature.rank, np.random.default_rng([seed, cloud.corank, 7, i]))
+        if sound.holds:
+            kept.append(row)
+            sounds.append(sound)
+    report(60, STEPS)
+    independent = _fresh(setting, cloud, inspection, seed, threads) if fresh is None else fresh.converged
+    checked = setting.inspect(setting.polished(independent))
+    report(80, STEPS)
+    new = Cover(setting, checked.q)
+    rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
+    share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
+    order = sorted(range(len(kept)), key=lambda i: _order(kept[i]))
+    found = []
+    for count, i in enumerate(order):
+        per_row = Share(share.tested, int((checked.exact & new.on(kept[i])).sum()))
+        rng = np.random.default_rng([seed, cloud.corank, 8, count])
+        found.append(_family(setting, kept[i], f"k{cloud.corank}.f{count + 1}", sounds[i], per_row, rng))
+        report(80 + 20 * count // len(order), STEPS)
+    for count, leftover in enumerate(rest, start=len(found) + 1):
+        found.append(_unnamed(setting, leftover, f"k{cloud.corank}.f{count}", share.tested))
+    pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
+    report(STEPS, STEPS)
+    return CorankFamilies(_summary(cloud, share, int((~checked.exact).sum()), pieces), tuple(found))
+
+
+def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:
+    """Converged points of a search with another seed: at least `FRESH` of exactly this corank where possible."""
+    if not len(inspection.q):
+        return np.zeros((0, setting.robot.n))
+    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), FRESH / MOST_FRESH)
+    parts: list[Array] = []
+    found, spent = 0, 0
+    for attempt in range(4):
+        starts = int(min(1.1 * (FRESH - found) / rate + 50, MOST_FRESH - spent))
+        if found >= FRESH or starts < 1:
+            break
+        part = search(
+            setting.robot, setting.corank, task=setting.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
+            limits=setting.limits, threads=threads, tolerances=setting.tolerances,
+        ).converged  # fmt: skip
+        found += int(setting.inspect(part).exact.sum())
+        spent += starts
+        parts.append(part)
+    return np.concatenate(parts)
+
+
+def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:
+    s = row.signature
+    return (s.rank, s.pinned, s.coupled, row.sets)
+
+
+def _family(
+    setting: Setting, row: Row, identifier: str, sound: Soundness, share: Share, rng: np.random.Generator
+) -> Family:
+    signature, robot = row.signature, setting.robot
+    points, good = row.sample(setting, 12, rng)
+    generic = _generic(setting, points[good], rng)
+    shown = witness(setting, row, rng)
+    at = generic[0] if shown is None else shown
+    pinned = tuple(
+        Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
+    )
+    directions = lost_directions(robot, at, setting.task, setting.corank)
+    frame = frame_name(setting.task.frame)
+    return Family(
+        id=identifier,
+        name=name_family(robot, setting.task, generic, pinned),
+        corank=setting.corank,
+        dimension=robot.n - signature.rank,
+        pinned=pinned,
+        free=tuple(j + 1 for j in signature.free),
+        coupled=tuple(j + 1 for j in signature.coupled),
+        equations=row.system.equations,
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=tuple(words(direction, frame) for direction in directions),
+        soundness=sound,
+        explained=share,
+        evidence=row.evidence,
+    )
+
+
+def _generic(setting: Setting, q: Array, rng: np.random.Generator) -> Array:
+    """Up to 24 points of corank exactly k, in random order."""
+    inspection = setting.inspect(q)
+    chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, setting.rank] <= setting.tolerances.singular))
+    return np.asarray(q[rng.permutation(chosen)[:24]])
+
+
+def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int) -> Family:
+    robot, at = setting.robot, leftover.witness
+    directions = lost_directions(robot, at, setting.task, setting.corank)
+    frame = frame_name(setting.task.frame)
+    values = tuple(
+        Pinned(robot.variables[j].name, j + 1, leftover.values(setting, j))
+        for j in leftover.pinned
+    )
+    return Family(
+        id=identifier,
+        name="unnamed family",
+        corank=setting.corank,
+        dimension=leftover.dimension,
+        pinned=values,
+        free=tuple(j + 1 for j in leftover.free),
+        coupled=tuple(j + 1 for j in leftover.coupled),
+        equations=(),
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=tuple(words(direction, frame) for direction in directions),
+        soundness=Soundness(0, 0),
+        explained=Share(tested, leftover.fresh),
+        evidence=leftover.evidence,
+        named=False,
+    )
+
+
+def _pieces(cover: Cover, rows: list[Row], inspection: Inspection) -> list[int]:
+    """How many points of the cloud met each piece: a row with one combination of its values."""
+    counts: list[int] = []
+    left = inspection.exact.copy()
+    for row in rows:
+        members = np.flatnonzero(left & cover.on(row))
+        left[members] = False
+        counts += [int(c) for c in np.unique(_labels(row, inspection.q[members]), axis=0, return_counts=True)[1]]
+    return counts
+
+
+def _labels(row: Row, q: Array) -> NDArray[np.int64]:
+    """(N, c) which value of each covector a point is nearest to."""
+    values = row.linear.values(q)
+    labels = np.zeros(values.shape, dtype=np.int64)
+    for i, options in enumerate(row.sets):
+        off = values[:, i : i + 1] - np.array(options)
+        labels[:, i] = np.abs(wrap(off) if row.linear.periodic[i] else off).argmin(axis=1)
+    return labels
+
+
+def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> CorankSummary:
+    return CorankSummary(
+        corank=cloud.corank,
+        rank=cloud.rank,
+        starts=len(cloud.outcome) - cloud.count(Outcome.NOT_RUN),
+        converged=cloud.count(Outcome.CONVERGED),
+        near_misses=cloud.count(Outcome.NEAR_MISS),
+        slow=cloud.count(Outcome.SLOW),
+        smallest_near_miss=cloud.smallest_near_miss,
+        completeness=share,
+        higher=higher,
+        unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),
+    )

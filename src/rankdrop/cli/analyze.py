@@ -1,0 +1,94 @@
+"""`rankdrop analyze`: every family of singularities of an arm."""
+
+from __future__ import annotations
+
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+
+if TYPE_CHECKING:
+    from rankdrop.result import Analysis
+    from rankdrop.task import Task
+
+
+def analyze(
+    robot: str,
+    /,
+    *,
+    arm: ArmOptions = NO_OPTIONS,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    starts: int = 10_000,
+    seed: int = 0,
+    threads: int = 0,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Find every family of singular configurations of an arm, of every corank.
+
+    Per family: the values of its pinned joints, × for a free joint, c for a
+    coupled one (the condition follows the table), its dimension, the
+    directions lost, the share of points solved from its conditions that are
+    singular, and the share of fresh singular points that it explains.
+
+    For example:
+        rankdrop analyze pa10
+        rankdrop analyze arm.urdf --tip flange --json arm.json
+
+    Exit code 3: something found is not explained or not sound; all codes are
+    in `rankdrop --help`.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        limits: Look within the joint limits only; otherwise in the whole joint space.
+        starts: Random starts for each corank.
+        seed: Of every random choice; the same seed gives the same result.
+        threads: Processors to use; 0 means all. The result does not depend on it.
+        json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
+        quiet: No progress.
+    """
+    from rankdrop.analyze import analyze as run
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.files import STDOUT, check_target, write_json
+    from rankdrop.cli.progress import reporter
+
+    check_target(json, "--json")
+    begun = monotonic()
+    model, task = open_arm(robot, arm)
+    with reporter(quiet=quiet) as report:
+        analysis = run(
+            model, task, starts=starts, seed=seed, limits=limits, threads=threads, progress=report
+        )
+    if json is not None:
+        write_json(analysis.to_dict(), json)
+    if json != STDOUT:
+        _print(analysis, task, seconds=monotonic() - begun)
+    return _exit_code(analysis)
+
+
+def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
+    from rich.text import Text
+
+    from rankdrop.cli.arm import arm_section
+    from rankdrop.cli.closing import closing_text
+    from rankdrop.cli.table import LEGEND, corank_section
+    from rankdrop.cli.terminal import results, show
+
+    console, settings = results(), analysis.settings
+    where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
+    starts = {"starts": f"{settings.starts:,} per corank {where}, seed {settings.seed}"}
+    show(console, arm_section(analysis.robot, task, analysis.generic_rank, starts))
+    show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
+    for summary in analysis.coranks:
+        show(console, corank_section(console, analysis, summary))
+    legend = [Text(f"\n{LEGEND}", style="dim")] if analysis.families else []
+    show(console, [*legend, "", closing_text(analysis, seconds)])
+
+
+def _exit_code(analysis: Analysis) -> int:
+    if not analysis.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if analysis.verified else exits.UNEXPLAINED

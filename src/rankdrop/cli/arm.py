@@ -1,0 +1,103 @@
+"""The options by which every command opens an arm, and the lines that say what was assumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.errors import OptionError
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rankdrop.robot.model import Robot
+    from rankdrop.task import Task
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, slots=True)
+class ArmOptions:
+    """Which part of the arm, for which task.
+
+    Attributes:
+        task: pose, position, orientation, planar, planar-position, scara, or rows (vx,vy,wz). Default: the arm's own.
+        base: First link of the chain (robot files).
+        tip: Last link of the chain (robot files).
+        length_scale: Translation rows are divided by this length [m], else by the reach. No family depends on it.
+        package: NAME=PATH: where package://NAME and $(find NAME) are. May be given again.
+    """
+
+    task: str | None = None
+    base: str | None = None
+    tip: str | None = None
+    length_scale: float | None = None
+    package: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
+
+
+NO_OPTIONS = ArmOptions()
+
+
+def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
+    """Open the arm and resolve its task.
+
+    Raises:
+        RankdropError: the arm or the task does not exist, or a package is not NAME=PATH.
+    """
+    from rankdrop.robot.open import open_robot
+    from rankdrop.task import resolve_task
+
+    robot = open_robot(name, tip=options.tip, base=options.base, packages=_packages(options.package))
+    return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
+
+
+def _packages(words: tuple[str, ...]) -> dict[str, Path] | None:
+    packages = {}
+    for word in words:
+        name, equals, path = word.partition("=")
+        if not (name and equals and path):
+            raise OptionError("this is not a package", where="--package", got=repr(word), allowed="NAME=PATH")
+        if not Path(path).is_dir():
+            raise OptionError("there is no such folder", where=f"--package {name}", got=path)
+        packages[name] = Path(path)
+    return packages or None
+
+
+def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, str]) -> Iterator[RenderableType]:
+    """What was opened and what was assumed, before any result.
+
+    Args:
+        robot, task: the arm and its task.
+        generic_rank: of the task Jacobian.
+        lines: further lines of the command, label -> text.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    yield Text.assemble((robot.name, "bold"), f": {robot.about}" if robot.about else "")
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(style="dim", no_wrap=True)
+    grid.add_column()
+    grid.add_row("chain", f"{_count(robot.n, 'joint')} from {robot.base} to {robot.tip}")
+    names = [joint.name for joint in robot.variables]
+    if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
+        grid.add_row("joints", ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1)))
+    freedom = robot.n - generic_rank
+    grid.add_row("task", f"{task.name} ({_count(task.m, 'row')}), rank {generic_rank}, redundancy {freedom}")
+    whose = "the arm's reach" if task.length_scale is None else "as given"
+    grid.add_row("length scale", f"{task.scale(robot):.4g} m, {whose}; no family depends on it")
+    for label, text in lines.items():
+        grid.add_row(label, text)
+    source = robot.source.reference or robot.source.origin
+    if source:
+        grid.add_row("source", source)
+    for note in robot.notes:
+        grid.add_row("note", note)
+    yield grid
+
+
+def _count(number: int, one: str) -> str:
+    return f"{number} {one}{'' if number == 1 else 's'}"

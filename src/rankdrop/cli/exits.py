@@ -1,0 +1,21 @@
+"""What every exit code means; the help texts and the README quote it."""
+
+from __future__ import annotations
+
+FINE = 0
+INTERNAL = 1
+BAD_INPUT = 2
+UNEXPLAINED = 3
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+MEANING = {
+    FINE: "done; everything found is explained and sound",
+    INTERNAL: "internal error, with a traceback",
+    BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
+    UNEXPLAINED: "finished, but some point is not explained, or some row not sound",
+    INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
+    BROKEN_PIPE: "the reader of the output has gone",
+}
+
+HELP = "\n".join(["Exit codes:", *(f"    {code:<4} {meaning}" for code, meaning in MEANING.items())])

@@ -1,0 +1,76 @@
+"""Result files: refused before the work when they cannot be written, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from rankdrop.errors import OptionError
+from rankdrop.record import json_text
+
+STDOUT = "-"
+
+
+def check_target(target: str | None, option: str, endings: tuple[str, ...] = ()) -> None:
+    """Find out before a long run whether `target` can be written.
+
+    Raises:
+        OptionError: wrong ending, no such folder, a folder, or not writable.
+    """
+    if target is None or target == STDOUT:
+        return
+    path = Path(target)
+    if endings and path.suffix.lower() not in endings:
+        raise OptionError("the ending names no format", where=option, got=target, allowed=", ".join(endings))
+    if path.is_dir():
+        raise OptionError("it is a folder", where=option, got=target, allowed="a file name")
+    if not path.parent.is_dir():
+        raise OptionError("there is no such folder", where=option, got=str(path.parent), mend="make it first")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise OptionError("no permission to write there", where=option, got=target)
+
+
+def write_json(record: Any, target: str) -> None:
+    """Write `record` to a file, or to stdout when `target` is "-"."""
+    text = json_text(record)
+    if target == STDOUT:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    else:
+        write_bytes(text.encode(), target)
+
+
+def write_bytes(content: bytes, target: str) -> None:
+    """Write a file so that a reader sees the old content or all of the new one.
+
+    Raises:
+        OptionError: the file cannot be written (disk full, no permission).
+    """
+    path = Path(target)
+    try:
+        if path.exists() and not path.is_file():  # /dev/null, a pipe: nothing to replace
+            path.write_bytes(content)
+            return
+        path = path.resolve()
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.chmod(name, path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask())
+            os.replace(name, path)
+        except BaseException:
+            os.unlink(name)
+            raise
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OptionError(f"cannot write: {error.strerror}", where=target) from error
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

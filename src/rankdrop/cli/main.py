@@ -1,0 +1,100 @@
+"""The command line: which commands there are, and what every way of ending means as an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from cyclopts import App, CycloptsError, UnknownOptionError, UnusedCliTokensError
+
+from rankdrop.cli import exits
+from rankdrop.cli.analyze import analyze
+from rankdrop.cli.find import find
+from rankdrop.cli.robots import robots
+from rankdrop.cli.terminal import encode_plainly, say
+from rankdrop.errors import RankdropError
+from rankdrop.version import VERSION
+
+_HELP = f"""Kinematic singularities of robot arms: every family, of every corank, with its conditions.
+
+For example:
+    rankdrop analyze pa10
+    rankdrop analyze arm.urdf --tip flange --json arm.json
+    rankdrop find ur5 --corank 2 --out corank2.csv
+
+{exits.HELP}"""
+
+app = App(
+    name="rankdrop",
+    help=_HELP,
+    help_format="plaintext",
+    version=VERSION,
+    version_flags=["--version"],
+    suppress_keyboard_interrupt=False,
+)
+app.command(robots)
+app.command(analyze)
+app.command(find)
+
+
+def main() -> None:
+    """Entry point of the `rankdrop` command."""
+    encode_plainly()
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(argv: Sequence[str]) -> int:
+    """Run one command line in this process.
+
+    Args:
+        argv: the words after `rankdrop`.
+
+    Returns:
+        The exit code (see `rankdrop.cli.exits`).
+    """
+    try:
+        code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
+        sys.stdout.flush()
+    except CycloptsError as error:
+        say(f"error: {_in_our_words(error)}")
+        return exits.BAD_INPUT
+    except RankdropError as error:
+        say(f"error: {error}")
+        return exits.BAD_INPUT
+    except KeyboardInterrupt:
+        say("interrupted")
+        return exits.INTERRUPTED
+    except BrokenPipeError:
+        _close_stdout()
+        return exits.BROKEN_PIPE
+    except Exception as error:
+        traceback.print_exc()
+        say(f"internal error: {type(error).__name__}: {error}; please report it with the lines above")
+        return exits.INTERNAL
+    return code if isinstance(code, int) else exits.FINE
+
+
+def _in_our_words(error: CycloptsError) -> str:
+    text = " ".join(str(error).split())
+    if isinstance(error, UnusedCliTokensError):
+        text = f"there is no place for {', '.join(error.unused_tokens or [])} on the command line."
+    command = error.command_chain[0] if error.command_chain else ""
+    if isinstance(error, UnknownOptionError) and command in app:
+        text += f" Allowed: {', '.join(_options(command))}."
+    return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
+
+
+def _options(command: str) -> list[str]:
+    arguments = app[command].assemble_argument_collection()
+    return sorted({name for argument in arguments for name in argument.names if name.startswith("--")})
+
+
+def _close_stdout() -> None:
+    """The reader has gone: keep the interpreter from failing again when it flushes stdout at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""Where words go: results to stdout, everything else to stderr; plain when nobody is looking."""
+
+from __future__ import annotations
+
+import codecs
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+_ASCII = {
+    "θ": "q", "π": "pi", "σ": "sigma", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-", "…": "...",
+    "·": ".", "≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "Δ": "d", "’": "'", "∞": "inf", "→": "->", "₁": "1", "₂": "2",
+    "‖": "|",
+}  # fmt: skip
+
+
+def say(text: str) -> None:
+    """One line to stderr, under the name of the program."""
+    try:
+        print(f"rankdrop: {text}", file=sys.stderr, flush=True)
+    except OSError:  # stderr is closed: there is nobody to tell
+        return
+
+
+def encode_plainly() -> None:
+    """Let a terminal without Unicode show θ as q, π as pi and so on, rather than fail."""
+    codecs.register_error("rankdrop", _spell_out)
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="rankdrop")
+
+
+def _spell_out(error: UnicodeError) -> tuple[str | bytes, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    bad = error.object[error.start : error.end]
+    return "".join(_ASCII.get(letter, "-" if "─" <= letter <= "╿" else "?") for letter in bad), error.end
+
+
+def results() -> Console:
+    """Console for results: stdout, plain when it is not a terminal; width from COLUMNS or the terminal, else 80."""
+    from rich.console import Console
+
+    return Console(highlight=False, markup=False, emoji=False)
+
+
+def show(console: Console, parts: Iterable[RenderableType]) -> None:
+    """Print to the console, without blanks at the ends of lines."""
+    with console.capture() as capture:
+        for part in parts:
+            console.print(part)
+    sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
+
+
+def status() -> Console:
+    """Console for progress: stderr."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False, markup=False, emoji=False)

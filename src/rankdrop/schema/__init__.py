@@ -1,0 +1,28 @@
+"""The published JSON Schemas of the result files, as package data."""
+
+from __future__ import annotations
+
+import json
+from importlib import resources
+from typing import Any
+
+from rankdrop.errors import OptionError
+
+NAMES = ("analysis", "find")
+
+
+def load_schema(name: str) -> dict[str, Any]:
+    """One schema: "analysis" (`rankdrop analyze --json`) or "find" (`rankdrop find --json`).
+
+    Raises:
+        OptionError: there is no such schema.
+
+    Example:
+        >>> load_schema("analysis")["properties"]["schema"]["const"]
+        'rankdrop/analysis/1'
+    """
+    if name not in NAMES:
+        raise OptionError("there is no such schema", got=repr(name), allowed=", ".join(NAMES))
+    text = (resources.files("rankdrop.schema") / f"{name}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema

@@ -1,0 +1,10 @@
+"""The version that results record; its one home is pyproject.toml."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+
+try:
+    VERSION = version("rankdrop")
+except PackageNotFoundError:  # the source tree on the path, nothing installed
+    VERSION = "0+unknown"

@@ -1,0 +1,122 @@
+"""Shared by the tests of the command line: run it in this process or as its own, and one analysis made once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+import pytest
+
+from rankdrop.analyze import analyze
+from rankdrop.atlas.equation import Equation, Term, vanishing_on
+from rankdrop.atlas.family import CorankSummary, Family, Pinned, Share, Soundness, Unseen
+from rankdrop.cli import main
+from rankdrop.result import Analysis, Settings
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.tolerances import DEFAULT
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command line ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Ended]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """run("analyze", "pa10", width=100): one command line in this process."""
+
+    def once(*argv: str, width: int = 100) -> Ended:
+        monkeypatch.setenv("COLUMNS", str(width))
+        capsys.readouterr()
+        code = main.run(argv)
+        text = capsys.readouterr()
+        return Ended(code, text.out, text.err)
+
+    return once
+
+
+@pytest.fixture
+def process() -> Run:
+    """process("analyze", "pa10"): one command line as its own process."""
+
+    def once(*argv: str, **environment: str) -> Ended:
+        done = subprocess.run(command(*argv), capture_output=True, text=True, env=environment or None, timeout=120)
+        return Ended(done.returncode, done.stdout, done.stderr)
+
+    return once
+
+
+def command(*argv: str) -> list[str]:
+    """The words that start `rankdrop` with this Python."""
+    return [sys.executable, "-m", "rankdrop.cli.main", *argv]
+
+
+@pytest.fixture(scope="session")
+def found() -> Analysis:
+    """A real analysis, small and quick: 3 coranks of an arm with prismatic and revolute joints."""
+    return analyze(open_robot("scara"), starts=200)
+
+
+ZERO, HALF = (0.0, pi), (pi / 2, -pi / 2)
+
+
+def family(
+    number: int, name: str, pins: dict[int, tuple[float, ...]], *, coupled: tuple[int, ...] = (),
+    equations: tuple[Equation, ...] = (), words: tuple[str, ...] = ("cannot translate along X of the base",),
+    singular: int = 200, named: bool = True,
+) -> Family:  # fmt: skip
+    """A made-up row of a 7-joint arm."""
+    conditions = tuple(
+        vanishing_on([int(i == j) for i in range(1, 8)], values, periodic=True) for j, values in pins.items()
+    )
+    return Family(
+        id=f"k1.f{number}", name=name, corank=1, dimension=5,
+        pinned=tuple(Pinned(f"joint{j}", j, values) for j, values in pins.items()),
+        free=tuple(j for j in range(1, 8) if j not in pins and j not in coupled), coupled=coupled,
+        equations=(*conditions, *equations) if named else (),
+        witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(words)],
+        lost_words=words, soundness=Soundness(200, singular) if named else Soundness(0, 0),
+        explained=Share(1000, 250), evidence="made up", named=named,
+    )  # fmt: skip
+
+
+def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Analysis:
+    """An analysis of the PA-10 with the rows given: for what is shown, not for what is true."""
+    robot = open_robot("pa10")
+    task = resolve_task(None, robot, length_scale=1.4)
+    unseen = Unseen(0.0, 0.003, "Good–Turing: 0 of 8 pieces met once in 1000 points; rule of three")
+    coranks = (
+        CorankSummary(1, 5, 10_000, 9_999, 1, 0, 0.0053, Share(1000, explained), 0, unseen),
+        CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Share(0, 0), 0, Unseen(1.0, 1.0, "no point was found")),
+    )
+    return Analysis(
+        robot, task, 6, Settings(0, 10_000, False, 1.4, DEFAULT, "0.1.0"), coranks, rows,
+        complete=complete, unfinished=None if complete else 3,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def shapes() -> Analysis:
+    """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
+    zero = (0,) * 7
+    arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))
+    sentence = "cannot translate along Z of link 4 while rotating 0.451 rad/m about Y of link 4"
+    return made_up(
+        family(1, "shoulder: axes 1 and 3 aligned, upper arm at right angles", {2: ZERO, 3: HALF}),
+        family(2, "elbow", {4: ZERO}, words=(sentence,)),
+        family(3, "shoulder in line with the wrist", {4: (0.7731, -0.7731)}, coupled=(2, 3), equations=(arm,)),
+        family(4, "unnamed", {}, coupled=(3, 5, 6), named=False, words=("cannot rotate about X of the base",) * 2),
+        explained=990,
+    )

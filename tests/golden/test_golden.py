@@ -1,0 +1,88 @@
+"""What the commands print, word for word.
+
+After a change that is meant, write the files again and read the difference:
+
+    RANKDROP_GOLDEN=write pytest tests/golden && git diff tests/golden README.md
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from rankdrop.cli import main
+
+HERE = Path(__file__).parent
+README = HERE.parents[1] / "README.md"
+WRITE = os.environ.get("RANKDROP_GOLDEN") == "write"
+
+TABLES = {
+    "pa10-80.txt": (80, "analyze pa10 --starts 500 --quiet"),
+    "pa10-140.txt": (140, "analyze pa10 --starts 500 --quiet"),
+    "puma560-100.txt": (100, "analyze puma560 --starts 500 --quiet"),
+    "scara-pose-80.txt": (80, "analyze scara --task pose --starts 500 --quiet"),
+}
+
+# errors in our own words; those about options are in the words of the parser
+ERRORS = [
+    "analyze nowhere.urdf",
+    "analyze pa10 --task flying",
+    "analyze pa10 --starts 0",
+    "analyze pa10 --json /no/such/folder/pa10.json",
+    "analyze pa10 --package arm",
+    "find pa10 --corank 9",
+    "find pa10 --corank 1 --out found.xls",
+]
+
+
+def without_time(text: str) -> str:
+    """The same text, whatever the time taken."""
+    return re.sub(r"Time\s+taken:\s+[\d.]+\s+s\.", "Time taken: (some) s.", text)
+
+
+def compare(name: str, text: str) -> None:
+    """Compare with the file, or write it."""
+    path = HERE / name
+    if WRITE:
+        path.write_text(text, encoding="utf-8")
+    assert text == path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_are_as_they_were(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    width, line = TABLES[name]
+    monkeypatch.setenv("COLUMNS", str(width))
+    code = main.run(shlex.split(line))
+    text = without_time(capsys.readouterr().out)
+    compare(name, f"$ COLUMNS={width} rankdrop {line}\n{text}exit code {code}\n")
+
+
+def test_the_readme_shows_what_is_printed(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first block of the README: the output from its beginning to corank 1, and from corank 3 to its end."""
+    monkeypatch.setenv("COLUMNS", "100")
+    assert main.run(["analyze", "pa10", "--quiet"]) == 0
+    printed = capsys.readouterr().out
+    first, rest = printed.split("\nCorank 2", 1)
+    wanted = f"$ rankdrop analyze pa10\n{first}\n…\n\nCorank 3{rest.split('Corank 3', 1)[1]}"
+    before, _, after = README.read_text(encoding="utf-8").partition("```console\n")
+    shown, _, after = after.partition("```\n")
+    if WRITE:
+        README.write_text(f"{before}```console\n{wanted}```\n{after}", encoding="utf-8")
+        shown = wanted
+    assert without_time(shown) == without_time(wanted)
+
+
+def test_errors_are_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:
+    text = ""
+    for line in ERRORS:
+        code = main.run(shlex.split(line))
+        text += f"$ rankdrop {line}\n{capsys.readouterr().err}exit code {code}\n\n"
+    compare("errors.txt", text)

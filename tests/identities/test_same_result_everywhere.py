@@ -1,0 +1,100 @@
+"""The same bits from every instruction set and any number of threads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from reference import arms
+from reference import kinematics as oracle
+from reference.measure import relative
+
+from rankdrop import _core
+from rankdrop.atlas.search import METHODS, Search, search
+from rankdrop.frames import BODY, Frame
+from rankdrop.kinematics import jacobian, jacobian_derivative, pose
+from rankdrop.local.block import block, decompose
+from rankdrop.robot.model import Array
+from rankdrop.task import resolve_task
+
+SETS = _core.instruction_sets()
+
+
+@pytest.fixture(autouse=True)
+def _chosen_set_is_restored() -> Iterator[None]:
+    before = _core.instruction_set()
+    yield
+    _core.choose_instruction_set(before)
+
+
+def everything() -> list[Array]:
+    """One of each result, on arms of every joint kind; 37 rows fill no set of lanes exactly."""
+    results: list[Array] = []
+    for kinds in ("rrrrrrr", "mrrhpmr", "rpr"):
+        robot = arms.random_chain(np.random.default_rng(1), kinds)
+        q = np.random.default_rng(2).uniform(-np.pi, np.pi, (37, robot.n))
+        task = resolve_task("pose", robot)
+        results += [pose(robot, q), jacobian(robot, q), jacobian_derivative(robot, q, Frame(1, -1))]
+        parts, split = block(robot, q, task, 2), decompose(robot, q, task)
+        results += [parts.f, parts.d, parts.u2, parts.v2, split.u, split.sigma, split.v]
+    return results
+
+
+def found(method: str, threads: int) -> Search:
+    """A small search; the starts fill no chunk of work exactly."""
+    starts = 150 if method == "lm" else 11
+    return search(arms.pa10(), 2, starts=starts, seed=5, method=method, threads=threads)
+
+
+def same(a: Search, b: Search) -> None:
+    """Two searches ended alike, to the last bit."""
+    np.testing.assert_array_equal(a.q, b.q)
+    np.testing.assert_array_equal(a.sigma, b.sigma)
+    np.testing.assert_array_equal(a.outcome, b.outcome)
+    np.testing.assert_array_equal(a.iterations, b.iterations)
+
+
+def test_the_narrowest_set_is_always_there() -> None:
+    assert SETS[0] == "baseline"
+    assert _core.instruction_set() == SETS[-1]
+    assert not _core.choose_instruction_set("no such set")
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_set_equals_the_oracle(name: str, rng: np.random.Generator) -> None:
+    assert _core.choose_instruction_set(name)
+    robot = arms.random_chain(rng, "rrhprrr")
+    q = rng.uniform(-np.pi, np.pi, (21, 7))
+    assert relative(jacobian(robot, q, BODY), oracle.jacobian(robot, q, BODY)) < 1e-13
+    assert relative(jacobian_derivative(robot, q), oracle.jacobian_derivative(robot, q)) < 1e-13
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_set_gives_the_same_bits(name: str) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = everything()
+    _core.choose_instruction_set(name)
+    for got, expected in zip(everything(), want, strict=True):
+        np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", SETS)
+def test_a_search_ends_alike_on_every_set(name: str, method: str) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = found(method, 1)
+    _core.choose_instruction_set(name)
+    same(found(method, 1), want)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("threads", [0, 2, 3])
+def test_a_search_ends_alike_on_any_number_of_threads(threads: int, method: str) -> None:
+    same(found(method, threads), found(method, 1))
+
+
+def test_more_starts_repeat_the_first_ones() -> None:
+    """Start number i depends on the seed and on i alone."""
+    few, many = (search(arms.pa10(), 2, starts=starts, seed=5) for starts in (40, 150))
+    np.testing.assert_array_equal(many.q[:40], few.q)

@@ -18,7 +18,8 @@ def main() -> None:
     command = [sys.executable, "-m", "rankdrop.cli.main", "analyze", "pa10", "--starts", str(starts)]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "pa10.json"
-        seconds, _ = measure.once(lambda: subprocess.run([*command, "--json", str(file)], check=True, capture_output=True))
+        command += ["--json", str(file)]
+        seconds, _ = measure.once(lambda: subprocess.run(command, check=True, capture_output=True))
         result = json.loads(file.read_text(encoding="utf-8"))
     families = [sum(row["corank"] == k for row in result["families"]) for k in (1, 2, 3)]
     row = {"starts per corank": starts, "cores": os.cpu_count(), "seconds": seconds, "families": str(families)}

@@ -5,6 +5,7 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -180,7 +181,7 @@ nb::object block(const Chain& chain, const View& view, const In2& q, int rank, i
 
 nb::object svd(const In3& a, bool vectors, int threads) {
     const std::size_t rows = a.shape(0), m = a.shape(1), n = a.shape(2), s = std::min(m, n);
-    if (s == 0) throw nb::value_error("a matrix has at least one row and one column");
+    if (s == 0 || s > 16) throw nb::value_error("a matrix has 1 to 16 rows or columns on its narrow side");
     double *sigma = make<double>(rows * s), *u = vectors ? make<double>(rows * m * m) : nullptr,
            *v = vectors ? make<double>(rows * n * n) : nullptr;
     each((std::int64_t)rows, threads, [&](std::int64_t from, std::int64_t to) {
@@ -238,7 +239,9 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, int r
         const auto work = [&](std::int64_t a, std::int64_t b) {
             (method == 0 ? kernels().newton : kernels().descend)(chain, view, settings, starts.data(), a, b, first, out, &stop);
         };
-        parallel_rows((std::int64_t)rows, method == 0 ? 64 : 4, threads, &stop, work, [&] {
+        // lanes are refilled within a chunk: large chunks keep them full, several per thread keep the threads busy
+        const std::int64_t chunk = method == 0 ? std::clamp<std::int64_t>((std::int64_t)rows / 16, 64, 1024) : 4;
+        parallel_rows((std::int64_t)rows, chunk, threads, &stop, work, [&] {
             nb::gil_scoped_acquire acquire;
             if (PyErr_CheckSignals() != 0) {
                 PyErr_Clear();

@@ -30,22 +30,50 @@ struct Workspace {
     }
 };
 
-// Jacobian (m x n, by rows) at q, and its singular values; U and V by columns, the first `keep` columns of the longer
-// side from J, the rest any completion. keep < 0: singular values only.
-inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws) {
+// The Jacobian (m x n, by rows) at q, and its longer side by columns in ws.w, ready for `svd`.
+inline void place(const Chain& chain, const View& view, const Pack* q, Workspace& ws) {
     const int m = view.m, n = chain.variables;
     forward(chain, view, q, ws.at);
     jacobian(chain, view, ws.at, ws.jacobian, n, 1);
-    if (m <= n) {
+    if (m <= n)
         for (int i = 0; i < m * n; ++i) ws.w[i] = ws.jacobian[i];
-        svd(ws.w, n, m, ws.sigma, keep < 0 ? nullptr : ws.u);
-        if (keep >= 0) complete_basis(ws.w, ws.sigma, n, keep < m ? keep : m, ws.v);
-    } else {
+    else
         for (int a = 0; a < m; ++a)
             for (int j = 0; j < n; ++j) ws.w[j * m + a] = ws.jacobian[a * n + j];
-        svd(ws.w, m, n, ws.sigma, keep < 0 ? nullptr : ws.v);
-        if (keep >= 0) complete_basis(ws.w, ws.sigma, m, keep < n ? keep : n, ws.u);
+}
+
+// Singular values at q; U and V by columns, the first `keep` columns of the longer side from J, the rest any completion.
+// keep < 0: singular values only.
+inline void decompose(const Chain& chain, const View& view, const Pack* q, int keep, Workspace& ws) {
+    const int m = view.m, n = chain.variables;
+    place(chain, view, q, ws);
+    Pack *narrow = m <= n ? ws.u : ws.v, *wide = m <= n ? ws.v : ws.u;
+    const int longer = m <= n ? n : m, shorter = m <= n ? m : n;
+    svd(ws.w, longer, shorter, kExact, ws.sigma, keep < 0 ? nullptr : narrow);
+    if (keep >= 0) complete_basis(ws.w, ws.sigma, longer, keep < shorter ? keep : shorter, wide);
+}
+
+// As `decompose` with keep = rank, for the search: the narrow side is not accumulated but taken as image of the wide one,
+// and both are completed. The subspaces come out to kSearch, singular values to rounding, in little more than half the
+// time.
+inline void decompose_fast(const Chain& chain, const View& view, const Pack* q, int rank, Workspace& ws) {
+    const int m = view.m, n = chain.variables;
+    place(chain, view, q, ws);
+    Pack *narrow = m <= n ? ws.u : ws.v, *wide = m <= n ? ws.v : ws.u;
+    const int longer = m <= n ? n : m, shorter = m <= n ? m : n;
+    svd(ws.w, longer, shorter, kSearch, ws.sigma, nullptr);
+    complete_basis(ws.w, ws.sigma, longer, rank, wide);
+    const int row_step = m <= n ? n : 1, column_step = m <= n ? 1 : n;  // J as it maps the wide side to the narrow one
+    for (int i = 0; i < rank; ++i) {
+        const Pack scale = fill(1.0) / max(ws.sigma[i], fill(1e-300));
+        for (int a = 0; a < shorter; ++a) {
+            Pack sum = fill(0.0);
+            for (int j = 0; j < longer; ++j)
+                sum = sum + ws.jacobian[a * row_step + j * column_step] * wide[i * longer + j];
+            narrow[i * shorter + a] = sum * scale;
+        }
     }
+    for (int i = rank; i < shorter; ++i) append_orthogonal(narrow, shorter, i);
 }
 
 // dJ(e_k) x for every variable k, with x in the space of the variables: out[k * m + a].

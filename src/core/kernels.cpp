@@ -152,7 +152,7 @@ void svd_range(int m, int n, const double* a, std::int64_t begin, std::int64_t e
         else
             for (int i = 0; i < m; ++i)
                 for (int j = 0; j < n; ++j) w[j * m + i] = given[i * n + j];
-        svd(w, longer, s, sv, u ? narrow : nullptr);
+        svd(w, longer, s, kExact, sv, u ? narrow : nullptr);
         store(sv, s, count, sigma + row * s, s);
         if (!u) continue;
         complete_basis(w, sv, longer, s, wide);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #if defined(__x86_64__) || defined(_M_X64)
 #include <immintrin.h>
@@ -33,6 +34,11 @@ inline double get(const Pack& x, int lane) { return x[lane]; }
 inline void set(Pack& x, int lane, double value) { x[lane] = value; }
 inline bool get(const Mask& x, int lane) { return x[lane] != 0; }
 inline Pack fill(double value) { return Pack{} + value; }
+using Rough = float __attribute__((vector_size(4 * RANKDROP_WIDTH)));
+inline Rough rough(const Pack& x) { return __builtin_convertvector(x, Rough); }
+inline Pack fine(const Rough& x) { return __builtin_convertvector(x, Pack); }
+// the power of two that brings x between 1 and 4 (zero and infinities: some power of two)
+inline Pack to_unit(const Pack& x) { return (Pack)(0x7FE0000000000000LL - ((Mask)x & 0x7FF0000000000000LL)); }
 #else
 using Pack = double;
 using Mask = bool;
@@ -40,6 +46,16 @@ inline double get(const Pack& x, int) { return x; }
 inline void set(Pack& x, int, double value) { x = value; }
 inline bool get(const Mask& x, int) { return x; }
 inline Pack fill(double value) { return value; }
+using Rough = float;
+inline Rough rough(Pack x) { return (float)x; }
+inline Pack fine(Rough x) { return x; }
+inline Pack to_unit(Pack x) {
+    std::int64_t bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    bits = 0x7FE0000000000000LL - (bits & 0x7FF0000000000000LL);
+    std::memcpy(&x, &bits, sizeof bits);
+    return x;
+}
 #endif
 
 inline Pack select(Mask mask, Pack yes, Pack no) { return mask ? yes : no; }
@@ -70,6 +86,19 @@ inline Pack sqrt(Pack x) {
     Pack y = x;
     for (int lane = 0; lane < W; ++lane) set(y, lane, std::sqrt(get(x, lane)));
     return y;
+#endif
+}
+
+inline Rough sqrt(Rough x) {
+#if RANKDROP_WIDTH == 8 && defined(__AVX512F__)
+    return (Rough)_mm256_sqrt_ps((__m256)x);
+#elif RANKDROP_WIDTH == 4 && defined(__AVX__)
+    return (Rough)_mm_sqrt_ps((__m128)x);
+#elif RANKDROP_WIDTH > 1
+    for (int lane = 0; lane < W; ++lane) x[lane] = std::sqrt(x[lane]);
+    return x;
+#else
+    return std::sqrt(x);
 #endif
 }
 

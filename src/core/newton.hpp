@@ -15,8 +15,8 @@ inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack
         for (int k = 0; k < j; ++k) pivot = pivot - l[j * n + k] * l[j * n + k];
         // rounding may eat the pivot of a direction that D does not see; the damping alone is left then
         const Pack root = sqrt(max(pivot, max(mu * fill(1e-3), tiny)));
-        l[j * n + j] = root;
         const Pack inverse = fill(1.0) / root;
+        l[j * n + j] = inverse;  // the pivot is only ever divided by
         for (int i = j + 1; i < n; ++i) {
             Pack sum = normal[i * n + j];
             for (int k = 0; k < j; ++k) sum = sum - l[i * n + k] * l[j * n + k];
@@ -26,12 +26,12 @@ inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack
     for (int i = 0; i < n; ++i) {
         Pack sum = b[i];
         for (int k = 0; k < i; ++k) sum = sum - l[i * n + k] * x[k];
-        x[i] = sum / l[i * n + i];
+        x[i] = sum * l[i * n + i];
     }
     for (int i = n - 1; i >= 0; --i) {
         Pack sum = x[i];
         for (int k = i + 1; k < n; ++k) sum = sum - l[k * n + i] * x[k];
-        x[i] = sum / l[i * n + i];
+        x[i] = sum * l[i * n + i];
     }
 }
 
@@ -123,7 +123,7 @@ class BlockNewton {
 
     // |F|^2, g and N at q; also leaves sigma in ws_
     void evaluate(const Pack* q, Model& model) {
-        decompose(chain_, view_, q, set_.rank, ws_);
+        decompose_fast(chain_, view_, q, set_.rank, ws_);
         block(chain_, view_, set_.rank, ws_, scratch_);
         const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
         for (int j = 0; j < n_; ++j) {
@@ -198,6 +198,7 @@ class BlockNewton {
             }
         }
         const Mask taken = take > fill(0.5);
+        const Pack before = here_.size2;
         for (int j = 0; j < n_; ++j) {
             q_[j] = select(taken, tried_[j], q_[j]);
             here_.g[j] = select(taken, trial_.g[j], here_.g[j]);
@@ -206,9 +207,13 @@ class BlockNewton {
         here_.size2 = select(taken, trial_.size2, here_.size2);
         here_.trace = select(taken, trial_.trace, here_.trace);
         for (int i = 0; i < s_; ++i) sigma_[i] = select(taken, ws_.sigma[i], sigma_[i]);
-        // share of F that motion can still reach: |P_range(D) F|^2 / |F|^2 = g^T N^+ g / |F|^2
+        // share of F that motion can still reach: |P_range(D) F|^2 / |F|^2 = g^T N^+ g / |F|^2; a step that halved F is
+        // far from a minimum and need not ask
+        reachable2_ = fill(1.0);
+        const Mask slow = taken & (here_.size2 > fill(0.25) * before);
+        if (!any(slow)) return;
         solve_damped(here_.normal, here_.trace * fill(1e-13) + fill(1e-30), here_.g, n_, factor_, solution_);
-        reachable2_ = dot(here_.g, solution_, n_) / max(here_.size2, fill(1e-300));
+        reachable2_ = select(slow, dot(here_.g, solution_, n_) / max(here_.size2, fill(1e-300)), reachable2_);
     }
 
 

@@ -7,7 +7,18 @@
 namespace rankdrop::RANKDROP_ISA {
 
 inline constexpr int kMaxSweeps = 16;
-inline constexpr double kOrthogonal = 3e-16;  // cosine of two columns taken as orthogonal: what rounding leaves
+inline constexpr int kMaxColumns = 16;  // on the narrow side of a matrix (a task has 6)
+inline constexpr int kMaxPairs = kMaxColumns / 2;
+// When the Jacobi sweeps may stop.
+struct Precision {
+    double orthogonal;  // cosine of two columns that are left alone
+    double settled;     // a sweep that met no larger cosine is the last one
+};
+// What rounding leaves.
+inline constexpr Precision kExact{3e-16, 3e-16};
+// For the search. Convergence is quadratic, so that cosines end near 1e-10. A singular value is off by the square of that
+// and a subspace by the cosine itself, relative to their sizes: F and D keep nine digits, sigma all of them.
+inline constexpr Precision kSearch{1e-9, 1e-5};
 
 // (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c)
 inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
@@ -18,43 +29,84 @@ inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
     }
 }
 
+// Every pair of columns once, in rounds of pairs without a common column (the circle method of tournaments), so that the
+// processor overlaps their chains of quotients and roots. With an odd number of columns one sits out each round.
+struct RoundRobin {
+    int rounds, pairs;
+    unsigned char left[kMaxColumns][kMaxPairs]{}, right[kMaxColumns][kMaxPairs]{};
+
+    explicit constexpr RoundRobin(int columns) : rounds(columns - 1 + columns % 2), pairs(columns / 2) {
+        for (int round = 0; round < rounds; ++round) {
+            int count = 0;
+            for (int seat = 0; seat < (rounds + 1) / 2; ++seat) {
+                const int a = (round + seat) % rounds, b = seat == 0 ? rounds : (round - seat + rounds) % rounds;
+                if (a >= columns || b >= columns) continue;
+                left[round][count] = (unsigned char)(a < b ? a : b);
+                right[round][count++] = (unsigned char)(a < b ? b : a);
+            }
+        }
+    }
+};
+
+// Tangent of half the angle that makes two columns orthogonal: tan(2 angle) = p / d, p = 2 x.y, d = |y|^2 - |x|^2, the
+// smaller angle. To single precision, in which roots and quotients are cheap: any rotation is exact, and one that is off
+// by 1e-7 of its angle leaves 1e-7 of the cosine, as good as a sweep of quadratic convergence.
+inline Pack half_tangent(Pack d, Pack p) {
+    const Pack size_d = abs(d), size_p = abs(p), unit = to_unit(max(size_d, size_p));
+    const Rough rd = rough(size_d * unit), rp = rough(size_p * unit), floor = Rough{} + 1e-18f;
+    // what is squared stays above the floor, of no account beside 1: subnormal numbers are slow
+    const Rough sd = rd > floor ? rd : floor, sp = rp > floor ? rp : floor;
+    const Rough t = rp / (rd + sqrt(sd * sd + sp * sp));  // |tan(angle)|, at most 1
+    const Rough st = t > floor ? t : floor;
+    const Pack h = fine(t / (1.0f + sqrt(1.0f + st * st)));
+    return select((d < fill(0.0)) ^ (p < fill(0.0)), -h, h);
+}
+
 // In: w, `columns` columns of length `rows`. Out: w = U diag(sigma) with sigma descending, basis = the right vectors
 // (columns x columns, by columns) so that  w_in = U diag(sigma) basis^T.
 // ROWS, COLUMNS > 0 fix the sizes at compile time (the loops unroll); 0 leaves them to run time.
 template <int ROWS, int COLUMNS>
-inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Pack* sigma, Pack* basis) {
+inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precision, Pack* sigma, Pack* basis) {
     const int rows = ROWS ? ROWS : rows_, columns = COLUMNS ? COLUMNS : columns_;
     if (basis)
         for (int i = 0; i < columns; ++i)
             for (int j = 0; j < columns; ++j) basis[i * columns + j] = fill(i == j ? 1.0 : 0.0);
-    const Pack tolerance = fill(kOrthogonal), one = fill(1.0), zero = fill(0.0);
+    const Pack tolerance = fill(precision.orthogonal * precision.orthogonal);
+    const Pack coarse = fill(precision.settled * precision.settled), one = fill(1.0), zero = fill(0.0);
+    constexpr RoundRobin fixed(COLUMNS ? COLUMNS : 2);
+    const RoundRobin schedule = COLUMNS ? fixed : RoundRobin(columns);
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-        bool rotated = false;
-        for (int i = 0; i + 1 < columns; ++i) {
-            for (int j = i + 1; j < columns; ++j) {
-                Pack* x = w + i * rows;
-                Pack* y = w + j * rows;
+        bool settled = true;
+        for (int round = 0; round < schedule.rounds; ++round) {
+            // all sums first, then all angles: the chains of one stage overlap
+            Pack difference[kMaxPairs], product[kMaxPairs], sine[kMaxPairs], half[kMaxPairs];
+            bool turns[kMaxPairs];
+            for (int pair = 0; pair < schedule.pairs; ++pair) {
+                const Pack *x = w + schedule.left[round][pair] * rows, *y = w + schedule.right[round][pair] * rows;
                 Pack xx = zero, yy = zero, xy = zero;
                 for (int k = 0; k < rows; ++k) {
                     xx = xx + x[k] * x[k];
                     yy = yy + y[k] * y[k];
                     xy = xy + x[k] * y[k];
                 }
-                const Mask turn = abs(xy) > tolerance * sqrt(xx * yy);
-                if (!any(turn)) continue;
-                rotated = true;
-                const Pack zeta = (yy - xx) / (fill(2.0) * select(turn, xy, one));
-                const Pack size = one / (abs(zeta) + sqrt(one + zeta * zeta));
-                const Pack tangent = select(zeta < zero, -size, size);
-                // a rotation by its sine and the tangent of its half angle: the lengths drift least that way (Rutishauser)
-                const Pack cosine = one / sqrt(one + tangent * tangent);
-                const Pack s = select(turn, cosine * tangent, zero);
-                const Pack h = s / (one + cosine);
-                turn_pair(x, y, rows, s, h);
-                if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, s, h);
+                const Mask turn = xy * xy > tolerance * (xx * yy);
+                turns[pair] = any(turn);
+                settled = settled && !any(xy * xy > coarse * (xx * yy));
+                difference[pair] = yy - xx, product[pair] = select(turn, xy + xy, zero);
+            }
+            for (int pair = 0; pair < schedule.pairs; ++pair) {
+                // sine and half tangent: the form of a rotation in which lengths drift least (Rutishauser)
+                const Pack h = select(product[pair] == zero, zero, half_tangent(difference[pair], product[pair]));
+                half[pair] = h, sine[pair] = (h + h) / (one + h * h);
+            }
+            for (int pair = 0; pair < schedule.pairs; ++pair) {
+                if (!turns[pair]) continue;
+                const int i = schedule.left[round][pair], j = schedule.right[round][pair];
+                turn_pair(w + i * rows, w + j * rows, rows, sine[pair], half[pair]);
+                if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, sine[pair], half[pair]);
             }
         }
-        if (!rotated) break;
+        if (settled) break;
     }
     for (int i = 0; i < columns; ++i) {
         Pack sum = zero;
@@ -82,45 +134,51 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Pack* sigma, Pack
     }
 }
 
-inline void svd(Pack* w, int rows, int columns, Pack* sigma, Pack* basis) {
-    if (columns == 6 && rows == 7) return one_sided_jacobi<7, 6>(w, rows, columns, sigma, basis);
-    if (columns == 6 && rows == 6) return one_sided_jacobi<6, 6>(w, rows, columns, sigma, basis);
-    return one_sided_jacobi<0, 0>(w, rows, columns, sigma, basis);
+inline void svd(Pack* w, int rows, int columns, Precision precision, Pack* sigma, Pack* basis) {
+    if (columns == 6 && rows == 7) return one_sided_jacobi<7, 6>(w, rows, columns, precision, sigma, basis);
+    if (columns == 6 && rows == 6) return one_sided_jacobi<6, 6>(w, rows, columns, precision, sigma, basis);
+    return one_sided_jacobi<0, 0>(w, rows, columns, precision, sigma, basis);
+}
+
+// Column j of a basis: the coordinate axis that the columns before it cover least, made orthogonal to them (twice).
+inline void append_orthogonal(Pack* basis, int rows, int j) {
+    const Pack zero = fill(0.0), one = fill(1.0);
+    Pack least = fill(2.0), which = zero;
+    for (int k = 0; k < rows; ++k) {
+        Pack cover = zero;
+        for (int i = 0; i < j; ++i) cover = cover + basis[i * rows + k] * basis[i * rows + k];
+        const Mask better = cover < least;
+        least = select(better, cover, least);
+        which = select(better, fill((double)k), which);
+    }
+    Pack* x = basis + j * rows;
+    for (int k = 0; k < rows; ++k) x[k] = select(which == fill((double)k), one, zero);
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int i = 0; i < j; ++i) {
+            const Pack* y = basis + i * rows;
+            Pack overlap = zero;
+            for (int k = 0; k < rows; ++k) overlap = overlap + x[k] * y[k];
+            for (int k = 0; k < rows; ++k) x[k] = x[k] - overlap * y[k];
+        }
+        Pack norm = zero;
+        for (int k = 0; k < rows; ++k) norm = norm + x[k] * x[k];
+        const Pack scale = one / sqrt(norm);
+        for (int k = 0; k < rows; ++k) x[k] = x[k] * scale;
+    }
 }
 
 // Orthonormal basis (rows x rows, by columns) whose first `keep` columns are the directions of w's first columns and
-// whose rest completes it. A direction whose sigma is rounding noise is replaced by one from the complement.
+// whose rest completes it. A direction whose sigma is rounding noise is replaced by one from the complement; the others
+// are orthogonal as they stand.
 inline void complete_basis(const Pack* w, const Pack* sigma, int rows, int keep, Pack* out) {
-    const Pack zero = fill(0.0), one = fill(1.0);
     for (int j = 0; j < rows; ++j) {
-        Pack* x = out + j * rows;
-        // the unit vector least covered by the columns so far
-        Pack cover_best = fill(2.0), which = zero;
-        for (int k = 0; k < rows; ++k) {
-            Pack cover = zero;
-            for (int i = 0; i < j; ++i) cover = cover + out[i * rows + k] * out[i * rows + k];
-            const Mask better = cover < cover_best;
-            cover_best = select(better, cover, cover_best);
-            which = select(better, fill((double)k), which);
-        }
-        for (int k = 0; k < rows; ++k) x[k] = select(which == fill((double)k), one, zero);
-        if (j < keep) {
-            const Mask sound = sigma[j] > sigma[0] * fill(1e-14);
-            const Pack scale = one / select(sound, sigma[j], one);
-            for (int k = 0; k < rows; ++k) x[k] = select(sound, w[j * rows + k] * scale, x[k]);
-        }
-        for (int pass = 0; pass < 2; ++pass) {
-            for (int i = 0; i < j; ++i) {
-                const Pack* y = out + i * rows;
-                Pack overlap = zero;
-                for (int k = 0; k < rows; ++k) overlap = overlap + x[k] * y[k];
-                for (int k = 0; k < rows; ++k) x[k] = x[k] - overlap * y[k];
-            }
-            Pack norm = zero;
-            for (int k = 0; k < rows; ++k) norm = norm + x[k] * x[k];
-            const Pack scale = one / sqrt(norm);
-            for (int k = 0; k < rows; ++k) x[k] = x[k] * scale;
-        }
+        const Mask sound = j < keep ? sigma[j] > sigma[0] * fill(1e-14) : fill(0.0) > fill(1.0);
+        const bool all_sound = j < keep && !any(sigma[j] <= sigma[0] * fill(1e-14));
+        if (!all_sound) append_orthogonal(out, rows, j);
+        if (j >= keep) continue;
+        const Pack scale = fill(1.0) / select(sound, sigma[j], fill(1.0));
+        for (int k = 0; k < rows; ++k)
+            out[j * rows + k] = select(sound, w[j * rows + k] * scale, all_sound ? fill(0.0) : out[j * rows + k]);
     }
 }
 

@@ -15,12 +15,13 @@ class Tolerances:
         target: the search stops a start here [1]: rounding of a Jacobian of norm 3 leaves 1e-15.
         stationary: share of F inside the range of D below which a start has met a nonzero local minimum [1].
         block_rank: singular values of D at or below this are zero, an absolute cut [1/rad].
-        tangent: entry of the projector on ker D below which a joint is pinned (above one minus it: free): the square of an
-            angle of 1e-7; Gen3's 12 mm offset makes angles of 1e-5 that are not zero [1].
+        tangent: entry of the projector on ker D below which a joint is pinned (above one minus it: free): the square
+            of an angle of 1e-7; Gen3's 12 mm offset makes angles of 1e-5 that are not zero [1].
         value: two joint values closer than this are the same, and simple values (multiples of π/12) are taken [rad, m].
         fit_gap: a null space of the fit is believed when the largest singular value inside is below this share of the
             smallest one outside [1].
-        coefficient: fitted coefficients below this share of the largest are zero [1].
+        coefficient: fitted coefficients below this share of the largest are zero, where the fit is as good without
+            them [1].
         explained: a singular point satisfies a family when its residual is below this [rad]; a point where families
             meet is itself only known to the square root of `target`.
     """

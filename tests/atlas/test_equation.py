@@ -7,7 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.atlas.equation import Equation, Term, normalised, pretty_angle, vanishing_on
+from rankdrop.atlas.equation import Equation, Term, normalised, pretty_angle
+from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.errors import ConfigurationError, OptionError
 
 N = 4

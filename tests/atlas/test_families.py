@@ -276,3 +276,37 @@ def test_few_points_are_enough_for_the_pieces_they_meet():
     """Symmetry completes value sets: 40 points, 14 combinations."""
     found = table("pa10", 1, starts=40)
     assert [pins(family) for family in found.families] == PA10[1]
+
+
+def test_rows_half_a_turn_apart_become_one():
+    """UR5, elbow and shoulder: (a2 ± a3)c2 ± d5·s24 = 0 at θ3 = 0, π is a2c2 + a3c23 + d5s234 = 0 at both."""
+    found = table("ur5", 2)
+    assert found.summary.completeness.explained == found.summary.completeness.tested
+    (row,) = (family for family in found.families if family.coupled == (2, 4, 5))
+    assert pins(row) == {3: STRAIGHT}
+    assert "merged" in row.evidence
+    assert len(found.families) == 4
+
+
+def test_values_on_which_d_has_too_low_a_rank_are_sharpened():
+    """7R with θ2 = ±π/2, θ4 = v: σ is of first order in one combination of the errors and of second in the other."""
+    q = pi / 2
+    rows = [
+        (0.0, -q, 0.0), (0.4, 0.0, 0.194), (0.0, -q, 0.0), (0.175, q, 0.0), (0.0, -q, 0.584), (0.0, -q, 0.0),
+        (0.0, q, 0.488),
+    ]  # fmt: skip
+    found = table(from_dh([(a, alpha, d, 0.0) for a, alpha, d in rows], convention="standard", name="offset7r"), 1)
+    assert found.summary.completeness.explained == found.summary.completeness.tested >= 1000
+    (row,) = (family for family in found.families if "shared values" in family.evidence)
+    assert pins(row)[2] == SQUARE
+    assert all(abs(v) not in (0.0, pi) for v in pins(row)[4])
+
+
+def test_a_helical_joint_enters_through_waves_and_powers():
+    robot = open_robot("puma560")
+    joints = list(robot.joints)
+    screw = joints[2].screw + 0.05 * np.concatenate([joints[2].screw[3:], np.zeros(3)])
+    joints[2] = replace(joints[2], kind="helical", screw=screw)
+    found = table(replace(robot, joints=tuple(joints), name="puma, joint 3 helical"), 1, starts=800)
+    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert [family.dimension for family in found.families] == [5, 5, 5]

@@ -24,7 +24,9 @@ def random_arm(n: int, seed: int):
     )
 
 
-@pytest.mark.parametrize(("name", "coranks"), [("pa10", (1, 2, 3)), ("ur5", (1, 2)), ("canadarm2", (1, 2, 3)), ("puma560", (1, 2))])
+@pytest.mark.parametrize(
+    ("name", "coranks"), [("pa10", (1, 2, 3)), ("ur5", (1, 2)), ("canadarm2", (1, 2, 3)), ("puma560", (1, 2))]
+)
 def test_nearly_every_start_reaches_a_corank_that_exists(name, coranks):
     robot = open_robot(name)
     for corank in coranks:

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from rankdrop.analyze import analyze
-from rankdrop.atlas.equation import Equation, Term, vanishing_on
+from rankdrop.atlas.equation import Equation, Term
 from rankdrop.atlas.family import CorankSummary, Family, Pinned, Share, Soundness, Unseen
+from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.cli import main
 from rankdrop.result import Analysis, Settings
 from rankdrop.robot.open import open_robot

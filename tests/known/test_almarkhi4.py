@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known.truths import all_explained, all_sound
 
+from known.truths import all_explained, all_sound
 from rankdrop.analyze import analyze
 from rankdrop.atlas.search import refine
 from rankdrop.local.block import decompose

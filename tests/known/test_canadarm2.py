@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known.truths import text_values
 
+from known.truths import text_values
 from rankdrop.analyze import analyze
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot

@@ -9,8 +9,8 @@ import json
 
 import numpy as np
 import pytest
-from known.truths import text_values
 
+from known.truths import text_values
 from rankdrop.analyze import analyze
 from rankdrop.atlas.search import search
 from rankdrop.kinematics import task_jacobian
@@ -36,7 +36,9 @@ def test_texts_of_the_equations_explain_an_independent_cloud(name):
         q = search(robot, corank, task=task, starts=2000, seed=987_654).converged
         sigma = np.linalg.svd(task_jacobian(robot, q, task), compute_uv=False)
         q = q[sigma[:, rank - 1] > 1e-6] if rank else q
-        residual = [np.max([np.abs(text_values(text, q) + 0 * q[:, 0]) for text in row["equations"]], axis=0) for row in rows]
+        residual = [
+            np.max([np.abs(text_values(text, q) + 0 * q[:, 0]) for text in row["equations"]], axis=0) for row in rows
+        ]
         explained = np.min(residual, axis=0) < 1e-4  # unpolished points where families meet are known to 1e-5 only
         assert len(q) > 300
         shown_unnamed = any(not family["named"] for family in result["families"] if family["corank"] == corank)

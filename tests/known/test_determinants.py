@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from known.truths import DETERMINANTS, all_explained, all_sound, text_values, zeros
 
+from known.truths import DETERMINANTS, all_explained, all_sound, text_values, zeros
 from rankdrop.analyze import analyze
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -33,7 +33,7 @@ def test_each_factor_is_one_family_with_the_same_zero_set(case):
         q = zeros(factor, n, 200, rng)
         assert singular_values(robot, q, analysis.task)[:, analysis.generic_rank - 1].max() < 1e-12  # the truth is true
         matches = [row for row in rows if max(_distance(e, q).max() for e in row.equations) < 1e-9]
-        assert len(matches) == 1  # fitted coefficients right to 1e-9: the family's equations vanish on the factor's zeros
+        assert len(matches) == 1  # the family vanishes on the factor's zeros to 1e-9
         assert matches[0].dimension == n - 1
         assert len(matches[0].equations) == 1
 

@@ -6,8 +6,8 @@ from math import pi
 
 import numpy as np
 import pytest
-from known.truths import PA10_TABLES, all_explained, all_sound, text_values
 
+from known.truths import PA10_TABLES, all_explained, all_sound, text_values
 from rankdrop.analyze import analyze
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot

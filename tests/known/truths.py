@@ -1,4 +1,4 @@
-"""Known answers in closed form, from the five documents and from textbooks, and how to hold an analysis against them."""
+"""Known answers in closed form, from the papers and from textbooks, and how to hold an analysis against them."""
 
 from __future__ import annotations
 

@@ -13,9 +13,7 @@ no start is drawn to is beyond any such estimate.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import hypot, sqrt
-
-from scipy.special import betaincinv
+from math import exp, hypot, lgamma, log, log1p, sqrt
 
 from rankdrop.atlas.family import Unseen
 
@@ -51,5 +49,14 @@ def binomial_upper(successes: int, trials: int, confidence: float = 0.95) -> flo
     """Exact (Clopper–Pearson) one-sided upper bound on a probability; 1 without trials."""
     if successes >= trials:
         return 1.0
-    return float(betaincinv(successes + 1, trials - successes, confidence))
+    low, high = 0.0, 1.0
+    for _ in range(60):  # the chance of so few successes falls with p: bisection to the last bit
+        middle = (low + high) / 2
+        low, high = (middle, high) if _at_most(successes, trials, middle) > 1 - confidence else (low, middle)
+    return high
 
+
+def _at_most(successes: int, trials: int, p: float) -> float:
+    """Chance of at most so many successes, each trial succeeding with probability p in (0, 1)."""
+    choose = [lgamma(trials + 1) - lgamma(k + 1) - lgamma(trials - k + 1) for k in range(successes + 1)]
+    return sum(exp(choose[k] + k * log(p) + (trials - k) * log1p(-p)) for k in range(successes + 1))

@@ -26,7 +26,7 @@ from rankdrop.atlas.search import Outcome, Search, search
 from rankdrop.atlas.signature import Inspection
 from rankdrop.atlas.unnamed import Leftover, leftovers
 from rankdrop.atlas.witness import witness
-from rankdrop.local.directions import frame_name, lost_directions
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.words import words
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -74,13 +74,15 @@ def families(
     inspection = setting.inspect(setting.polished(cloud.converged))
     cover = Cover(setting, inspection.q)
     rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
-    sounds = []
-    kept = []
+    sounds: dict[Row, Soundness] = {}
+    samples: dict[Row, Array] = {}
     for i, row in enumerate(rows):
-        sound, _ = soundness(setting, row.system, row.signature.rank, np.random.default_rng([seed, cloud.corank, 7, i]))
-        if sound.holds:
-            kept.append(row)
-            sounds.append(sound)
+        rng = np.random.default_rng([seed, cloud.corank, 7, i])
+        sound, _ = soundness(setting, row.system, row.signature.rank, rng)
+        points = _generic(setting, row, inspection.q[cover.on(row)], rng)
+        if sound.holds and len(points):
+            sounds[row], samples[row] = sound, points
+    kept = list(sounds)
     report(60, STEPS)
     independent = _fresh(setting, cloud, inspection, seed, threads) if fresh is None else fresh.converged
     checked = setting.inspect(setting.polished(independent))
@@ -88,13 +90,14 @@ def families(
     new = Cover(setting, checked.q)
     rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
-    order = sorted(range(len(kept)), key=lambda i: _order(kept[i]))
     found = []
-    for count, i in enumerate(order):
-        per_row = Share(share.tested, int((checked.exact & new.on(kept[i])).sum()))
-        rng = np.random.default_rng([seed, cloud.corank, 8, count])
-        found.append(_family(setting, kept[i], f"k{cloud.corank}.f{count + 1}", sounds[i], per_row, rng))
-        report(80 + 20 * count // len(order), STEPS)
+    for count, row in enumerate(sorted(kept, key=_order)):
+        per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
+        shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
+        at = samples[row][0] if shown is None else shown
+        name = f"k{cloud.corank}.f{count + 1}"
+        found.append(_family(setting, row, name, sounds[row], per_row, samples[row], at))
+        report(80 + 20 * count // len(kept), STEPS)
     for count, leftover in enumerate(rest, start=len(found) + 1):
         found.append(_unnamed(setting, leftover, f"k{cloud.corank}.f{count}", share.tested))
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
@@ -116,10 +119,12 @@ def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, t
         part = search(
             setting.robot, setting.corank, task=setting.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
             limits=setting.limits, threads=threads, tolerances=setting.tolerances,
-        ).converged  # fmt: skip
-        found += int(setting.inspect(part).exact.sum())
+        )  # fmt: skip
+        if not part.complete:
+            raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
+        found += int(setting.inspect(part.converged).exact.sum())
         spent += starts
-        parts.append(part)
+        parts.append(part.converged)
     return np.concatenate(parts)
 
 
@@ -129,18 +134,13 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
 
 
 def _family(
-    setting: Setting, row: Row, identifier: str, sound: Soundness, share: Share, rng: np.random.Generator
+    setting: Setting, row: Row, identifier: str, sound: Soundness, share: Share, generic: Array, at: Array
 ) -> Family:
     signature, robot = row.signature, setting.robot
-    points, good = row.sample(setting, 12, rng)
-    generic = _generic(setting, points[good], rng)
-    shown = witness(setting, row, rng)
-    at = generic[0] if shown is None else shown
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions = lost_directions(robot, at, setting.task, setting.corank)
-    frame = frame_name(setting.task.frame)
+    directions, sentences = _lost(setting, at)
     return Family(
         id=identifier,
         name=name_family(robot, setting.task, generic, pinned),
@@ -152,15 +152,24 @@ def _family(
         equations=row.system.equations,
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
-        lost_words=tuple(words(direction, frame) for direction in directions),
+        lost_words=sentences,
         soundness=sound,
         explained=share,
         evidence=row.evidence,
     )
 
 
-def _generic(setting: Setting, q: Array, rng: np.random.Generator) -> Array:
-    """Up to 24 points of corank exactly k, in random order."""
+def _lost(setting: Setting, at: Array) -> tuple[Array, tuple[str, ...]]:
+    """Lost directions in the task's frame, and the same subspace in words, in the frame where it is sparsest."""
+    directions = lost_directions(setting.robot, at, setting.task, setting.corank)
+    plain = lost_in_sparsest_frame(setting.robot, at, setting.task, setting.corank)
+    return directions, tuple(words(direction, plain.name) for direction in plain.directions)
+
+
+def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -> Array:
+    """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
+    points, good = row.sample(setting, 12, rng)
+    q = np.concatenate([points[good], met[:24]]) if good.sum() < 12 else points[good]
     inspection = setting.inspect(q)
     chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, setting.rank] <= setting.tolerances.singular))
     return np.asarray(q[rng.permutation(chosen)[:24]])
@@ -168,8 +177,7 @@ def _generic(setting: Setting, q: Array, rng: np.random.Generator) -> Array:
 
 def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int) -> Family:
     robot, at = setting.robot, leftover.witness
-    directions = lost_directions(robot, at, setting.task, setting.corank)
-    frame = frame_name(setting.task.frame)
+    directions, sentences = _lost(setting, at)
     values = tuple(
         Pinned(robot.variables[j].name, j + 1, leftover.values(setting, j))
         for j in leftover.pinned
@@ -185,7 +193,7 @@ def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int)
         equations=(),
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
-        lost_words=tuple(words(direction, frame) for direction in directions),
+        lost_words=sentences,
         soundness=Soundness(0, 0),
         explained=Share(tested, leftover.fresh),
         evidence=leftover.evidence,

@@ -3,8 +3,8 @@
 In the half-angle variable t = tan(θ/2) a trigonometric polynomial is an ordinary one, and unique factorisation holds
 there (it fails in cos and sin). Degree d in t means the harmonics −d/2, −d/2 + 1, …, d/2: d + 1 functions. So d = 1
 holds sin(θ/2) and cos(θ/2), d = 2 the usual 1, cos, sin, and d = 4 is enough for every minor of a pose Jacobian. A
-prismatic joint has powers 0 … d, a helical one both. Without helical joints a space of multidegree (d_1, …, d_b) has Π(d_j + 1) functions, and all of its terms
-have one parity, so that every zero set is well defined on the torus.
+prismatic joint has powers 0 … d, a helical one both. Without helical joints a space of multidegree (d_1, …, d_b) has
+Π(d_j + 1) functions. All terms of a space have one parity, so that every zero set is well defined on the torus.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ class Kind(IntEnum):
 
 
 NULL = 1e-9  # singular values of the library matrix below this share of the largest may be zero
+WORSE = 3.0  # the residual may grow so much when small coefficients are dropped
 Degrees = tuple[int, ...]
 
 
@@ -165,11 +166,12 @@ def refit(values: Array, coefficients: Array, tolerances: Tolerances) -> Array:
         (L,) exact zeros outside the support; the largest entry has size one.
     """
     best = coefficients / np.abs(coefficients).max()
-    for threshold in (100 * tolerances.coefficient, tolerances.coefficient):
+    noise = float(np.linalg.norm(values @ best) / np.linalg.norm(best))
+    floor = 1e-15 * float(np.linalg.norm(values))
+    for threshold in tolerances.coefficient * np.array([1e2, 1.0, 1e-2, 1e-4]):
         support = np.abs(best) > threshold
-        part = values[:, support]
-        _, s, vt = np.linalg.svd(np.linalg.qr(part, mode="r"))
-        if s[-1] <= NULL * s[0]:
+        _, s, vt = np.linalg.svd(np.linalg.qr(values[:, support], mode="r"))
+        if s[-1] <= WORSE * noise + floor:  # a small coefficient that is real would show here
             result = np.zeros_like(best)
             result[support] = vt[-1]
             return np.asarray(result / np.abs(result).max())

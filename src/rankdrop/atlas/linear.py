@@ -11,9 +11,10 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.equation import Equation, vanishing_on
+from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.signature import Covector
 from rankdrop.atlas.system import Mask
+from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.robot.model import Array, Robot
 
 SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one

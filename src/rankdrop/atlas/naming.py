@@ -27,7 +27,8 @@ class PinnedJoint(Protocol):
     """What is read of a pinned joint: its number from 1."""
 
     @property
-    def number(self) -> int: ...
+    def number(self) -> int:
+        """Counted from 1."""
 
 
 def name_family(robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[PinnedJoint] = ()) -> str:

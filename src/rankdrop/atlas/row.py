@@ -18,7 +18,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
-FURTHER = 1e-9  # |f| of the equations beyond the independent ones at a solution
+FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solution
 STARTS = 400  # random starts of a soundness test
 
 
@@ -119,15 +119,33 @@ def verified(
     A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
     table of a higher corank).
     """
-    each = 24 if residual else 8
+    each = 24 if residual or setting.limits else 8
+    result = _tested(setting, linear, residual, codimension, values, each, rng)
+    unsure = [i for i, one in enumerate(result) if one is None]
+    if unsure:  # limits leave little room: look harder
+        again = _tested(setting, linear, residual, codimension, [values[i] for i in unsure], 20 * each, rng)
+        for i, one in zip(unsure, again, strict=True):
+            result[i] = one
+    return [one is True for one in result]
+
+
+def _tested(
+    setting: Setting,
+    linear: Linear,
+    residual: tuple[Equation, ...],
+    codimension: int,
+    values: list[Values],
+    each: int,
+    rng: np.random.Generator,
+) -> list[bool | None]:
+    """`verified` with a number of starts; None where fewer than three of them could be used."""
     q, good = on_combinations(setting, linear, residual, codimension, values, each, rng)
     sigma = singular_values(setting.robot, q.reshape(-1, setting.robot.n), setting.task).reshape(*q.shape[:2], -1)
     singular = sigma[..., setting.rank] <= setting.tolerances.singular
     exact = sigma[..., setting.rank - 1] > HIGHER if setting.rank else np.ones_like(singular)
-    enough = good.sum(axis=1) >= (3 if residual or setting.limits else each)
-    sound = (singular | ~good).all(axis=1)
-    generic = (exact & good).sum(axis=1) > 0.5 * good.sum(axis=1)
-    return [bool(ok) for ok in enough & sound & generic]
+    count = good.sum(axis=1)
+    holds = (singular | ~good).all(axis=1) & ((exact & good).sum(axis=1) > 0.5 * count)
+    return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
 
 
 def soundness(setting: Setting, system: System, codimension: int, rng: np.random.Generator) -> tuple[Soundness, Array]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rankdrop.atlas.fit import Budget, holds
 from rankdrop.atlas.linear import Linear, Values, boxes, grow
+from rankdrop.atlas.merge import merged
 from rankdrop.atlas.recognise import recognised
 from rankdrop.atlas.residual import residual_equations
 from rankdrop.atlas.row import Row, verified
@@ -66,7 +67,8 @@ def find_rows(
             budget.back(part)
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     rows += recognised(setting, rest, np.random.default_rng([seed, setting.corank, len(groups)]))
-    return without_contained(setting, rows, np.random.default_rng([seed, setting.corank, len(groups) + 1]))
+    rng = np.random.default_rng([seed, setting.corank, len(groups) + 1])
+    return merged(setting, without_contained(setting, rows, rng), rng)
 
 
 def grouped(inspection: Inspection) -> Groups:

@@ -168,8 +168,8 @@ def search(
     resolved = resolve_task(task, robot)
     q0 = sample(robot, resolved, starts, seed, limits=limits)
     return refine(
-        robot, q0, corank, task=resolved, seed=seed, limits=limits, method=method, iterations=iterations, history=history,
-        threads=threads, progress=progress, tolerances=tolerances,
+        robot, q0, corank, task=resolved, seed=seed, limits=limits, method=method, iterations=iterations,
+        history=history, threads=threads, progress=progress, tolerances=tolerances,
     )
 
 
@@ -213,8 +213,8 @@ def refine(
         while done < len(rows) and not interrupted:
             begun = time.perf_counter()
             part = _core.search(
-                chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method), most,
-                singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
+                chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method),
+                most, singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
             )
             interrupted = part[6]
             parts.append(part)

@@ -93,7 +93,7 @@ def inspect(robot: Robot, task: Task, rank: int, q: Array, tolerances: Tolerance
     count, n = len(q), robot.n
     if not count:
         empty = np.zeros(0, dtype=np.bool_)
-        return Inspection(q, np.zeros((0, 0)), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
+        return Inspection(q, np.zeros((0, min(task.m, n))), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
     local = block(robot, q, task, rank)
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)

@@ -14,6 +14,7 @@ Mask = NDArray[np.bool_]
 
 CUT = 1e-7  # singular values of the equations' Jacobian below this share of the largest are not inverted
 CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
+REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
 
 
@@ -97,9 +98,10 @@ class System:
         if not self.equations:
             return np.zeros(len(q)), foot
         near = np.flatnonzero(self._first_order(q) <= 4 * within)
-        end, solved = self.solve(q[near], iterations=40, step=within, still=CLOSE)
+        end, _ = self.solve(q[near], iterations=40, step=within, still=CLOSE)
+        there = np.abs(self.values(end)).max(axis=1) <= REACHED
         way = np.linalg.norm(end - q[near], axis=1)
-        length[near] = np.where(solved & (way <= within), way, np.inf)
+        length[near] = np.where(there & (way <= within), way, np.inf)
         foot[near] = end
         return length, foot
 

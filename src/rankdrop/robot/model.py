@@ -133,13 +133,14 @@ class Robot:
         names = [joint.name for joint in self.joints]
         for name in names:
             if names.count(name) > 1:
-                raise RobotError("two joints have the same name", where=where, got=repr(name), mend="rename one of them")
+                raise RobotError("two joints have the same name", where=where, got=repr(name), mend="rename one")
         leaders = {joint.name for joint in self.joints if joint.mimic is None}
         for joint in self.joints:
             if joint.mimic is not None and joint.mimic.leader not in leaders:
                 raise RobotError(
-                    "a mimic joint follows a joint that is not a variable of the chain", where=f"{where}, joint {joint.name!r}",
-                    got=repr(joint.mimic.leader), allowed=", ".join(sorted(leaders)),
+                    "a mimic joint follows a joint that is not a variable of the chain",
+                    where=f"{where}, joint {joint.name!r}", got=repr(joint.mimic.leader),
+                    allowed=", ".join(sorted(leaders)),
                 )
 
     @property

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
 from reference import arms
 from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
+from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
 from rankdrop.robot.model import Robot
 from rankdrop.task import resolve_task, task_names
 

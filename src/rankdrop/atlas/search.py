@@ -214,7 +214,8 @@ def refine(
             begun = time.perf_counter()
             part = _core.search(
                 chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method),
-                most, singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history, threads,
+                most, singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history,
+                threads,
             )
             interrupted = part[6]
             parts.append(part)

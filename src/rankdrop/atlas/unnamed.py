@@ -14,6 +14,7 @@ from rankdrop.atlas.system import Mask
 from rankdrop.robot.model import Array
 
 VALUES = 12  # values of a pinned joint that are listed at most
+SMALL = 0.5  # a group with less than this share of another's points is small beside it
 Joints = tuple[int, ...]
 Shape = tuple[bool, int, Joints, Joints, Joints]
 """Regular or not; rank of D; joints pinned, free, coupled."""
@@ -72,8 +73,27 @@ def leftovers(
             else _shape(inspection, i, setting)
         )
         groups.setdefault(key, []).append(i)
-    ordered = sorted(groups.items(), key=lambda item: (-len(item[1]), item[1][0]))
+    ordered = sorted(_joined(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
     return [_leftover(setting, inspection, key, np.array(members), from_cloud) for key, members in ordered]
+
+
+def _joined(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
+    """Put groups with the same pinned joints together where one is small beside the other.
+
+    Near a degenerate geometry (offsets of a fraction of a millimetre) tangents of one set come in many shapes. What is
+    coupled in one of them is coupled; the larger dimension is the bound.
+    """
+    joined: dict[Shape, list[int]] = {}
+    for shape, members in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
+        home = next((s for s in joined if s[2] == shape[2] and len(members) < SMALL * len(joined[s])), None)
+        if home is None:
+            joined[shape] = list(members)
+            continue
+        everyone = sorted(joined.pop(home) + members)
+        coupled = tuple(sorted({*home[4], *shape[4]}))
+        free = tuple(j for j in home[3] if j not in coupled)
+        joined[(home[0] and shape[0], min(home[1], shape[1]), home[2], free, coupled)] = everyone
+    return joined
 
 
 def _shape(inspection: Inspection, i: int, setting: Setting) -> Shape:

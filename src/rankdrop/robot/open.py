@@ -131,7 +131,7 @@ def _exists(path: Path) -> bool:
 
 
 def _unknown(name: str) -> UnknownRobotError:
-    shown = name if len(name) <= 80 else name[:77] + "…"
+    shown = name if len(name) <= 500 else name[:499] + "…"
     close = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
     what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import weakref
+from pathlib import PurePath
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.errors import ConfigurationError
+from rankdrop.errors import ConfigurationError, RobotError
 from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -22,6 +23,7 @@ class Handles:
     __slots__ = ("chain", "n", "shape", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
+        check_robot(robot)
         self.chain = _make_chain(robot)
         self.n = robot.n
         self.shape = (robot.n,)
@@ -30,6 +32,17 @@ class Handles:
 
 
 _handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
+
+
+def check_robot(robot: object) -> None:
+    """Tell a name or a file from the robot itself.
+
+    Raises:
+        RobotError: not a Robot.
+    """
+    if not isinstance(robot, Robot):
+        what = repr(robot)[:80] if isinstance(robot, str | PurePath) else f"a {type(robot).__name__}"
+        raise RobotError("a Robot is needed", got=what, allowed="a Robot", mend="use open_robot(…)")
 
 
 def handles_of(robot: Robot) -> Handles:
@@ -61,7 +74,9 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
 
     Raises:
         ConfigurationError: wrong last dimension, or a value that is not finite (named by its index).
+        RobotError: not a Robot.
     """
+    check_robot(robot)
     array = np.asarray(q, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != robot.n:
         raise ConfigurationError(

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from rankdrop._handles import check_robot
 from rankdrop.atlas.families import families
 from rankdrop.atlas.family import CorankFamilies
-from rankdrop.atlas.search import search
+from rankdrop.atlas.search import check_numbers, search
 from rankdrop.local.block import generic_rank
 from rankdrop.result import Analysis, Settings
 from rankdrop.robot.model import Robot
@@ -27,6 +28,7 @@ def analyze(
     seed: int = 0,
     limits: bool = False,
     threads: int = 0,
+    length_scale: float | None = None,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
 ) -> Analysis:
@@ -45,6 +47,7 @@ def analyze(
         seed: of every random choice; same seed, same result, on any number of threads.
         limits: stay within the joint limits; otherwise the whole torus.
         threads: of the core; 0 uses every processor.
+        length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
         progress: called as progress(label, done, total).
         tolerances: thresholds, recorded in the result.
 
@@ -52,7 +55,8 @@ def analyze(
         Analysis with one summary per corank and all families.
 
     Raises:
-        TaskError: the task does not exist.
+        RobotError: not a Robot.
+        TaskError: the task does not exist, or the length scale is not positive.
         OptionError: an option outside what is allowed.
 
     Example:
@@ -61,7 +65,9 @@ def analyze(
         >>> [(family.corank, family.dimension) for family in found.families]
         [(1, 2)]
     """
-    resolved = resolve_task(task, robot)
+    check_robot(robot)
+    starts, seed, threads = check_numbers(starts, seed, threads)
+    resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
     rank = generic_rank(robot, resolved)
     found: list[CorankFamilies] = []
@@ -114,7 +120,8 @@ def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:
             f"{min(task.m, robot.n)} would be full"
         )
     else:
-        note = f"the task {task.name} has {task.m} rows and the arm {robot.n} joints: the rank is {rank} at most"
+        joints = "1 joint" if robot.n == 1 else f"{robot.n} joints"
+        note = f"the task {task.name} has {task.m} rows and the arm {joints}: the rank is {rank} at most"
     served = [name for name in task_names() if _serves(robot, name, task, rank)]
     tasks = f"; tasks it can do in full: {', '.join(served)}" if served else ""
     return (f"{note}; corank is counted from rank {rank}{tasks}",)

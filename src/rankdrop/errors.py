@@ -59,7 +59,7 @@ class OptionError(RankdropError):
 
 
 class ResultFileError(RankdropError):
-    """A saved result that cannot be read back."""
+    """A result that cannot be saved, or not be read back."""
 
 
 class MissingExtraError(RankdropError):

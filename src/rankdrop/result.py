@@ -204,8 +204,17 @@ class Analysis:
         )
 
     def save(self, path: str | Path) -> None:
-        """Write the analysis to a JSON file."""
-        Path(path).write_text(json_text(self.to_dict()), encoding="utf-8")
+        """Write the analysis to a JSON file.
+
+        Raises:
+            ResultFileError: the file cannot be written.
+        """
+        text = json_text(self.to_dict())
+        try:
+            Path(path).write_text(text, encoding="utf-8")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else str(error)
+            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
     @classmethod
     def load(cls, path: str | Path) -> Analysis:

@@ -10,6 +10,7 @@ from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.reach import reach
 from rankdrop.robot.model import Robot
 
+WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 _NAMED: dict[str, tuple[int, ...]] = {
@@ -70,15 +71,19 @@ def resolve_task(
         length_scale: overrides the length scale [m]; 1.0 reproduces papers that mix metres and radians.
 
     Raises:
-        TaskError: unknown name or row, empty or repeated rows, a length scale that is not positive.
+        TaskError: unknown name or row, empty or repeated rows, a length scale beyond 100 times the reach either way.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
         >>> resolve_task("wz,vx", open_robot("pa10")).rows
         (0, 5)
     """
-    if length_scale is not None and not 0.0 < length_scale < float("inf"):
-        raise TaskError("the length scale must be positive", got=length_scale, allowed="a finite length > 0 m")
+    if length_scale is not None and not reach(robot) / WIDEST <= length_scale <= reach(robot) * WIDEST:
+        low, high = reach(robot) / WIDEST, reach(robot) * WIDEST
+        raise TaskError(
+            "a length scale so far from the arm's reach would hide rotations or translations", got=f"{length_scale} m",
+            allowed=f"{low:.4g} … {high:.4g} m",
+        )
     resolved = task if isinstance(task, Task) else _from_rows(robot.task if task is None else task)
     if frame is not None:
         resolved = replace(resolved, frame=frame)
@@ -92,7 +97,9 @@ def _from_rows(task: str | Sequence[str]) -> Task:
         return Task(task, _NAMED[task])
     words = [word.strip() for word in (task.split(",") if isinstance(task, str) else task)]
     unknown = [word for word in words if word not in ROWS]
-    if unknown or not words or len(set(words)) != len(words):
+    if not unknown and len(set(words)) != len(words):
+        raise TaskError("a row is named twice", where="task", got=repr(task), allowed="each row once")
+    if unknown or not words:
         raise TaskError(
             "there is no such task", got=repr(task), allowed=", ".join(_NAMED) + ", or rows out of " + ",".join(ROWS)
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -162,7 +164,7 @@ def test_bad_options_say_what_is_allowed():
         search(robot, 7)
     with pytest.raises(OptionError, match="lm, gradient, almarkhi"):
         search(robot, 1, method="newton")
-    with pytest.raises(OptionError, match="at least one start"):
+    with pytest.raises(OptionError, match="starts is outside the range"):
         search(robot, 1, starts=0)
     with pytest.raises(ConfigurationError, match="index"):
         refine(robot, np.full((2, 7), np.nan), 1)
@@ -170,3 +172,28 @@ def test_bad_options_say_what_is_allowed():
 
 def _plain_jacobian(robot, found):
     return task_jacobian(robot, found.converged, found.task)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"starts": 2.5}, r"starts is not a whole number; got 2\.5"),
+        ({"starts": True}, "starts is not a whole number; got True"),
+        ({"starts": 0}, "starts is outside the range; got 0; allowed: 1 … 10000000"),
+        ({"seed": "x"}, "seed is not a whole number; got 'x'"),
+        ({"seed": -1}, "seed is outside the range; got -1"),
+        ({"seed": 2**63}, "seed is outside the range"),
+        ({"threads": 1025}, "threads is outside the range; got 1025; allowed: 0 … 1024"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(options: dict[str, Any], words: str) -> None:
+    arm = open_robot("scara")
+    with pytest.raises(OptionError, match=words):
+        search(arm, 1, **options)
+    if "starts" not in options:
+        with pytest.raises(OptionError, match=words):
+            refine(arm, np.zeros((1, 4)), 1, **options)
+
+
+def test_the_largest_seed_and_numbers_of_numpy_are_taken() -> None:
+    assert search(open_robot("scara"), 1, starts=np.int64(10), seed=2**63 - 1).seed == 2**63 - 1  # type: ignore[arg-type]

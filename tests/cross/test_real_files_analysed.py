@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 
 import pytest
-from cross.real_files import FILES, XACROS, RealFile
 
+from cross.real_files import FILES, XACROS, RealFile
 from rankdrop.analyze import analyze
 from rankdrop.robot.open import open_robot
 

@@ -76,7 +76,7 @@ def test_links_cannot_be_named_where_there_are_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (b"", "neither TOML nor XML|kind of table"),
+        (b"", "the file is empty"),
         (b"hello there\n", "neither TOML nor XML"),
         (b"\x7fELF\0\0\0", "not a text file"),
         (b"a\nb\n\xff\xfe", "line 3: this is not text in UTF-8; got byte 0xff"),

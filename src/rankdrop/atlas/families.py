@@ -26,7 +26,7 @@ from rankdrop.atlas.search import Outcome, Search, search
 from rankdrop.atlas.signature import Inspection
 from rankdrop.atlas.unnamed import Leftover, leftovers
 from rankdrop.atlas.witness import witness
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.words import words
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -140,10 +140,10 @@ def _family(
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions, sentences = _lost(setting, at)
+    directions, sentences = _lost(setting, at, generic)
     return Family(
         id=identifier,
-        name=name_family(robot, setting.task, generic, pinned),
+        name=_name(setting, generic, pinned, signature.coupled),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -159,11 +159,25 @@ def _family(
     )
 
 
-def _lost(setting: Setting, at: Array) -> tuple[Array, tuple[str, ...]]:
-    """Lost directions in the task's frame, and the same subspace in words, in the frame where it is sparsest."""
-    directions = lost_directions(setting.robot, at, setting.task, setting.corank)
-    plain = lost_in_sparsest_frame(setting.robot, at, setting.task, setting.corank)
-    return directions, tuple(words(direction, plain.name) for direction in plain.directions)
+def _name(setting: Setting, generic: Array, pinned: tuple[Pinned, ...], coupled: tuple[int, ...]) -> str:
+    """The name from the geometry; in a row without coupled joints the rest of the condition are fixed values."""
+    name = name_family(setting.robot, setting.task, generic, pinned)
+    return name if coupled else name.replace("others coupled", "others fixed")
+
+
+def _lost(setting: Setting, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
+    """Lost directions at the witness in the task's frame, and in words.
+
+    The words are for the whole family where some frame of the chain sees the same directions at all its points; else
+    they are for the witness, in the frame where they are sparsest, and say so.
+    """
+    robot, task, corank = setting.robot, setting.task, setting.corank
+    directions = lost_directions(robot, at, task, corank)
+    steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)
+    if steady is not None:
+        return directions, tuple(words(direction, steady.name) for direction in steady.directions)
+    plain = lost_in_sparsest_frame(robot, at, task, corank)
+    return directions, tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
 
 
 def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -> Array:
@@ -177,7 +191,7 @@ def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -
 
 def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int) -> Family:
     robot, at = setting.robot, leftover.witness
-    directions, sentences = _lost(setting, at)
+    directions, sentences = _lost(setting, at, leftover.q)
     values = tuple(
         Pinned(robot.variables[j].name, j + 1, leftover.values(setting, j))
         for j in leftover.pinned

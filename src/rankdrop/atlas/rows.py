@@ -170,12 +170,20 @@ def _rows_of(
 
 
 def without_contained(setting: Setting, rows: list[Row], rng: np.random.Generator) -> list[Row]:
-    """Drop rows that lie within another row: found by sampling the row and testing the other's equations."""
+    """Drop what lies within a larger row, combination of values by combination: θ4 = 0 or π may shrink to θ4 = 0.
+
+    Found by sampling each combination and testing the other rows' equations.
+    """
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row.signature.rank):
         q, good = row.sample(setting, 6, rng)
-        q = q[good]
-        inside = len(q) > 0 and any(bool(on_row(setting, other, q).all()) for other in kept)
-        if not inside:
+        inside = np.zeros(len(q), dtype=np.bool_)
+        for other in kept:
+            hits = on_row(setting, other, q.reshape(-1, q.shape[2])).reshape(good.shape)
+            inside |= (hits | ~good).all(axis=1) & good.any(axis=1)
+        outside = {values for i, values in enumerate(row.combinations) if i >= len(inside) or not inside[i]}
+        if not inside.any():
             kept.append(row)
+        elif outside:
+            kept += [replace(row, sets=sets) for sets in boxes(outside)]
     return kept

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -30,6 +30,9 @@ Progress = Callable[[int, int], None]
 METHODS = ("lm", "gradient", "almarkhi")
 AM_THRESHOLD = 1e-6
 """AM's ε: the two descent methods stop a start here [1]."""
+MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
+LARGEST_SEED = 2**63 - 1  # what the core takes
+MOST_THREADS = 1024
 _ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
 _TIE = 1e-2  # relative gap below which AM's method takes two singular values for equal
 
@@ -154,7 +157,8 @@ def search(
         A `Search`. On Ctrl-C the starts already done are kept, the rest are `Outcome.NOT_RUN`.
 
     Raises:
-        OptionError: corank, starts or method outside what is allowed.
+        OptionError: corank, starts, seed, threads or method outside what is allowed.
+        RobotError: not a Robot.
         TaskError: no such task.
 
     Example:
@@ -163,8 +167,8 @@ def search(
         >>> bool((found.sigma[found.outcome == 0][:, 3] <= 1e-9).all())
         True
     """
-    if starts < 1:
-        raise OptionError("a search needs at least one start", got=starts, allowed="1 or more")
+    check_robot(robot)
+    starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot)
     q0 = sample(robot, resolved, starts, seed, limits=limits)
     return refine(
@@ -196,6 +200,8 @@ def refine(
     Other arguments, result and errors as for `search`; and
         ConfigurationError: q0 has the wrong shape or is not finite.
     """
+    check_robot(robot)
+    _, seed, threads = check_numbers(1, seed, threads)
     resolved = resolve_task(task, robot)
     rank = generic_rank(robot, resolved) - corank
     _check(method, corank, rank + corank)
@@ -227,6 +233,29 @@ def refine(
     except KeyboardInterrupt:  # met between two parts, in `progress` say
         done = sum(len(part[0]) for part in parts)
     return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts, done)
+
+
+def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
+    """The three as whole numbers of Python.
+
+    Raises:
+        OptionError: one of them is not a whole number, or outside what is allowed.
+    """
+    return (
+        _whole("starts", starts, 1, MOST_STARTS), _whole("seed", seed, 0, LARGEST_SEED),
+        _whole("threads", threads, 0, MOST_THREADS),
+    )  # fmt: skip
+
+
+def _whole(name: str, value: object, least: int, most: int) -> int:
+    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
+    if number is None or not least <= number <= most:
+        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
+        raise OptionError(
+            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
+            got=shown, allowed=f"{least} … {most}",
+        )
+    return int(number)
 
 
 def _check(method: str, corank: int, full: int) -> None:

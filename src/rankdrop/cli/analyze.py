@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +10,7 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from rankdrop.result import Analysis
@@ -21,9 +23,9 @@ def analyze(
     *,
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    starts: int = 10_000,
-    seed: int = 0,
-    threads: int = 0,
+    starts: Whole = 10_000,
+    seed: Whole = 0,
+    threads: Whole = 0,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -52,7 +54,7 @@ def analyze(
     """
     from rankdrop.analyze import analyze as run
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_target, write_json
+    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
 
     check_target(json, "--json")
@@ -62,10 +64,13 @@ def analyze(
         analysis = run(
             model, task, starts=starts, seed=seed, limits=limits, threads=threads, progress=report
         )
-    if json is not None:
-        write_json(analysis.to_dict(), json)
+    seconds = monotonic() - begun
+    steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        _print(analysis, task, seconds=monotonic() - begun)
+        steps.append(lambda: _print(analysis, task, seconds=seconds))
+    if json is not None:
+        steps.append(lambda: write_json(analysis.to_dict(), json))
+    do_all(steps)
     return _exit_code(analysis)
 
 

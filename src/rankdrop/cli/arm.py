@@ -80,7 +80,7 @@ def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, st
     yield Text.assemble((robot.name, "bold"), f": {robot.about}" if robot.about else "")
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
-    grid.add_column()
+    grid.add_column(overflow="fold")  # a long path keeps its end
     grid.add_row("chain", f"{_count(robot.n, 'joint')} from {robot.base} to {robot.tip}")
     names = [joint.name for joint in robot.variables]
     if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):

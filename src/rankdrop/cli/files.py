@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,41 @@ def check_target(target: str | None, option: str, endings: tuple[str, ...] = ())
         raise OptionError("there is no such folder", where=option, got=str(path.parent), mend="make it first")
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise OptionError("no permission to write there", where=option, got=target)
+
+
+def check_different(targets: Mapping[str, str | None]) -> None:
+    """Find out before a long run whether one result would overwrite another.
+
+    Args:
+        targets: option -> file or None.
+
+    Raises:
+        OptionError: two options name the same file.
+    """
+    first: dict[Path, str] = {}
+    for option, target in targets.items():
+        if target is None or target == STDOUT:
+            continue
+        path = Path(target).resolve()
+        if path in first and (path.is_file() or not path.exists()):  # not /dev/null
+            raise OptionError(f"it is the file of {first[path]} as well", where=option, got=target, mend="name another")
+        first.setdefault(path, option)
+
+
+def do_all(steps: Iterable[Callable[[], None]]) -> None:
+    """Show and save finished work: each step is tried, even where one before it has failed.
+
+    Raises:
+        OptionError, OSError: of the first step that failed; a reader that has gone counts only where all else is well.
+    """
+    failed: Exception | None = None
+    for step in steps:
+        try:
+            step()
+        except (OptionError, OSError) as error:
+            failed = error if failed is None or isinstance(failed, BrokenPipeError) else failed
+    if failed is not None:
+        raise failed
 
 
 def write_json(record: Any, target: str) -> None:

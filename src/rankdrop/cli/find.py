@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -25,13 +26,13 @@ def find(
     robot: str,
     /,
     *,
-    corank: int,
+    corank: Whole,
     method: Literal["lm", "gradient", "almarkhi"] = "lm",
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    starts: int = 10_000,
-    seed: int = 0,
-    threads: int = 0,
+    starts: Whole = 10_000,
+    seed: Whole = 0,
+    threads: Whole = 0,
     out: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     history: str | None = None,
@@ -59,13 +60,14 @@ def find(
     """
     from rankdrop.atlas.search import search
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_target, write_json
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
     from rankdrop.findings import find_to_dict
 
     check_target(json, "--json")
     check_target(out, "--out", (".csv", ".json", ".npz"))
     check_target(history, "--history", (".csv", ".npz"))
+    check_different({"--json": json, "--out": out, "--history": history})
     begun = monotonic()
     model, task = open_arm(robot, arm)
     with reporter(quiet=quiet) as report:
@@ -73,24 +75,36 @@ def find(
             model, corank, task=task, starts=starts, seed=seed, limits=limits, method=method, threads=threads,
             history=history is not None, progress=lambda done, total: report(f"corank {corank}: search", done, total),
         )  # fmt: skip
-    _save(found, out, history)
-    if json is not None:
-        write_json(find_to_dict(found), json)
+    seconds = monotonic() - begun
+    steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        _print(found, task, seconds=monotonic() - begun)
+        steps.append(lambda: _print(found, task, seconds=seconds))
+    if json is not None:
+        steps.append(lambda: write_json(find_to_dict(found), json))
+    if out is not None:
+        steps.append(lambda: _save(found, out))
+    if history is not None:
+        steps.append(lambda: _save_history(found, history))
+    do_all(steps)
     return exits.FINE if found.complete else exits.INTERRUPTED
 
 
-def _save(found: Search, out: str | None, history: str | None) -> None:
+def _save(found: Search, out: str) -> None:
     from rankdrop import findings
     from rankdrop.cli.files import write_bytes, write_json
 
-    if out is not None and out.lower().endswith(".json"):
+    if out.lower().endswith(".json"):
         write_json(findings.find_to_dict(found), out)
-    elif out is not None:
+    else:
         csv = out.lower().endswith(".csv")
         write_bytes(findings.find_to_csv(found).encode() if csv else findings.find_to_npz(found), out)
-    if history is not None and found.history is not None:
+
+
+def _save_history(found: Search, history: str) -> None:
+    from rankdrop import findings
+    from rankdrop.cli.files import write_bytes
+
+    if found.history is not None:
         csv = history.lower().endswith(".csv")
         steps = found.history
         write_bytes(findings.history_to_csv(steps).encode() if csv else findings.history_to_npz(steps), history)

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import os
 import sys
-import traceback
-from collections.abc import Sequence
 
-from cyclopts import App, CycloptsError, UnknownOptionError, UnusedCliTokensError
+try:
+    import errno
+    import traceback
+    from collections.abc import Sequence
 
-from rankdrop.cli import exits
-from rankdrop.cli.analyze import analyze
-from rankdrop.cli.find import find
-from rankdrop.cli.robots import robots
-from rankdrop.cli.terminal import encode_plainly, say
-from rankdrop.errors import RankdropError
-from rankdrop.version import VERSION
+    from cyclopts import App, CycloptsError, UnknownOptionError, UnusedCliTokensError
+
+    from rankdrop.cli import exits
+    from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.find import find
+    from rankdrop.cli.robots import robots
+    from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.errors import RankdropError
+    from rankdrop.version import VERSION
+except KeyboardInterrupt:  # Ctrl-C before there is anything to keep
+    sys.stderr.write("rankdrop: interrupted\n")
+    sys.exit(130)
 
 _HELP = f"""Kinematic singularities of robot arms: every family, of every corank, with its conditions.
 
@@ -25,6 +31,8 @@ For example:
     rankdrop find ur5 --corank 2 --out corank2.csv
 
 {exits.HELP}"""
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF}
 
 app = App(
     name="rankdrop",
@@ -41,8 +49,12 @@ app.command(find)
 
 def main() -> None:
     """Entry point of the `rankdrop` command."""
-    encode_plainly()
-    sys.exit(run(sys.argv[1:]))
+    try:
+        encode_plainly()
+        code = run(sys.argv[1:])
+    except KeyboardInterrupt:  # a second Ctrl-C, on the way out
+        code = exits.INTERRUPTED
+    sys.exit(code)
 
 
 def run(argv: Sequence[str]) -> int:
@@ -70,6 +82,10 @@ def run(argv: Sequence[str]) -> int:
         _close_stdout()
         return exits.BROKEN_PIPE
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:  # files name themselves
+            _close_stdout()
+            say(f"error: stdout: cannot write: {error.strerror}")
+            return exits.BAD_INPUT
         traceback.print_exc()
         say(f"internal error: {type(error).__name__}: {error}; please report it with the lines above")
         return exits.INTERNAL

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from rankdrop.atlas.equation import Equation
-    from rankdrop.atlas.family import CorankSummary, Family
+    from rankdrop.atlas.family import CorankSummary, Family, Share
     from rankdrop.result import Analysis
     from rankdrop.robot.model import Robot
 
@@ -30,7 +30,8 @@ FREE, COUPLED, NOTHING = "×", "c", "–"
 LEGEND = (
     "× any value; c coupled: see the condition under the table; dim: dimension of the family in joint space; "
     "sound: share of points solved from the row's conditions that are singular; share: share of fresh singular points "
-    "that satisfy the row."
+    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, 1 m counted "
+    "as 1 rad."
 )
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
@@ -93,7 +94,7 @@ def _family_table(robot: Robot, rows: tuple[Family, ...], *, gap: int, lost: boo
     for index, row in enumerate(rows, start=1):
         joints = [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
         words = ["\n".join(row.lost_words)] if lost else []
-        share = share_text(row.explained.explained, row.explained.tested)
+        share = _rounded(row.explained)
         table.add_row(str(index), _name(row), *joints, str(row.dimension), *words, _sound(row), share)
     return table
 
@@ -112,7 +113,7 @@ def _family_list(robot: Robot, rows: tuple[Family, ...]) -> Table:
         for numbers, word in ((row.coupled, "coupled"), (row.free, "free")):
             if numbers:
                 parts.append(f"{', '.join(joint_symbol(number, kinds[number - 1]) for number in numbers)} {word}")
-        share = share_text(row.explained.explained, row.explained.tested)
+        share = _rounded(row.explained)
         text = Text.assemble(_name(row), f": {'; '.join(parts)}; dim {row.dimension}, sound ", _sound(row))
         grid.add_row(str(index), text.append(f", share {share}"))
     return grid
@@ -129,6 +130,10 @@ def joint_cell(family: Family, number: int, kind: str) -> str:
 def share_text(part: int, whole: int) -> str:
     """A share with three decimals, rounded down so that 1.000 means all; – for a share of nothing."""
     return f"{floor(1000 * part / whole) / 1000:.3f}" if whole else NOTHING
+
+
+def _rounded(share: Share) -> str:
+    return f"{share.explained / share.tested:.3f}" if share.tested else NOTHING
 
 
 def _name(row: Family) -> Text:
@@ -152,11 +157,17 @@ def _footnotes(rows: tuple[Family, ...], *, lost: bool) -> Iterator[RenderableTy
         notes = [(COUPLED, text) for text in coupled_conditions(row)]
         if lost:
             notes += [("lost", text) for text in row.lost_words]
+        if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):
+            notes.append(("at", _witness(row)))
         for place, (label, text) in enumerate(notes):
             grid.add_row(str(index) if place == 0 else "", label, text)
     if grid.row_count:
         yield ""
         yield grid
+
+
+def _witness(row: Family) -> str:
+    return f"witness q = ({', '.join(f'{value:.4g}' for value in row.witness)}) [rad, m]".replace("-", "−")
 
 
 def coupled_conditions(family: Family) -> list[str]:

@@ -18,6 +18,7 @@ from rankdrop.task import Task
 
 _ENTRY = 1e-6  # entries of a unit direction below this do not count as entries
 _NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
+_STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
 _STEP = 0.1  # how far away they are [rad, m]
 
 
@@ -82,18 +83,69 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     blocked, always = _blocked(robot, configuration, task, corank)
     links = _link_poses(robot, configuration)
     joints = len(robot.joints)
-    old = links[link_index(task.frame.axes, joints, "axes")][:3, :3]
-    at = _point(links, task.frame, joints)
     best: FramedDirections | None = None
     for frame, name in _candidates(task.frame, joints):
-        new = links[link_index(frame.axes, joints, "axes")][:3, :3]
-        turn, offset = old.T @ new, old.T @ (_point(links, frame, joints) - at)
-        found = _readable(rewrite_wrench(blocked, turn, offset), rewrite_wrench(always, turn, offset), corank)
+        found = _readable(
+            _seen(blocked, links, task.frame, frame, joints), _seen(always, links, task.frame, frame, joints), corank
+        )
         if best is None or _entries(found) < _entries(best.directions):
             best = FramedDirections(found, frame, name)
     if best is None:  # the first candidate is the task's own frame
         raise OptionError("there is no frame to choose from")
     return best
+
+
+def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
+    """Lost directions in a frame of the chain in which they are the same at every point of a family.
+
+    An elbow loses translation along the line from shoulder to wrist: in the base it turns with joint 1, in the frame of
+    the forearm it stands still. Tried are the axes of every link with the reference point of the task and with the
+    origin of every link; of the frames in which the lost subspace does not move, the one with the fewest non-zero
+    entries is taken, the first of equals.
+
+    Args:
+        robot: the arm.
+        points: (P, n) configurations of corank k on the family [rad, m].
+        task: rows and frame.
+        corank: k.
+
+    Returns:
+        The directions, or None where they stand still in no frame.
+
+    Raises:
+        ConfigurationError: a point is not a configuration of this arm.
+        OptionError: k is not in 1 … generic rank.
+    """
+    joints = len(robot.joints)
+    scenes = []
+    for q in np.asarray(points, dtype=np.float64):
+        blocked, always = _blocked(robot, _one(robot, q), task, corank)
+        scenes.append((_readable(blocked, always, corank), _link_poses(robot, q)))
+    best: FramedDirections | None = None
+    for frame in _every_frame(task.frame, joints):
+        seen = [_seen(directions, links, task.frame, frame, joints) for directions, links in scenes]
+        projectors = [basis @ basis.T for basis in (np.linalg.qr(rows.T)[0] for rows in seen)]
+        if max(float(np.abs(projector - projectors[0]).max()) for projector in projectors) > _STILL:
+            continue
+        found = readable_basis(np.linalg.qr(seen[0].T)[0]).T
+        if best is None or _entries(found) < _entries(best.directions):
+            best = FramedDirections(found, frame, frame_name(frame))
+    return best
+
+
+def _every_frame(own: Frame, joints: int) -> list[Frame]:
+    """The task's frame, then all axes with the task's point, then all axes with the origin of every link."""
+    links = [BASE, TIP, *range(joints, 0, -1)]
+    frames = [own, *(replace(own, axes=axes) for axes in links), *(Frame(i, i) for i in links)]
+    return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
+
+
+def _seen(directions: Array, links: list[Array], own: Frame, frame: Frame, joints: int) -> Array:
+    """Wrenches (k, 6) of the task's frame rewritten in another frame of the chain."""
+    old = links[link_index(own.axes, joints, "axes")][:3, :3]
+    new = links[link_index(frame.axes, joints, "axes")][:3, :3]
+    offset = _point(links, frame, joints) - _point(links, own, joints)
+    return rewrite_wrench(directions, old.T @ new, old.T @ offset)
 
 
 def frame_name(frame: Frame) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits
+from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
 from rankdrop.robot.quantity import quantity
 from rankdrop.robot.transform import rigid, rotation, translation
@@ -82,7 +82,8 @@ def from_dh(
         tool: (4, 4) pose of the tip in the last DH frame.
 
     Raises:
-        RobotError: unknown convention, kind or key; a value that is not a finite number; lower above upper.
+        RobotError: unknown convention, kind or key; a value that is not a finite number; a length beyond
+            1000 km; a helical joint without pitch; lower above upper.
 
     Example:
         >>> from_dh([(1, 0, 0, 0), (1, 0, 0, "90 deg")], convention="standard").joints[1].screw
@@ -110,7 +111,8 @@ def from_dh(
         )
     home = pose if tool is None else pose @ rigid(tool, f"tool of robot {name!r}")
     origin = source or Source("dh", f'from_dh(convention="{convention}")')
-    return Robot(name, tuple(joints), home, task, origin, notes=tuple(notes), about=about)
+    remarks = (*notes, *turn_notes(joints))
+    return Robot(name, tuple(joints), home, task, origin, notes=remarks, about=about)
 
 
 def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:
@@ -126,6 +128,8 @@ def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:
         raise RobotError(
             "only a helical joint has a pitch", where=where("pitch"), got=f"kind {kind.value}", mend='kind = "helical"'
         )
+    if numbers["pitch"] == 0.0 and kind is JointKind.HELICAL:
+        raise RobotError("a helical joint needs a pitch", where=where("pitch"), mend="pitch = … in m/rad")
     return DHRow(**numbers, kind=kind, name=joint_name(given, number, where), **limits(given, kind, where))
 
 

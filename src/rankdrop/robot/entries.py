@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import inf
+from math import inf, isfinite, pi
 from typing import Any
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.model import JointKind
+from rankdrop.robot.model import Joint, JointKind
 from rankdrop.robot.quantity import quantity
 
 Where = Callable[[str], str]
 """Place of a key (or of the whole entry, for "") in words, for errors: "pa10.toml, line 12, joint 3, alpha"."""
 
+_MANY_TURNS = 8 * pi  # [rad]; cables of real arms allow a few turns, and 30 deg is more than this
 _LETTERS = {"R": JointKind.REVOLUTE, "P": JointKind.PRISMATIC, "H": JointKind.HELICAL}
 
 
@@ -63,6 +64,19 @@ def limits(given: Mapping[str, Any], kind: JointKind, where: Where) -> dict[str,
             allowed="a rate > 0", mend="leave the key out where it is not known",
         )
     return {"lower": lower, "upper": upper, "velocity": velocity}
+
+
+def turn_notes(joints: Iterable[Joint]) -> list[str]:
+    """Notes on revolute joints whose limits look like degrees taken for radians."""
+    notes = []
+    for joint in joints:
+        most = max((abs(x) for x in (joint.lower, joint.upper) if isfinite(x)), default=0.0)
+        if joint.kind is JointKind.REVOLUTE and most > _MANY_TURNS:
+            notes.append(
+                f"joint {joint.name!r}: limits of {joint.lower:g} … {joint.upper:g} rad are many turns; "
+                f'write "{most:g} deg" for degrees'
+            )
+    return notes
 
 
 def joint_name(given: Mapping[str, Any], number: int, where: Where) -> str:

@@ -93,6 +93,8 @@ def _from_catalog(name: str) -> Robot:
 
 def _from_file(path: Path, tip: str | None, base: str | None, packages: Mapping[str, str | PathLike[str]]) -> Robot:
     text = read_text(path)
+    if not text.strip("\ufeff \t\r\n"):
+        raise RobotError("the file is empty", where=str(path), allowed="DH or screw TOML, URDF or xacro")
     if path.suffix.lower() == ".toml" or not text.lstrip("\ufeff \t\r\n").startswith("<"):
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
@@ -132,7 +134,8 @@ def _exists(path: Path) -> bool:
 
 def _unknown(name: str) -> UnknownRobotError:
     shown = name if len(name) <= 500 else name[:499] + "…"
-    close = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
+    same = [known for known in robot_names() if known.lower() == name.lower()]
+    close = same or difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
     what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"
     allowed = None if is_path else ", ".join(robot_names())

@@ -14,6 +14,11 @@ _UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
     "number": {},
 }
+LARGEST_LENGTH = 1e6
+"""[m]; no arm is longer, and squares of lengths beyond the doubles are far away."""
+LARGEST_NUMBER = 1e100
+"""Of an entry of an axis or a screw: its square is still a double."""
+_LARGEST = {"angle": inf, "length": LARGEST_LENGTH, "number": LARGEST_NUMBER}
 _LONGEST_TEXT = 200
 _ARITHMETIC = re.compile(r"(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\w.])|pi\b|sqrt\b|[-+*/() ])*")
 _WITH_UNIT = re.compile(r"(?P<value>.*?)\s*(?P<unit>[A-Za-zµ°]+)?(?P<rate>/s)?", re.DOTALL)
@@ -33,7 +38,7 @@ def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endles
         endless: ±inf is allowed (limits).
 
     Raises:
-        RobotError: not a number, not finite, a unit of another measure, a text that is not arithmetic.
+        RobotError: not a number, not finite, too large, a unit of another measure, a text that is not arithmetic.
 
     Example:
         >>> quantity("-3*pi/4", "angle", where="theta"), quantity("316 mm", "length", where="d")
@@ -47,6 +52,9 @@ def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endles
         raise _error("this is not a number", value, measure, where, rate)
     if not (isfinite(result) or (endless and abs(result) == inf)):
         raise _error("the value is not finite", value, measure, where, rate)
+    if isfinite(result) and abs(result) > _LARGEST[measure]:
+        unit = " m" if measure == "length" else ""
+        raise RobotError("the value is too large", where=where, got=value, allowed=f"up to {_LARGEST[measure]:g}{unit}")
     return result
 
 
@@ -102,10 +110,10 @@ def _float(value: float) -> float:
 
 
 def _error(what: str, got: Any, measure: str, where: str, rate: bool) -> RobotError:
-    units = [f"{unit}/s" if rate else unit for unit in _UNITS[measure]]
+    units = ", ".join(f"{unit}/s" if rate else unit for unit in _UNITS[measure])
     return RobotError(
         what,
         where=where,
         got=got,
-        allowed="a finite number, or text with + - * / ( ), pi, sqrt()" + (f" and a unit {units}" if units else ""),
+        allowed="a finite number, or text with + - * / ( ), pi, sqrt()" + (f" and a unit ({units})" if units else ""),
     )

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.entries import joint_kind
+from rankdrop.robot.entries import joint_kind, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.quantity import LARGEST_NUMBER
 from rankdrop.robot.transform import frame_on_axis, rigid
 
 Order = Literal["linear-first", "angular-first"]
@@ -107,7 +108,7 @@ def from_screws(
         kind, screw = _normalise(row, None if kinds is None else kinds[i], f"screw {i + 1} ({label})")
         limits = _item(lower, i, -inf), _item(upper, i, inf), _item(velocity, i, inf)
         joints.append(Joint(label, kind, screw, *limits, frame=_frame(kind, screw)))
-    remarks = list(notes)
+    remarks = [*notes, *turn_notes(joints)]
     if home is None:
         remarks.append("home pose not given: the tip is taken at the base origin")
     pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
@@ -130,6 +131,8 @@ def _rows(screws: ArrayLike, order: str, name: str) -> Array:
     for number, row in enumerate(rows, 1):
         if not np.isfinite(row).all():
             raise RobotError("the screw has values that are not finite", where=f"screw {number}", got=row.tolist())
+        if np.abs(row).max() > LARGEST_NUMBER:
+            raise RobotError("the screw is too large", where=f"screw {number}", got=row.tolist())
     return rows if order == "linear-first" else np.roll(rows, 3, axis=1)
 
 

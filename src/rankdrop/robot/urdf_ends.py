@@ -102,13 +102,18 @@ def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
         if len(deepest) > 1:
             ends = [_far_end(tree, most, joint.child) for joint in deepest]
             raise RobotError(
-                f"several chains of {passed + depth} moving joints start at {base!r}", where=tree.file,
+                f"several chains of {_moving(passed + depth)} start at {base!r}", where=tree.file,
                 got="tips " + ", ".join(ends), mend="name the tip",
             )
         link, passed = deepest[0].child, passed + 1
     tip, why = _name_of_tip(tree, link, body)
     left_out = f"; the gripper after it is left out ({', '.join(j.name for j in branches)})" if branches else ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {passed} moving joints{why}{left_out}"
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(passed)}{why}{left_out}"
+
+
+def _moving(count: int) -> str:
+    """A count of moving joints in words."""
+    return f"{count} moving joint{'' if count == 1 else 's'}"
 
 
 def _is_jaw(joint: TreeJoint) -> bool:

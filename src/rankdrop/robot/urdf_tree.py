@@ -59,13 +59,23 @@ class Tree:
         link = tip
         while link != base:
             if link not in self.above:
-                above = ", ".join(joint.parent for joint in path) or "none"
+                above = ", ".join(joint.parent for joint in path)
+                allowed = f"a base among: {above}" if above else f"another tip: {tip!r} is a root, no joint carries it"
                 raise RobotError(
-                    f"the tip {tip!r} is not below the base {base!r}", where=self.file, allowed=f"a base among: {above}"
+                    f"the tip {tip!r} is not below the base {base!r}", where=self.file, allowed=allowed,
+                    mend="exchange base and tip" if tip in self._carriers(base) else None,
                 )
             path.append(self.above[link])
             link = self.above[link].parent
         return path[::-1]
+
+    def _carriers(self, link: str) -> list[str]:
+        """The links between `link` and its root, the root included."""
+        carriers = []
+        while link in self.above:
+            link = self.above[link].parent
+            carriers.append(link)
+        return carriers
 
     def check_link(self, link: str, label: str) -> None:
         """Refuse a link that is not in the file.
@@ -167,7 +177,8 @@ def _refuse_cycles(tree: Tree) -> None:
 
 def _hint(name: str, known: Iterable[str]) -> dict[str, str]:
     names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=3)
+    same = [known for known in names if known.lower() == name.lower()]
+    close = same or difflib.get_close_matches(name, names, n=3)
     hint = {"allowed": ", ".join(names) if len(names) <= 40 else f"{len(names)} links, such as {', '.join(names[:10])}"}
     if close:
         hint["mend"] = f"did you mean {' or '.join(close)}?"

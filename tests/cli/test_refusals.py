@@ -1,0 +1,127 @@
+"""What the commands refuse, and what they keep when the output cannot be written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rankdrop
+from rankdrop.atlas.family import Share
+from rankdrop.cli import exits
+from rankdrop.cli.table import _rounded, share_text
+from rankdrop.errors import OptionError, ResultFileError, RobotError
+from rankdrop.result import Analysis
+from rankdrop.robot.open import open_robot
+
+from .conftest import command
+
+SMALL = ("--starts", "200", "--quiet")
+FULL = Path("/dev/full")
+needs_full = pytest.mark.skipif(not FULL.exists(), reason="there is no /dev/full")
+
+
+@pytest.mark.parametrize(
+    ("option", "word", "allowed"),
+    [
+        ("--seed", "-5", "0 … 9223372036854775807"),
+        ("--seed", "99999999999999999999999", "0 … 9223372036854775807"),
+        ("--starts", "999999999999999999999", "1 … 10000000"),
+        ("--starts", "100000000000", "1 … 10000000"),
+        ("--threads", "-1", "0 … 1024"),
+        ("--threads", "9999999999999", "0 … 1024"),
+        ("--starts", "100.9", "digits"),
+        ("--corank", "1.5", "digits"),
+    ],
+)
+def test_numbers_out_of_range_are_refused_in_one_line(run, option: str, word: str, allowed: str) -> None:
+    corank = () if option == "--corank" else ("--corank", "1")
+    lines = [("find", "scara", *corank, option, word)]
+    if corank:
+        lines.append(("analyze", "scara", option, word))
+    for argv in lines:
+        ended = run(*argv)
+        assert (ended.code, ended.out, ended.err.count("\n")) == (exits.BAD_INPUT, "", 1)
+        assert word in ended.err
+        assert allowed in ended.err
+
+
+def test_whole_numbers_may_be_written_with_underscores(run) -> None:
+    ended = run("find", "scara", "--corank", "1", "--starts", "1_00", "--quiet")
+    assert ended.code == exits.FINE
+    assert "of 100 starts" in ended.out
+
+
+def test_find_refuses_one_file_for_two_results(run, tmp_path: Path) -> None:
+    path = str(tmp_path / "a.csv")
+    ended = run("find", "scara", "--corank", "1", *SMALL, "--out", path, "--history", f"{tmp_path}/./a.csv")
+    assert ended.code == exits.BAD_INPUT
+    assert "it is the file of --out as well" in ended.err
+    assert not Path(path).exists()
+
+
+@needs_full
+@pytest.mark.parametrize("argv", [("analyze", "scara"), ("find", "scara", "--corank", "1")])
+def test_tables_are_printed_though_the_file_cannot_be_written(run, argv: tuple[str, ...], tmp_path: Path) -> None:
+    others = ("--out", str(tmp_path / "out.csv")) if argv[0] == "find" else ()
+    ended = run(*argv, *SMALL, "--json", str(FULL), *others)
+    assert ended.code == exits.BAD_INPUT
+    assert "Corank 1" in ended.out
+    assert ended.err == "rankdrop: error: /dev/full: cannot write: No space left on device\n"
+    assert len(list(tmp_path.iterdir())) == len(others) // 2
+
+
+@needs_full
+@pytest.mark.parametrize("argv", [("robots",), ("--help",), ("analyze", "scara", *SMALL)])
+def test_a_full_stdout_is_one_line_and_files_are_written(argv: tuple[str, ...], tmp_path: Path) -> None:
+    kept = tmp_path / "kept.json"
+    saving = ("--json", str(kept)) if argv[0] == "analyze" else ()
+    with FULL.open("w") as full:
+        done = subprocess.run(command(*argv, *saving), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert done.returncode == exits.BAD_INPUT
+    assert done.stderr == "rankdrop: error: stdout: cannot write: No space left on device\n"
+    assert not saving or Analysis.load(kept).complete
+
+
+def test_the_share_of_a_row_is_rounded_and_completeness_is_not() -> None:
+    assert _rounded(Share(3000, 2000)) == "0.667"
+    assert _rounded(Share(0, 0)) == "–"
+    assert share_text(9999, 10_000) == "0.999"
+
+
+def test_a_name_is_not_a_robot() -> None:
+    for call in (
+        lambda: rankdrop.analyze("pa10"),  # type: ignore[arg-type]
+        lambda: rankdrop.jacobian("pa10", [0.0] * 7),  # type: ignore[arg-type]
+        lambda: rankdrop.pose("pa10", [0.0] * 7),  # type: ignore[arg-type]
+        lambda: rankdrop.search("pa10", 1),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(RobotError, match=r"a Robot is needed; got 'pa10'; .*open_robot"):
+            call()
+
+
+def test_an_analysis_that_cannot_be_saved_says_so(found: Analysis) -> None:
+    for path in ("/no/such/folder/a.json", "/", "a\0b"):
+        with pytest.raises(ResultFileError, match="the file cannot be written"):
+            found.save(path)
+
+
+def test_analyze_takes_a_length_scale() -> None:
+    assert rankdrop.analyze(open_robot("scara"), starts=100, length_scale=2.0).settings.length_scale == 2.0
+
+
+def test_analyze_refuses_numbers_that_are_not_whole() -> None:
+    with pytest.raises(OptionError, match=r"starts is not a whole number; got 2\.5; allowed: 1 … 10000000"):
+        rankdrop.analyze(open_robot("scara"), starts=2.5)  # type: ignore[arg-type]
+
+
+def test_an_interrupt_while_the_command_is_imported_leaves_no_traceback(tmp_path: Path) -> None:
+    (tmp_path / "cyclopts.py").write_text("raise KeyboardInterrupt\n", encoding="utf-8")
+    paths = os.pathsep.join([str(tmp_path), *sys.path])
+    done = subprocess.run(
+        command("robots"), env={**os.environ, "PYTHONPATH": paths}, capture_output=True, text=True, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (exits.INTERRUPTED, "rankdrop: interrupted\n")

@@ -49,7 +49,7 @@ def rows_and_q(draw: Any) -> tuple[list[DHRow], Array]:
         kind = draw(st.sampled_from(list(JointKind)))
         alpha = draw(st.sampled_from([0.0, pi / 2, -pi / 2, pi]) | numbers)
         a, d, theta, pitch = (draw(numbers) for _ in range(4))
-        rows.append(DHRow(a, alpha, d, theta, kind, pitch if kind is JointKind.HELICAL else 0.0))
+        rows.append(DHRow(a, alpha, d, theta, kind, pitch or 0.25 if kind is JointKind.HELICAL else 0.0))
     return rows, np.array([draw(numbers) for _ in rows])
 
 

@@ -11,14 +11,13 @@ namespace rankdrop::RANKDROP_ISA {
 struct Workspace {
     Placed at;
     Pack *jacobian, *w, *sigma, *u, *v, *f, *d;
-    Pack* storage;
 
     static std::size_t size(const Chain& chain, int m) {
         const std::size_t joints = chain.joints.size(), n = chain.variables;
         return joints * 6 + 2 * m * n + (m < (int)n ? m : n) + m * m + n * n + m * n + m * n * n;
     }
     // `memory` has room for size() packs
-    Workspace(const Chain& chain, int m, Pack* memory) : storage(memory) {
+    Workspace(const Chain& chain, int m, Pack* memory) {
         const std::size_t joints = chain.joints.size(), n = chain.variables;
         Pack* next = memory;
         const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };

@@ -7,6 +7,7 @@ from math import atan2, pi
 
 import numpy as np
 import pytest
+from known.truths import PA10_TABLES
 
 from rankdrop.atlas import rows as rows_module
 from rankdrop.atlas.equation import Equation
@@ -45,16 +46,12 @@ def random_arm(n, seed):
 
 
 PA10 = {
-    1: [{4: STRAIGHT}, {2: STRAIGHT, 3: SQUARE}, {2: STRAIGHT, 6: STRAIGHT}, {5: SQUARE, 6: STRAIGHT}],
-    2: [
-        {2: STRAIGHT, 3: STRAIGHT, 4: STRAIGHT},
-        {2: STRAIGHT, 4: STRAIGHT, 6: STRAIGHT},
-        {4: STRAIGHT, 5: STRAIGHT, 6: STRAIGHT},
-        {2: STRAIGHT, 3: SQUARE, 5: SQUARE, 6: STRAIGHT},
-    ],
-    3: [{2: STRAIGHT, 3: STRAIGHT, 4: STRAIGHT, 5: STRAIGHT, 6: STRAIGHT}],
+    corank: sorted(
+        ({joint: set(values) for joint, values in row.items()} for row in rows), key=lambda row: (len(row), sorted(row))
+    )
+    for corank, rows in PA10_TABLES.items()
 }
-"""AM Tables 3, 4 and 5 (Table 5 completed)."""
+"""AM Tables 3, 4 and 5 in the order of the product: large dimension first."""
 
 
 @pytest.mark.parametrize("corank", [1, 2, 3])

@@ -93,9 +93,8 @@ def test_eq_15_points_lie_on_rows_with_joint_4_straight(analysis, rng):
     q = rng.uniform(-3, 3, (300, 7))
     q[:, 3] = np.where(np.arange(300) % 2 == 0, 0.0, np.pi)
     s2, c2, s3, c3 = np.sin(q[:, 1]), np.cos(q[:, 1]), np.sin(q[:, 2]), np.cos(q[:, 2])
-    c4, s5, c5 = np.cos(q[:, 3]), np.sin(q[:, 4]), np.cos(q[:, 4])
+    c4, c5 = np.cos(q[:, 3]), np.cos(q[:, 4])
     s35, c35 = np.sin(q[:, 2] + q[:, 4]), np.cos(q[:, 2] + q[:, 4])
-    del s5
     first, second = A * s35 * c4 + D * c3 * c4 + D * c3, s2 * (-A * c35 * c4 + D * s3 * c4 + D * s3 - A)
     on_sine = (-c2 * A * c3 + 2 * C * s2 * s3) * first - 2 * C * c3 * second
     on_cosine = s2 * c35 * A * c5 * first + A * s35 * c5 * second

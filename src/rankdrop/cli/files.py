@@ -97,7 +97,7 @@ def write_bytes(content: bytes, target: str) -> None:
                 file.write(content)
             os.chmod(name, path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask())
             os.replace(name, path)
-        except BaseException:
+        except BaseException:  # Ctrl-C too: no half-written file stays behind; raised again
             os.unlink(name)
             raise
     except BrokenPipeError:

@@ -149,6 +149,7 @@ def _rows(rows: Sequence[DHRow | Mapping[str, Any] | Sequence[Any]], kinds: str 
             raise RobotError("a DH row has four numbers", where=place, got=repr(row), allowed="(a, alpha, d, theta)")
         if kinds is not None:
             given["kind"] = kinds[number - 1]
+        # mypy does not infer a lambda with a default
         result.append(dh_row(given, number, lambda key, place=place: f"{place}, {key}"))  # type: ignore[misc]
     return result
 

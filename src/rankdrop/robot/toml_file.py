@@ -181,6 +181,7 @@ def _given_screw(joint: dict[str, Any], order: str | None, where: Where) -> tupl
     screw = np.array(_vector(joint, "screw", "number", where, 6))
     kinds = [joint_kind(joint["kind"], where("kind"))] if "kind" in joint else None
     try:
+        # `order` was read from the file as text; from_screws refuses what is no order
         only = from_screws(screw[None], order=order, kinds=kinds).joints[0]  # type: ignore[arg-type]
     except RobotError as error:
         raise relocate(error, where("screw")) from None

@@ -33,6 +33,8 @@ AM_THRESHOLD = 1e-6
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
 LARGEST_SEED = 2**63 - 1  # what the core takes
 MOST_THREADS = 1024
+_Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
+"""What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
 _ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
 _TIE = 1e-2  # relative gap below which AM's method takes two singular values for equal
 
@@ -213,26 +215,32 @@ def refine(
     scale = np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
     most = _ITERATIONS[method] if iterations is None else iterations
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
-    parts = []
-    done, size, interrupted = 0, 64, False
+
+    def run(part: Array, first: int) -> _Part:
+        return _core.search(
+            chain_of(robot), task_view(robot, resolved), part, rank, METHODS.index(method), most, singular,
+            tolerances.target, tolerances.stationary, seed, first, scale, box, _TIE, history, threads,
+        )  # fmt: skip
+
+    parts = _in_parts(run, rows, progress)
+    return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+
+
+def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> list[_Part]:
+    """Run parts of about a tenth of a second, so that progress moves; what is done when Ctrl-C comes is kept."""
+    parts: list[_Part] = []
+    done, size = 0, 64
     try:
-        while done < len(rows) and not interrupted:
+        while done < len(rows) and not (parts and parts[-1][6]):
             begun = time.perf_counter()
-            part = _core.search(
-                chain_of(robot), task_view(robot, resolved), rows[done : done + size], rank, METHODS.index(method),
-                most, singular, tolerances.target, tolerances.stationary, seed, done, scale, box, _TIE, history,
-                threads,
-            )
-            interrupted = part[6]
-            parts.append(part)
-            done += len(part[0])
+            parts.append(run(rows[done : done + size], done))
+            done += len(parts[-1][0])
             if progress is not None:
                 progress(done, len(rows))
-            # parts of about a tenth of a second: progress moves, and the threads stay busy
             size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
     except KeyboardInterrupt:  # met between two parts, in `progress` say
-        done = sum(len(part[0]) for part in parts)
-    return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts, done)
+        pass
+    return parts
 
 
 def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
@@ -275,9 +283,9 @@ def _assemble(
     limits: bool,
     tolerances: Tolerances,
     starts: Array,
-    parts: list[tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]],
-    done: int,
+    parts: list[_Part],
 ) -> Search:
+    done = sum(len(part[0]) for part in parts)
     left = len(starts) - done
     values = min(task.m, robot.n)
     q = np.concatenate([*(part[0] for part in parts), starts[done:]])

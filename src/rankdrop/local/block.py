@@ -145,6 +145,15 @@ def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Arra
     return low, high
 
 
+def joint_scale(robot: Robot, task: Task) -> Array:
+    """(n,) what one unit of joint motion is measured by: 1 for a turning joint [rad], the length scale for a slide [m].
+
+    Norms of joint motions and distances in joint space are taken of Δ divided by it.
+    """
+    length = task.scale(robot)
+    return np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
+
+
 def generic_rank(robot: Robot, task: Task) -> int:
     """Largest rank of the task Jacobian over random configurations: the rank of almost all of them.
 

@@ -1,0 +1,93 @@
+"""The rank at one configuration: how much is lost against almost everywhere, and how much freedom is left over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+
+@dataclass(frozen=True, slots=True)
+class Rank:
+    """Rank of the task Jacobian at one configuration.
+
+    Attributes:
+        sigma: (min(m, n),) singular values, descending [1].
+        sigma_error: bound on the error of each of them: 4 eps ‖J‖ of the one-sided Jacobi method.
+        rank: number of singular values above the tolerance.
+        generic_rank: rank of almost all configurations.
+        corank: generic_rank − rank: task freedoms lost here.
+        nullity: n − rank: joint motions that leave the task still to first order.
+        always_singular: the generic rank is below min(m, n): the arm is deficient for this task everywhere.
+        tolerance: singular values at or below it count as zero.
+    """
+
+    sigma: Array
+    sigma_error: float
+    rank: int
+    generic_rank: int
+    corank: int
+    nullity: int
+    always_singular: bool
+    tolerance: float
+
+
+def rank_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFAULT) -> Rank:
+    """Rank, corank and nullity at one configuration.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: from `resolve_task`.
+        tolerances: `singular` decides.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> found = rank_at(arm, [0.0] * 7, resolve_task(None, arm))
+        >>> found.rank, found.corank, found.nullity
+        (3, 3, 4)
+    """
+    configuration = one_configuration(robot, q)
+    sigma = singular_values(robot, configuration, task)
+    sigma.flags.writeable = False
+    generic = generic_rank(robot, task)
+    rank = min(generic, int((sigma > tolerances.singular).sum()))
+    return Rank(
+        sigma=sigma,
+        sigma_error=float(4 * np.finfo(float).eps * np.linalg.norm(sigma)),
+        rank=rank,
+        generic_rank=generic,
+        corank=generic - rank,
+        nullity=robot.n - rank,
+        always_singular=generic < min(task.m, robot.n),
+        tolerance=tolerances.singular,
+    )
+
+
+def one_configuration(robot: Robot, q: ArrayLike) -> Array:
+    """q as one finite configuration (n,).
+
+    Raises:
+        ConfigurationError: another shape, or a value that is not finite.
+    """
+    configuration = np.array(q, dtype=np.float64)
+    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
+        names = ", ".join(joint.name for joint in robot.variables)
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=configuration.shape if configuration.shape != (robot.n,) else configuration.tolist(),
+            allowed=f"one number per joint: {names}",
+        )  # fmt: skip
+    return configuration

@@ -4,7 +4,7 @@
 1  robot/      the robot as data
 2  kinematics, task, frames, reach
 3  local/      at one configuration
-4  atlas/      over the whole joint space
+4  atlas/      over the whole joint space; certify/: proofs
 5  analyze     and the record it returns, with its schema
 6  cli/, report/, viewer/
 
@@ -29,7 +29,7 @@ FLOORS = {
     "robot": 1,
     "kinematics": 2, "task": 2, "frames": 2, "reach": 2, "_handles": 2,
     "local": 3,
-    "atlas": 4,
+    "atlas": 4, "certify": 4,
     "analyze": 5, "result": 5, "record": 5, "findings": 5, "schema": 5,
     "cli": 6, "report": 6, "viewer": 6,
 }  # fmt: skip

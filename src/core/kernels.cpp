@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "descent.hpp"
+#include "enclosure.hpp"
 #include "newton.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -174,12 +175,18 @@ void descend(const Chain& chain, const View& view, const SearchSettings& setting
     Descent(chain, view, settings, memory.packs(), reinterpret_cast<double*>(numbers.packs())).run(starts, begin, end, out, stop);
 }
 
+void enclose(const Chain& chain, const View& view, const EnclosureSettings& settings, const double* q, const double* half,
+             std::int64_t begin, std::int64_t end, const EnclosureOutput& out) {
+    Memory memory(Enclosure::size(chain, view.m));
+    Enclosure(chain, view, settings, memory.packs()).run(q, half, begin, end, out);
+}
+
 }  // namespace
 
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend};
+                    svd_range, newton, descend, enclose};
 
 }  // namespace rankdrop::RANKDROP_ISA

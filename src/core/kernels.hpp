@@ -29,6 +29,9 @@ struct Kernels {
                    std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
     void (*descend)(const Chain&, const View&, const SearchSettings&, const double* starts, std::int64_t begin,
                     std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
+    // half (B, n) half-widths of boxes around q (B, n), or null for balls
+    void (*enclose)(const Chain&, const View&, const EnclosureSettings&, const double* q, const double* half,
+                    std::int64_t begin, std::int64_t end, const EnclosureOutput&);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.

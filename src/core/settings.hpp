@@ -35,6 +35,33 @@ struct SearchOutput {
     double* turning = nullptr;
 };
 
+inline constexpr int kMostJoints = 32;  // of a chain whose regions are certified
+
+// Where the Jacobian is looked at for an enclosure: the view has axes and point of `link`, rows of translation, of
+// rotation, or both.
+struct EnclosureSettings {
+    int rank = 6;                   // the rank to be kept
+    int link = 0;                   // joints before it are 0 … link - 1
+    double inverse_length = 1.0;    // of the translation rows
+    double turns = 1.0, slides = 1.0;  // 1 where the view has rotation rows, translation rows
+    double radius = 3.2;            // largest ball
+    double repeats = 1.0;           // sqrt of the largest number of joints that one variable drives
+    const double* scale = nullptr;  // (n) one unit of each variable in its own unit
+    const double* arm = nullptr;    // (joints) reach from each axis to the point of the link, without travel of slides
+};
+
+// Rows are boxes (free, split) or balls (radius); the rest, where bound is not null, is what the bound speaks of.
+struct EnclosureOutput {
+    std::int8_t* free = nullptr;    // 1: the rank does not fall below `rank` in the box
+    std::int32_t* split = nullptr;  // the variable that contributes most
+    double* radius = nullptr;
+    double* bound = nullptr;        // (rows, r, r)
+    double* sigma = nullptr;        // (rows, r)
+    double* u = nullptr;            // (rows, m, r)
+    double* v = nullptr;            // (rows, n, r)
+    double* arm = nullptr;          // (rows, joints)
+};
+
 // Uniform in [-1, 1), a function of its arguments alone (splitmix64).
 inline double noise(std::uint64_t seed, std::uint64_t start, std::uint64_t kick, std::uint64_t joint) {
     std::uint64_t x = seed * 0x9E3779B97F4A7C15ull + start * 0xBF58476D1CE4E5B9ull + kick * 0x94D049BB133111EBull + joint;

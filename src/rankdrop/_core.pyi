@@ -57,3 +57,32 @@ def search(
 def instruction_sets() -> list[str]: ...
 def instruction_set() -> str: ...
 def choose_instruction_set(name: str) -> bool: ...
+def enclose(
+    chain: Chain,
+    view: View,
+    q: _A,
+    half: _A | None,
+    rank: int,
+    length: float,
+    scale: _A,
+    arm: _A,
+    radius: float,
+    repeats: float,
+    threads: int = 0,
+) -> tuple[NDArray[np.int8], _A, _A, _A, _A, _A, _A]: ...
+def ball(
+    chain: Chain,
+    view: View,
+    q: _A,
+    matters: NDArray[np.bool_],
+    rank: int,
+    length: float,
+    scale: _A,
+    arm: _A,
+    radius: float,
+    inner: float,
+    repeats: float,
+    smallest: float,
+    budget: int,
+    keep: bool,
+) -> tuple[float, int, bool, _A, _A]: ...

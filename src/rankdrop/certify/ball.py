@@ -1,0 +1,132 @@
+"""A ball around a configuration that is proven free of singularities.
+
+Two steps. One enclosure of the whole ball gives a radius at once (CERTIFY: local second derivatives and a third-order
+remainder). Branch and bound then cuts the ball asked for into boxes, nearest first, until each is proven free or the
+budget is spent; what is certified then is the distance of the nearest box that is left.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop import _core
+from rankdrop._handles import chain_of
+from rankdrop.certify.setting import Setting, enclose, settings_for
+from rankdrop.errors import OptionError
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.fingerprint import fingerprint
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.version import VERSION
+
+LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
+_SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """A ball ‖(q − q0)/scale‖ < radius in which the rank of the task Jacobian is the generic one, proven.
+
+    Attributes:
+        radius: certified [rad; slides divided by the length scale]; 0 where nothing could be proven. Variables that
+            move no column against another (the first and the last turning joint, for the full pose) are free.
+        single: radius from one enclosure alone, without branch and bound.
+        at_most: radius asked for; `radius == at_most` means that all of it was proven.
+        q: (n,) the centre [rad, m].
+        task: name of the task.
+        rank: the rank proven to hold.
+        setting: link, point, length and reaches the bound was computed with.
+        evaluations: enclosures computed.
+        boxes: (centre, half) of the free boxes, relative to q and scaled, each (B, n); None unless kept.
+        model: fingerprint of the arm.
+        complete: False where it was interrupted; the radius holds all the same.
+        version: of rankdrop.
+    """
+
+    radius: float
+    single: float
+    at_most: float
+    q: Array
+    task: str
+    rank: int
+    setting: Setting
+    evaluations: int
+    boxes: tuple[Array, Array] | None
+    model: str
+    complete: bool = True
+    version: str = VERSION
+
+
+_settings: dict[tuple[int, Task], tuple[Setting, ...]] = {}
+
+
+def _settings_of(robot: Robot, task: Task) -> tuple[Setting, ...]:
+    key = (id(robot), task)
+    if key not in _settings:
+        _settings[key] = settings_for(robot, task)
+        weakref.finalize(robot, _settings.pop, key, None)
+    return _settings[key]
+
+
+def certified_radius(
+    robot: Robot,
+    q: ArrayLike,
+    task: str | Task | None = None,
+    *,
+    at_most: float = LARGEST,
+    evaluations: int = 20_000,
+    keep_boxes: bool = False,
+) -> Certificate:
+    """A radius around q within which no configuration is singular: a proof up to the rounding allowance it states.
+
+    U₁ᵀ J(q + δ) V₁ = Σ + E with |E_ij| ≤ Σ_k |g_ijk| |δ_k| + ½ Σ_kl |H_ijkl| |δ_k| |δ_l| + T_j, g and H exact at the
+    centre of the box, T_j = ⅙ Σ_i |v_ij| M_i (Σ_k |δ_k|)³, M_i = √(1 + (reach_i/ℓ)²) a bound on every derivative of
+    column i. If Σ − |E| bounds an M-matrix, Σ + E is regular. Floating-point error is allowed for by 1e-12 · Σ M_i in
+    every entry. Limits of the joints play no part.
+
+    Args:
+        robot: the arm.
+        q: (n,) centre [rad, m].
+        task: pose, position, orientation; other rows only where the arm moves no others.
+        at_most: no larger radius is sought, e.g. the distance of a singularity that is known; in (0, π].
+        evaluations: budget of branch and bound; 0: one enclosure only. About 1.5 µs each.
+        keep_boxes: keep the free boxes, for `rankdrop.certify.check`.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        OptionError: at_most or evaluations outside what is allowed, or a task that cannot be certified.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("planar3r")
+        >>> round(certified_radius(arm, [0.3, 1.2, 0.4]).radius, 3)  # sin θ2 = 0 is 1.2 rad away
+        1.2
+    """
+    centre = one_configuration(robot, q)
+    if not 0.0 < at_most <= LARGEST:
+        raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
+    if evaluations < 0:
+        raise OptionError("a budget is not negative", where="evaluations", got=evaluations)
+    resolved = resolve_task(task, robot)
+    settings = _settings_of(robot, resolved)
+    row = centre[None, :]
+    singles = [float(enclose(robot, setting, row, radius=at_most)[1][0]) for setting in settings]
+    best = int(np.argmax(singles))
+    setting, single = settings[best], singles[best]
+    radius, used, complete, boxes = single, len(settings), True, None
+    if (evaluations and single < at_most) or keep_boxes:
+        inner = 0.0 if keep_boxes else single
+        radius, count, stopped, middle, half = _core.ball(
+            chain_of(robot), setting.view(), centre, setting.matters, setting.rank, setting.length, setting.scale,
+            setting.arm, at_most, inner, setting.repeats, _SMALLEST, evaluations, keep_boxes,
+        )  # fmt: skip
+        used, complete = used + count, not stopped
+        boxes = (middle, half) if keep_boxes else None
+    return Certificate(
+        float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, boxes, fingerprint(robot),
+        complete,
+    )  # fmt: skip

@@ -1,0 +1,193 @@
+"""Where a certificate looks at an arm from: a link in the middle, a point on it, a length for the translation rows.
+
+The rank of the full twist does not depend on axes or reference point. Seen from link c, column i depends only on the
+joints between axis i and that link, so the derivative bounds are short, and the first and the last joint drop out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop._handles import chain_of
+from rankdrop.errors import OptionError
+from rankdrop.frames import TIP
+from rankdrop.kinematics import jacobian
+from rankdrop.local.block import generic_rank, joint_scale, sample
+from rankdrop.reach import reach
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task
+
+_ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
+_LENGTHS = (0.15, 0.3, 0.6)  # lengths tried for the translation rows, in reaches
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """One way to look at an arm for a certificate.
+
+    Attributes:
+        link: joints 1 … link come before it, the others after.
+        point: (3,) reference point in the frame of that link [m].
+        length: translation rows are divided by it [m].
+        rows: of the twist.
+        rank: the rank that must be kept: the generic one.
+        arm: (N,) reach from the axis of each joint to the point, along a polygon from axis to axis; the travel of
+            slides is added by the core [m].
+        scale: (n,) unit of motion of each variable (`joint_scale`).
+        matters: (n,) False for variables on which no column depends.
+        repeats: square root of the largest number of joints that one variable drives.
+    """
+
+    link: int
+    point: tuple[float, float, float]
+    length: float
+    rows: tuple[int, ...]
+    rank: int
+    arm: Array
+    scale: Array
+    matters: NDArray[np.bool_]
+    repeats: float
+
+    def view(self) -> _core.View:
+        """The view the core works in."""
+        factors = [1.0 / self.length if row < 3 else 1.0 for row in self.rows]
+        return _core.make_view(self.link, self.link, list(self.point), list(self.rows), factors)
+
+
+def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
+    """Every setting worth trying for an arm and a task.
+
+    Raises:
+        OptionError: the task takes only some rows of translation or rotation, and the others do not vanish for this
+            arm: then its rank depends on the axes, and nothing is certified.
+    """
+    rows = _whole_rows(robot, task)
+    rank = generic_rank(robot, task)
+    found = []
+    for link, home in _viewpoints(robot, task, rows):
+        frame = robot.home if link == len(robot.joints) + 1 else _frames(robot)[link]
+        point = frame[:3, :3].T @ (home - frame[:3, 3])
+        arm = _arms(robot, link, home)
+        moved, repeats = _moved(robot, link)
+        for share in _LENGTHS if len(rows) == 6 else (1.0,):
+            found.append(
+                Setting(
+                    link, (float(point[0]), float(point[1]), float(point[2])), share * reach(robot), rows, rank, arm,
+                    joint_scale(robot, task), moved, repeats,
+                )
+            )  # fmt: skip
+    return tuple(found)
+
+
+def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...]:
+    """Rows of the task, with those added that are zero for this arm, so that whole blocks come out."""
+    blocks = [block for block in ((0, 1, 2), (3, 4, 5)) if set(block) & set(task.rows)]
+    rows = tuple(row for block in blocks for row in block)
+    missing = [row for row in rows if row not in task.rows]
+    if missing:
+        full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)
+        if np.abs(full[:, missing]).max() > _ABSENT * np.abs(full).max():
+            raise OptionError(
+                "no region can be certified for a task that takes some rows of translation or of rotation only",
+                got=task.name, allowed="pose, position, orientation, or rows that are the only ones the arm moves",
+            )  # fmt: skip
+    if rows == (0, 1, 2) and task.frame.origin not in (TIP, len(robot.joints)):
+        raise OptionError("no region can be certified for a point that is not fixed in the last link", got=task.frame)
+    return rows
+
+
+def _frames(robot: Robot) -> list[Array]:
+    return [np.eye(4), *(joint.frame for joint in robot.joints)]
+
+
+def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tuple[int, Array]]:
+    """(link, point at q = 0 in base coordinates). Without rotation rows the point is that of the task."""
+    joints = len(robot.joints)
+    if rows == (0, 1, 2):
+        carrier = robot.home if task.frame.origin == TIP else robot.joints[-1].frame
+        yield joints, carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3]
+        return
+    if joints == 1:
+        yield 1, robot.home[:3, 3]
+        return
+    for link in range(1, joints):
+        before, after = _line(robot, link - 1), _line(robot, link)
+        yield from ((link, point) for point in _feet(before, after, robot.home[:3, 3]))
+
+
+def _line(robot: Robot, i: int) -> tuple[Array, Array] | None:
+    """Point and direction of axis i at q = 0; None for a slide."""
+    joint = robot.joints[i]
+    if joint.kind is JointKind.PRISMATIC:
+        return None
+    omega = joint.screw[3:]
+    return np.cross(omega, joint.screw[:3]), omega
+
+
+def _feet(
+    before: tuple[Array, Array] | None, after: tuple[Array, Array] | None, fallback: Array
+) -> list[Array]:
+    """Points of the common perpendicular of two axes: on the one, on the other, between."""
+    if before is None or after is None:
+        line = before or after
+        if line is None:
+            return [fallback]
+        return [line[0] + line[1] * (line[1] @ (fallback - line[0]))]
+    (p, z), (r, w) = before, after
+    normal = np.array([[1.0, -z @ w], [z @ w, -1.0]])
+    offset = r - p
+    if abs(np.linalg.det(normal)) < 1e-9:
+        s = float(z @ (fallback - p))
+        first, second = p + z * s, r + w * (w @ (p + z * s - r))
+    else:
+        s, t = np.linalg.solve(normal, [z @ offset, w @ offset])
+        first, second = p + z * s, r + w * t
+    if np.linalg.norm(first - second) < 1e-9:
+        return [first]
+    return [first, second, (first + second) / 2]
+
+
+def _arms(robot: Robot, link: int, home: Array) -> Array:
+    """(N,) length of the polygon from the point to each axis, from axis to axis at q = 0."""
+    arm = np.zeros(len(robot.joints))
+    for order in (range(link, len(robot.joints)), range(link - 1, -1, -1)):
+        at, total = home, 0.0
+        for i in order:
+            line = _line(robot, i)
+            if line is not None:
+                point = line[0] + line[1] * (line[1] @ (at - line[0]))
+                total += float(np.linalg.norm(point - at)) * (1 + 1e-12) + 1e-14
+                at = point
+            arm[i] = total
+    return arm
+
+
+def _moved(robot: Robot, link: int) -> tuple[NDArray[np.bool_], float]:
+    """(n,) whether any column depends on a variable; and √ of the largest number of joints driven by one."""
+    index = {joint.name: i for i, joint in enumerate(robot.variables)}
+    driver = [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+    matters = np.zeros(robot.n, dtype=np.bool_)
+    last = len(robot.joints) - 1
+    for i, variable in enumerate(driver):
+        if (link <= i < last) or (0 < i < link):
+            matters[variable] = True
+    return matters, float(np.sqrt(max(driver.count(variable) for variable in driver)))
+
+
+def enclose(
+    robot: Robot, setting: Setting, q: Array, half: Array | None = None, *, radius: float = 3.2
+) -> tuple[NDArray[np.int8], Array, Array, Array, Array, Array, Array]:
+    """The core's enclosure of boxes (half (B, n) given, scaled) or balls around q (B, n).
+
+    Returns:
+        free (B,), radius (B,), bound B (B, r, r), Σ (B, r), U₁ (B, m, r), V₁ (B, n, r), M (B, N); see enclosure.hpp.
+    """
+    return _core.enclose(
+        chain_of(robot), setting.view(), q, half, setting.rank, setting.length, setting.scale, setting.arm, radius,
+        setting.repeats,
+    )  # fmt: skip

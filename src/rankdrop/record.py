@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, is_dataclass
 from math import inf, isfinite
 from typing import Any
 
@@ -38,6 +38,25 @@ def json_text(record: Any) -> str:
 def number_or_null(value: float) -> float | None:
     """A number, or None where it is infinite."""
     return value if isfinite(value) else None
+
+
+def plain(value: Any) -> Any:
+    """A record as plain data for JSON: dataclasses become objects, arrays lists, numbers that are not finite null."""
+    if isinstance(value, Equation):
+        return value.text()
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value) if field.name[0] != "_"}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, dict):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, float):
+        return number_or_null(value)
+    return value
 
 
 def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:

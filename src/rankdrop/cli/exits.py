@@ -6,6 +6,8 @@ FINE = 0
 INTERNAL = 1
 BAD_INPUT = 2
 UNEXPLAINED = 3
+NEAR = 3
+SINGULAR = 4
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
@@ -13,7 +15,9 @@ MEANING = {
     FINE: "done; everything found is explained and sound",
     INTERNAL: "internal error, with a traceback",
     BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
-    UNEXPLAINED: "finished, but some point is not explained, or some row not sound",
+    UNEXPLAINED: "analyze: some point is not explained, or some row not sound; explain: near a singularity; escape, "
+    "nearest: none found",
+    SINGULAR: "explain, escape: the configuration is singular",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",
 }

@@ -8,11 +8,12 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find")
+NAMES = ("analysis", "find", "explanation")
 
 
 def load_schema(name: str) -> dict[str, Any]:
-    """One schema: "analysis" (`rankdrop analyze --json`) or "find" (`rankdrop find --json`).
+    """One schema: "analysis" (`rankdrop analyze --json`) or "find" (`rankdrop find --json`), "explanation"
+    (`rankdrop explain --json`).
 
     Raises:
         OptionError: there is no such schema.

@@ -1,0 +1,52 @@
+"""One configuration on the command line: --q 0,0.5,pi/2 (rad and m), or with --deg."""
+
+from __future__ import annotations
+
+import re
+from math import radians
+from typing import TYPE_CHECKING
+
+from rankdrop.errors import ConfigurationError, RobotError
+
+if TYPE_CHECKING:
+    from rankdrop.robot.model import Robot
+
+_SEPARATOR = re.compile(r"[,;\s]+")
+
+
+def parse_configuration(text: str, robot: Robot, *, deg: bool) -> list[float]:
+    """The joint values that a text writes, one per joint, in rad and m.
+
+    Numbers are separated by commas, semicolons or blanks; each is arithmetic with pi and sqrt, and may carry a unit
+    (deg, rad, m, mm …). A number without a unit is in rad, or in degrees with `deg`; slides are in m.
+
+    Raises:
+        ConfigurationError: not one number for each joint, or a word that is no number.
+    """
+    body = text.strip().strip("[]()").strip()
+    words = [word for word in _SEPARATOR.split(body) if word]
+    joints = robot.variables
+    if len(words) != len(joints):
+        raise ConfigurationError(
+            f"{len(joints)} joint values are needed", where="--q", got=f"{len(words)} in {text!r}",
+            allowed=", ".join(f"{joint.name} [{_unit(joint.unit, deg=deg)}]" for joint in joints),
+            mend='write them as --q="0,0.5,…"',
+        )  # fmt: skip
+    return [_value(word, joint.name, joint.unit, deg=deg) for word, joint in zip(words, joints, strict=True)]
+
+
+def _unit(unit: str, *, deg: bool) -> str:
+    return "deg" if deg and unit == "rad" else unit
+
+
+def _value(word: str, name: str, unit: str, *, deg: bool) -> float:
+    from rankdrop.robot.quantity import quantity
+
+    try:
+        value = quantity(word, "length" if unit == "m" else "angle", where=f"--q, joint {name}")
+    except RobotError as error:
+        raise ConfigurationError(
+            error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend
+        ) from error
+    plain = not re.search(r"(deg|rad|°)$", word)
+    return radians(value) if deg and unit == "rad" and plain else value

@@ -1,0 +1,70 @@
+"""`rankdrop escape`: which joints lead out of a singular configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+
+def escape(
+    robot: str,
+    /,
+    *,
+    q: Annotated[str, Parameter(allow_leading_hyphen=True)],
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    arm: ArmOptions = NO_OPTIONS,
+    step: float = 0.1,
+    seed: Whole = 0,
+    lie: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+) -> int:
+    """Find the joints that lead out of a singular configuration, and those that cannot.
+
+    Per joint: the order at which the lost singular value grows, its rate, and
+    its size after a motion inside the limits; the best two joints and the best
+    direction; whether the end effector can be kept still.
+
+    For example:
+        rankdrop escape pa10 --q 0,0,0,0,0,0,0
+        rankdrop escape rcrrrr --q 0,0,0,0,0,0,0 --length-scale 1 --lie
+
+    Exit code 0: not singular, or a way out was found; 3: singular and none was
+    found; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
+        deg: Angles without a unit are in degrees.
+        step: Length of the motions that are tried [rad; slides in length scales].
+        seed: Of every random choice.
+        lie: Print Gallardo-Alvarado and Rico-Martinez's procedure step by step, and where it goes wrong.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+    """
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import results, show
+    from rankdrop.explain import explain
+    from rankdrop.explanation_record import way_out_to_dict
+    from rankdrop.local.lie_steps import render, steps_for
+
+    check_target(json, "--json")
+    model, task = open_arm(robot, arm)
+    found = explain(model, parse_configuration(q, model, deg=deg), task, evaluations=0, seed=seed, step=step)
+    procedure = steps_for(model, found.q) if lie else None
+    steps: list[Callable[[], None]] = []
+    if json != STDOUT:
+        steps.append(lambda: print_sections(found.sections(parts=("verdict", "blame", "escape"), full=True)))
+        if procedure is not None:
+            steps.append(lambda: show(results(), ["", render(procedure)]))
+    if json is not None:
+        steps.append(lambda: write_json(way_out_to_dict(found, procedure), json))
+    do_all(steps)
+    return exits.UNEXPLAINED if found.rank.corank and not found.escape.restores else exits.FINE

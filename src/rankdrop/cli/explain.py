@@ -1,0 +1,89 @@
+"""`rankdrop explain`: which singularity this is, what is lost, who is to blame, how to get out, how far it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from rankdrop.explanation import Explanation
+
+
+def explain(
+    robot: str,
+    /,
+    *,
+    q: Annotated[str, Parameter(allow_leading_hyphen=True)],
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    arm: ArmOptions = NO_OPTIONS,
+    analysis: str | None = None,
+    near: float = 0.05,
+    tolerance: float | None = None,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    evaluations: Whole = 5_000,
+    seed: Whole = 0,
+    full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+) -> int:
+    """Explain one configuration: is it singular, which one, what is lost, which joints, how to get out, how far.
+
+    For example:
+        rankdrop explain pa10 --q 0,0,0,0,0,0,0
+        rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+        rankdrop explain arm.urdf --tip flange --q "0.1 0.5 -1.2 0 pi/2 0" --json here.json
+
+    Exit code 0: regular; 3: near a singularity; 4: singular, or the arm is
+    deficient for the task at every configuration; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
+        deg: Angles without a unit are in degrees.
+        analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found on the spot.
+        near: Near a singularity: within this distance in joint space [rad].
+        tolerance: Singular values at or below it count as zero; else 1e-9.
+        limits: The nearest singularity within the joint limits.
+        evaluations: Budget of the certified radius; 0 for the quick one.
+        seed: Of every random choice.
+        full: Print all sections: every circuit, ellipsoids, joint rates, redundancy, representation.
+        json: Write the explanation to this file as well; - writes it to stdout in place of the text.
+    """
+    from dataclasses import replace
+
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.explain import explain as run
+    from rankdrop.result import Analysis
+    from rankdrop.tolerances import DEFAULT
+
+    check_target(json, "--json")
+    model, task = open_arm(robot, arm)
+    given = parse_configuration(q, model, deg=deg)
+    found = run(
+        model, given, task, analysis=None if analysis is None else Analysis.load(analysis), near=near, limits=limits,
+        evaluations=evaluations, seed=seed,
+        tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
+    )  # fmt: skip
+    steps: list[Callable[[], None]] = []
+    if json != STDOUT:
+        steps.append(lambda: _print(found, full=full))
+    if json is not None:
+        steps.append(lambda: write_json(found.to_dict(), json))
+    do_all(steps)
+    return EXIT[found.verdict]
+
+
+EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
+
+
+def _print(found: Explanation, *, full: bool) -> None:
+    from rankdrop.cli.sections import print_sections
+
+    print_sections(found.sections(full=full))

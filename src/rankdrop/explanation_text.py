@@ -1,0 +1,256 @@
+"""An explanation in words: section by section, most useful first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import degrees, inf, isinf
+
+import numpy as np
+
+from rankdrop.explanation import Explanation
+from rankdrop.local.escape import Direction, JointEscape
+from rankdrop.sections import Section
+
+_SHOWN = 5
+
+
+def sections_of(found: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+    """The parts in the order in which they are asked for.
+
+    Args:
+        full: every detail; else what an engineer at a stopped robot needs.
+        parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
+    """
+    names = parts or [name for name in PARTS if full or name not in DETAILS]
+    return tuple(section for name in names for section in PARTS[name](found, full))
+
+
+def _verdict(found: Explanation, full: bool) -> Iterator[Section]:
+    rank, robot = found.rank, found.robot
+    r = rank.generic_rank
+    sigma = ", ".join(_short(value) for value in rank.sigma)
+    lines = [
+        f"σ = {sigma}  (each ± {rank.sigma_error:.1g}; zero at or below {rank.tolerance:g}; task {found.task.name}, "
+        f"translation divided by {found.settings.length_scale:.4g} m)",
+        f"task freedoms lost: {rank.corank} of {r}; redundancy: {rank.nullity} joint "
+        f"{_plural('motion', rank.nullity)} leave the task still ({robot.n} joints)",
+    ]
+    rows = (
+        ("rad, m" if any(joint.unit == "m" for joint in robot.variables) else "rad", *map(_fixed, found.q)),
+        ("deg", *(_deg(value, unit) for value, unit in zip(found.q, _units(found), strict=True))),
+    )
+    yield Section(
+        f"{robot.name}: {found.verdict.upper()}", found.reason, tuple(lines),
+        ("q", *(f"{number} {joint.name}" for number, joint in enumerate(robot.variables, start=1))), rows,
+    )  # fmt: skip
+
+
+def _which(found: Explanation, full: bool) -> Iterator[Section]:
+    if not found.met and not found.relations:
+        return
+    where = "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
+    lines = []
+    for met in found.met:
+        family = met.family
+        conditions = "; ".join(f"{equation} = 0" for equation in getattr(family, "equations", ())) or "; ".join(
+            getattr(family, "conditions", ())
+        )
+        lines.append(f"{family.name}  (corank {family.corank}, dimension {family.dimension}; {met.source})")
+        if conditions:
+            lines.append(f"    {conditions}")
+    special = [relation.words for relation in found.relations if not relation.structural]
+    always = [relation.words for relation in found.relations if relation.structural]
+    notes = []
+    if special:
+        lines.append(f"here: {'; '.join(special)}")
+    if always:
+        notes.append(f"at every configuration: {'; '.join(always)}")
+    title = "Which singularity" if found.met else "Axes"
+    yield Section(title, where, tuple(lines), notes=tuple(notes))
+
+
+def _lost(found: Explanation, full: bool) -> Iterator[Section]:
+    lost = found.lost
+    if lost.framed is not None:
+        lines = []
+        screws = zip(lost.words, lost.blocked_words, lost.framed.directions, lost.twist_screws, strict=True)
+        for sentence, blocked, direction, screw in screws:
+            lines.append(sentence)
+            lines.append(f"    twist {_vector(direction)}; {_pitch(screw.pitch)}; as a force: {blocked}")
+        title = "What is lost" if found.rank.corank else "What is nearly lost"
+        yield Section(
+            title, f"in the axes of {lost.framed.name}" if lost.framed.name else "", tuple(lines),
+            notes=("a lost direction is also a force and torque that the structure carries without joint torque",),
+        )  # fmt: skip
+    if len(lost.never):
+        rows = tuple(tuple(_fixed(value) for value in row) for row in lost.never)
+        yield Section("Never possible", "for this arm and task, at any configuration nearby",
+                      columns=("vx", "vy", "vz", "wx", "wy", "wz"), rows=rows, texts=())  # fmt: skip
+
+
+def _blame(found: Explanation, full: bool) -> Iterator[Section]:
+    blame = found.blame
+    lines = [f"{_set(circuit.numbers)}: {circuit.words}" for circuit in blame.smallest]
+    lines += [system.words for system in blame.systems if system.permanent or full]
+    if blame.always:
+        lines.append(f"deficient at every configuration: {blame.always}")
+    if lines:
+        yield Section("Joints to blame", "smallest dependent sets of joint screws" if blame.smallest else "", tuple(lines))
+    if full and blame.circuits:
+        rows = tuple(
+            (_set(one.numbers), "always" if one.generic else "here", _vector(one.coefficients), one.words)
+            for one in blame.circuits
+        )
+        yield Section("Every circuit", "inclusion-minimal dependent sets", columns=("joints", "", "coefficients", ""),
+                      rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
+    if full and blame.ordered:
+        rows = tuple(
+            (f"{one.first}–{one.last}", str(one.dimension), str(one.loss), "yes" if one.msos else "no",
+             "yes" if one.minimal else "no")
+            for one in blame.ordered
+        )  # fmt: skip
+        yield Section("Singular runs of joints", "Gallardo-Alvarado and Rico-Martínez",
+                      columns=("joints", "dimension", "loss", "their test", "minimal"), rows=rows)  # fmt: skip
+
+
+def _escape(found: Explanation, full: bool) -> Iterator[Section]:
+    out, r = found.escape, found.rank.generic_rank
+    helpful = [one for one in out.single if one.order is not None]
+    shown = out.single if full else helpful[:_SHOWN]
+    rows = tuple(_joint_row(found, one) for one in shown)
+    columns = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
+    lines = []
+    if found.rank.corank and not helpful:
+        lines.append("no single joint restores the full rank")
+    if found.rank.corank and out.best_pair is not None and (full or not helpful):
+        lines.append(f"best two joints: {_direction(found, out.best_pair)}")
+    if full or found.rank.corank:
+        lines.append(f"best direction: {_direction(found, out.best_direction)}")
+    if found.rank.corank:
+        lines.append(out.avoidable_words)
+        lines += [one.words for one in out.types]
+        lines.append(out.boundary_words)
+    title = "How to get out" if found.rank.corank else "How to get away"
+    summary = "one joint alone, best first" if rows else ""
+    yield Section(title, summary, tuple(line for line in lines if line), columns, rows, texts=(0, 5))
+
+
+def _joint_row(found: Explanation, one: JointEscape) -> tuple[str, ...]:
+    unit = found.robot.variables[one.number - 1].unit
+    if one.order is None:
+        gained = f"gains {one.gain}, not all" if one.gain else "no gain"
+        return (f"{one.number} {one.joint}", "–", gained, "", "", "")
+    power = unit if one.order == 1 else f"{unit}{'²³⁴'[one.order - 2]}"
+    receptors = _set(one.receptors) if one.receptors else "–"
+    step = _motion(one.step, unit) if one.within_limits else "outside the limits"
+    return (f"{one.number} {one.joint}", str(one.order), f"{one.rate:.4g} per {power}", step, _short(one.sigma_after),
+            receptors)  # fmt: skip
+
+
+def _direction(found: Explanation, one: Direction) -> str:
+    parts = [
+        f"joint {number} {_motion(one.delta[number - 1] * one.step, found.robot.variables[number - 1].unit)}"
+        for number in one.numbers
+        if abs(one.delta[number - 1]) > 1e-3
+    ]
+    end = f"σ{found.rank.generic_rank} = {_short(one.sigma_after)}"
+    return f"{', '.join(parts)}: {end}" + ("" if one.restores else f", gains {one.gain} only")
+
+
+def _far(found: Explanation, full: bool) -> Iterator[Section]:
+    far, lines, rows = found.far, [], []
+    if far.nearest is not None:
+        name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
+        lines.append(
+            f"nearest singular configuration found: {_angle(far.nearest.distance)} away{name}; {far.nearest.agreeing} "
+            f"of {far.nearest.starts} starts agree; σ there {far.nearest.sigma:.1g}"
+        )
+        rows.append(("nearest", *(_signed(d, u) for d, u in zip(far.nearest.delta, _units(found), strict=True))))
+    radius = found.certified_radius
+    if far.certificate is not None and radius is not None:
+        lines.append(
+            f"certified: no singularity within {_angle(radius)} (proven; {far.certificate.evaluations:,} enclosures)"
+        )
+    elif far.uncertified and not found.rank.corank:
+        lines.append(f"no certified radius: {far.uncertified}")
+    for one in far.families[: None if full else _SHOWN]:
+        label = f"{_angle(one.distance)}  {one.family.name} (corank {one.family.corank})"
+        rows.append((label, *(_signed(d, u) for d, u in zip(one.delta, _units(found), strict=True))))
+    if lines or rows:
+        columns = ("motion to it", *(f"{number}" for number in range(1, found.robot.n + 1))) if rows else ()
+        title = "How far the next one is" if found.rank.corank else "How far"
+        yield Section(title, "", tuple(lines), columns, tuple(rows))
+
+
+def _closing(found: Explanation, full: bool) -> Iterator[Section]:
+    if found.disagreements:
+        yield Section("Disagreement", "two methods differ; please report it", found.disagreements)
+    elif not full:
+        yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
+
+
+def _units(found: Explanation) -> list[str]:
+    return [joint.unit for joint in found.robot.variables]
+
+
+def _angle(distance: float) -> str:
+    return f"{distance:.4g} rad ({degrees(distance):.3g}°)"
+
+
+def _motion(value: float, unit: str) -> str:
+    text = f"{degrees(value):+.3g}°" if unit == "rad" else f"{value:+.3g} m"
+    return text.replace("-", "−")
+
+
+def _signed(value: float, unit: str) -> str:
+    if abs(value) < 1e-9:
+        return "0"
+    return f"{degrees(value):+.4g}°".replace("-", "−") if unit == "rad" else f"{value:+.4g} m".replace("-", "−")
+
+
+def _deg(value: float, unit: str) -> str:
+    return "" if unit == "m" else f"{degrees(value) + 0.0:.2f}".replace("-", "−")
+
+
+def _fixed(value: float) -> str:
+    return f"{round(float(value), 4) + 0.0:.4f}".replace("-", "−")
+
+
+def _short(value: float) -> str:
+    return "0" if value == 0 else f"{value:.4g}".replace("-", "−")
+
+
+def _vector(values: Sequence[float] | np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
+    return f"({', '.join(_short(round(float(value), 6) + 0.0) for value in values)})"
+
+
+def _pitch(pitch: float) -> str:
+    if isinf(pitch):
+        return "pure translation" if pitch == inf else "pure"
+    return "pure rotation" if abs(pitch) < 1e-9 else f"screw of pitch {pitch:.3g} m/rad".replace("-", "−")
+
+
+def _set(numbers: Sequence[int]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _plural(word: str, count: int) -> str:
+    return word if count == 1 else f"{word}s"
+
+
+PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
+    "verdict": _verdict,
+    "which": _which,
+    "lost": _lost,
+    "blame": _blame,
+    "escape": _escape,
+    "rates": _rates,
+    "far": _far,
+    "ellipsoids": _ellipsoids,
+    "redundancy": _redundancy,
+    "representation": _representation,
+    "closing": _closing,
+}
+"""Every part by its name, in order."""
+DETAILS = frozenset({"ellipsoids", "redundancy", "representation"})
+"""Parts that are shown only on demand."""

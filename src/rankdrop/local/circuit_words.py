@@ -80,7 +80,8 @@ def _axes(scene: Scene, axes: tuple[int, ...]) -> str | None:
     parallel = _parallel(scene, axes)
     concurrent = not parallel and bool(scene.common_point(axes)[1].all())
     if len(axes) == 3:
-        return f"axes {names} {'parallel' if parallel else 'concurrent'} and coplanar" if parallel | concurrent else None
+        word = "parallel" if parallel else "concurrent" if concurrent else None
+        return word and f"axes {names} {word} and coplanar"
     coplanar = not parallel and not concurrent and bool(scene.coplanar(axes).all())
     for told, word in ((parallel, "parallel"), (concurrent, "concurrent"), (coplanar, "coplanar")):
         if told:

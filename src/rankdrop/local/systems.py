@@ -71,8 +71,8 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = SAME) -> tuple[Scr
 
     Example:
         >>> from rankdrop.robot.open import open_robot
-        >>> [(s.numbers, s.kind, s.permanent) for s in systems_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])]
-        [((4, 5, 6), 'spherical', False)]
+        >>> [(s.numbers, s.kind) for s in systems_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])]
+        [((4, 5, 6), 'spherical')]
     """
     lines = Lines(robot, one_configuration(robot, q), tolerance)
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
@@ -103,8 +103,8 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
         >>> from rankdrop.robot.screws import from_screws, revolute
         >>> from rankdrop.task import resolve_task
         >>> arm = from_screws([revolute([0, 0, 1], [x, 0, 0]) for x in range(4)], order="linear-first")
-        >>> always_singular_reason(arm, resolve_task("pose", arm))
-        'rank 3 of 4 everywhere: joints 1–4 lie in a planar system (parallel axes, slides normal to them) of dimension 3'
+        >>> print(always_singular_reason(arm, resolve_task("pose", arm)))
+        rank 3 of 4 everywhere: joints 1–4 lie in a planar system (parallel axes, slides normal to them) of dimension 3
     """
     rank = generic_rank(robot, task)
     most = min(task.m, robot.n)

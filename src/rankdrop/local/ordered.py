@@ -174,7 +174,8 @@ class OrderedScrewSet:
         dimension = self.dimension(first, last)
         pairs = [(u, v) for u in range(first, last + 1) for v in range(u + 1, last + 1)]
         run = self.screws[first - 1 : last]
-        grown = self._rank(np.array([[*run, self._sized(self.lie(u, v))] for u, v in pairs]).reshape(-1, len(run) + 1, 6))
+        with_product = np.array([[*run, self._sized(self.lie(u, v))] for u, v in pairs])
+        grown = self._rank(with_product.reshape(-1, len(run) + 1, 6))
         entries = tuple((u, v, bool(rank == dimension)) for (u, v), rank in zip(pairs, grown, strict=True))
         outside = {u: [not inside for a, _, inside in entries if a == u] for u in range(first, last)}
         return Products(first, last, entries, tuple(u for u, told in outside.items() if all(told)))

@@ -19,8 +19,8 @@ _MOST = 200  # screws; no chain is longer
 def read_screw_list(path: Path) -> Array:
     """(n, 6) the numbers of a text file, six a line, in the order of the file.
 
-    Numbers are parted by blanks, commas or semicolons, square brackets do not count, # begins a comment, empty lines are
-    skipped. A number may be arithmetic without blanks: 1/sqrt(2).
+    Numbers are parted by blanks, commas or semicolons, square brackets do not count, # begins a comment, empty lines
+    are skipped. A number may be arithmetic without blanks: 1/sqrt(2).
 
     Raises:
         RobotError: no screws, a line without six numbers, something that is not a number (line and column are told).

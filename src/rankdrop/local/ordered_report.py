@@ -198,7 +198,7 @@ def report(screws: OrderedScrewSet, seed: int = _SEED) -> OrderedReport:
     first = trials[0].subset if trials else None
     printed = tuple(sorted(trial.actuator for trial in trials if trial.restores and trial.subset == first))
     everywhere = tuple((s.first, s.last) for s in special)
-    joints = tuple(_verdict(screws, number, number in printed, generic, trials, everywhere) for number in range(1, n + 1))
+    joints = tuple(_verdict(screws, k, k in printed, generic, trials, everywhere) for k in range(1, n + 1))
     return OrderedReport(
         dimension=dimension, generic=generic, lost=generic - dimension, dependencies=n - dimension, subsets=subsets,
         steps=session(screws, instructions), trials=tuple(trials), printed=printed, joints=joints,
@@ -286,8 +286,8 @@ def _remark(
         if left and any(t.dimensions != t.carried for t in left):
             last = left[0].subset[1]
             return (
-                f"escapes, though the printed update finds runs still singular: newscrews({number}, {last}) leaves the "
-                f"screws behind {last} where they were, and joint {number} carries them too"
+                f"escapes, though the printed update finds runs still singular: newscrews({number}, {last}) leaves "
+                f"the screws behind {last} where they were, and joint {number} carries them too"
             )
         return "escapes, though no run with all its products outside names it"
     if printed and not escapes:

@@ -56,7 +56,7 @@ def _corrected(report: OrderedReport) -> Iterator[str]:
         runs = " ".join(f"{i}–{j}:{d}" for i, j, d in joint.dimensions)
         verdict = "escapes" if joint.escapes else f"gains {joint.gain}" if joint.gain else "does not escape"
         yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {runs}"
-    yield f"  conclusion: {_list(report.escapes)} escape{'s' if len(report.escapes) == 1 else ''}"
+    yield f"  conclusion: actuate {_list(report.escapes)}"
     if report.disagreements:
         yield ""
         yield "Disagreements with the printed procedure:"

@@ -13,8 +13,8 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from rankdrop.atlas.scene import Scene, Verdicts
 from rankdrop.frames import TIP
+from rankdrop.local.scene import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 

@@ -8,12 +8,13 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.atlas.circuits import describe, line_meets_all, to_blame
 from rankdrop.atlas.facts import Fact, Structure, candidate_facts, structure_of
-from rankdrop.atlas.scene import Scene
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.circuit_words import describe, line_meets_all
+from rankdrop.local.circuits import to_blame
+from rankdrop.local.scene import Scene
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
@@ -157,7 +158,7 @@ def _numbers(joints: Sequence[int]) -> str:
 def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> str:
     """A name from the smallest dependent sets of joint screws."""
     usual = task_jacobian(scene.robot, structure.scene.q, task)
-    blame = to_blame(scene, task, usual, corank)
+    blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
     texts = [describe(scene, circuit, task) for circuit in blame]
     if len(blame) == corank and all("dependent" not in text for text in texts):
         return "; ".join(texts)

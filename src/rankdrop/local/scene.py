@@ -28,6 +28,7 @@ class Scene:
 
     robot: Robot
     q: Array  # (N, n)
+    tolerance: float = SAME
 
     @cached_property
     def screws(self) -> Array:
@@ -71,15 +72,15 @@ class Scene:
         """The scene after one joint has moved by `by` [rad, m]."""
         q = self.q.copy()
         q[:, joint] += by
-        return Scene(self.robot, q)
+        return Scene(self.robot, q, self.tolerance)
 
     def parallel(self, i: int, j: int) -> Verdicts:
         """|z_i × z_j| = 0."""
-        return _small(np.cross(self.z[i], self.z[j]))
+        return self._small(np.cross(self.z[i], self.z[j]))
 
     def perpendicular(self, i: int, j: int) -> Verdicts:
         """z_i · z_j = 0."""
-        return np.abs(_dot(self.z[i], self.z[j])) < SAME
+        return np.abs(_dot(self.z[i], self.z[j])) < self.tolerance
 
     def aligned(self, i: int, j: int) -> Verdicts:
         """One line: parallel, and (p_j − p_i) × z_i = 0."""
@@ -87,26 +88,26 @@ class Scene:
 
     def on_axis(self, point: Array, i: int) -> Verdicts:
         """(point − p_i) × z_i = 0 for a point (N, 3)."""
-        return _small(np.cross(point - self.p[i], self.z[i]) / self.length)
+        return self._small(np.cross(point - self.p[i], self.z[i]) / self.length)
 
     def meeting(self, i: int, j: int) -> Verdicts:
         """Not parallel and in one plane: (p_j − p_i) · (z_i × z_j) = 0."""
         volume = _dot(self.p[j] - self.p[i], np.cross(self.z[i], self.z[j]))
-        return ~self.parallel(i, j) & (np.abs(volume) < SAME * self.length)
+        return ~self.parallel(i, j) & (np.abs(volume) < self.tolerance * self.length)
 
     def common_point(self, axes: Sequence[int]) -> tuple[Array, Verdicts]:
         """(N, 3) the point nearest to some axes, Σ (1 − z zᵀ)(x − p) = 0, and whether it is on all of them."""
         normal = np.eye(3) - self.z[list(axes)][..., :, None] * self.z[list(axes)][..., None, :]  # (a, N, 3, 3)
         total = normal.sum(axis=0)
         right = (normal @ self.p[list(axes)][..., None]).sum(axis=0)
-        regular = np.linalg.eigvalsh(total)[:, 0] > SAME  # 0 where all are parallel
+        regular = np.linalg.eigvalsh(total)[:, 0] > self.tolerance  # 0 where all are parallel
         point = np.linalg.solve(np.where(regular[:, None, None], total, np.eye(3)), right)[..., 0]
         on = np.stack([self.on_axis(point, i) for i in axes]).all(axis=0)
         return point, on & regular
 
     def in_plane(self, point: Array, i: int, direction: Array) -> Verdicts:
         """In the plane through axis i along `direction` (N, 3): (point − p_i) · (z_i × direction) = 0."""
-        return np.abs(_dot(point - self.p[i], np.cross(self.z[i], direction))) < SAME * self.length
+        return np.abs(_dot(point - self.p[i], np.cross(self.z[i], direction))) < self.tolerance * self.length
 
     def coplanar(self, axes: Sequence[int], point: Array | None = None) -> Verdicts:
         """All axes (and the point) in one plane."""
@@ -116,12 +117,11 @@ class Scene:
             spans.append((point - self.p[first]) / self.length)
         # remove the freedom along the first axis from the points: only their offset from it counts
         stacked = np.stack([s - self.z[first] * _dot(s, self.z[first])[:, None] for s in spans], axis=1)  # (N, s, 3)
-        return np.linalg.svd(stacked, compute_uv=False)[:, 1] < SAME
+        return np.linalg.svd(stacked, compute_uv=False)[:, 1] < self.tolerance
+
+    def _small(self, vector: Array) -> Verdicts:
+        return np.asarray(np.linalg.norm(vector, axis=-1) < self.tolerance)
 
 
 def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("...i,...i->...", a, b))
-
-
-def _small(vector: Array) -> Verdicts:
-    return np.asarray(np.linalg.norm(vector, axis=-1) < SAME)

@@ -101,7 +101,7 @@ def joint_rates(
         >>> from rankdrop.robot.open import open_robot
         >>> along_x, along_y = joint_rates(open_robot("planar2r"), [0.0, 0.01]).axes
         >>> [round(rate, 2) for rate in along_x.joint_rates], along_x.worst_joint  # a2 c2/(a1 a2 s2), almost stretched
-        ([100.0, -242.85], 'joint2')
+        ([100.0, -242.86], 'joint2')
         >>> joint_rates(open_robot("planar2r"), [0.0, 0.0]).axes[0].speed  # stretched
         0.0
     """

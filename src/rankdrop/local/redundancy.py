@@ -3,9 +3,10 @@
     rank J + dim N(J) = n,     P = I − J⁺J,     q̇ = J⁺ξ + P q̇₀
 
 J⁺ rests on a singular value decomposition whose rank is decided on σ, so that everything is right at exactly singular
-configurations. JL writes the projector P = I − Jᵀ(JJᵀ)†J. It is the same matrix, and as good where σ is not small, or is
-zero and the rank is told from outside, as here. In between it loses half of the digits, because JJᵀ holds σ²: P is off
-by about eps/σ², and below σ ≈ 3e-8 ‖J‖ the direction drowns in rounding. PA-10, θ4 → 0, largest entry of the difference:
+configurations. JL writes the projector P = I − Jᵀ(JJᵀ)†J. It is the same matrix, and as good where no σ is small, or
+where σ is zero and the rank is told from outside, as here. In between it loses half of the digits, because JJᵀ holds
+σ²: P is off by about eps/σ², and below σ ≈ 3e-8 ‖J‖ the direction drowns in rounding. Largest entry of the difference,
+PA-10, θ4 → 0:
 
     σ_min        1e-2    1e-3    1e-4    1e-5    1e-6    1e-7    1e-8    0
     difference   3e-12   1e-11   1e-8    1e-6    2e-4    3e-3    0.5     2e-15

@@ -2,10 +2,10 @@
 
     maximise s  subject to  A ẋ = s d,  |ẋ_i| ≤ l_i
 
-All solutions are ẋ = s (b + N z), b = A⁺d, N a basis of the null space. So 1/s = min_z max_i |b_i + N_i z| / l_i: the best
-approximation of b in the maximum norm. Its dual is a maximum over the vertices of {y : Σ_i y_i N_i / l_i = 0, Σ|y_i| ≤ 1},
-which are the circuits of the weighted rows of N: minimal sets of rows that are dependent, at most k + 1 of them for k
-null motions. With a handful of joints all of them are listed, and serve every direction d.
+All solutions are ẋ = s (b + N z), b = A⁺d, N a basis of the null space, so that 1/s = min_z max_i |b_i + N_i z| / l_i:
+the best approximation of b in the maximum norm. Its dual is a maximum over the vertices of
+{y : Σ_i y_i N_i / l_i = 0, Σ|y_i| ≤ 1}. These are the circuits of the weighted rows of N: minimal sets of rows that are
+dependent, at most k + 1 of them for k null motions. For a handful of joints all are listed, and serve every d.
 """
 
 from __future__ import annotations

@@ -1,0 +1,272 @@
+"""Range and null space of the task Jacobian, the projector on the null space, and motion inside it (JL).
+
+    rank J + dim N(J) = n,     P = I − J⁺J,     q̇ = J⁺ξ + P q̇₀
+
+J⁺ rests on a singular value decomposition whose rank is decided on σ, so that everything is right at exactly singular
+configurations. JL writes the projector P = I − Jᵀ(JJᵀ)†J. It is the same matrix, and as good where no σ is small, or
+where σ is zero and the rank is told from outside, as here. In between it loses half of the digits, because JJᵀ holds
+σ²: P is off by about eps/σ², and below σ ≈ 3e-8 ‖J‖ the direction drowns in rounding. Largest entry of the difference,
+PA-10, θ4 → 0:
+
+    σ_min        1e-2    1e-3    1e-4    1e-5    1e-6    1e-7    1e-8    0
+    difference   3e-12   1e-11   1e-8    1e-6    2e-4    3e-3    0.5     2e-15
+
+while J P stays below 3e-16 for the projector by SVD at all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop.errors import OptionError
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.factored import Factored, factor
+from rankdrop.local.readable import readable_basis
+from rankdrop.local.verdict import Rank, one_configuration, rank_at
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+_COUPLED = 1e-12  # entries of a projector below this do not join two coordinates
+_READABLE = 3  # a block of more dimensions gets a basis by pivoting: the readable search takes too long
+
+
+@dataclass(frozen=True, slots=True)
+class RankNullity:
+    """rank + nullity = n, the two counted apart from each other.
+
+    Attributes:
+        rank: number of independent directions in the range (singular values above the tolerance).
+        nullity: number of independent joint motions v that were tried in J and found to move nothing.
+        n: number of joints.
+        holds: rank + nullity == n.
+        largest: largest ‖Ĵv‖ over the null motions, ‖v‖ = 1 [1].
+    """
+
+    rank: int
+    nullity: int
+    n: int
+    holds: bool
+    largest: float
+
+
+@dataclass(frozen=True, slots=True)
+class Redundancy:
+    """What the joints can do at one configuration, and what they can do unseen.
+
+    Attributes:
+        rank: the verdict on σ; its `nullity` is the redundancy, its `corank` the task freedoms lost.
+        check: rank–nullity, counted.
+        range_basis: (rank, 6) rows: end-effector twists (v; ω) that can be made [m/s, rad/s], in the task's frame,
+            orthonormal with 1 m = 1 rad as lost directions are, and orthogonal to these.
+        null_basis: (nullity, n) rows: joint rates [rad/s, m/s] that leave the task still, orthonormal in scaled rates
+            q̇ / `joint_scale`.
+        projector: (n, n) P = I − J⁺J. Orthogonal (symmetric) in scaled rates.
+        closed_form: (n, n) JL's I − Jᵀ(JJᵀ)†J, † with as many eigenvalues as the rank tells.
+        difference: largest entry of projector − closed_form.
+        idempotent: largest entry of PP − P.
+        annihilates: largest entry of Ĵ P, translation rows divided by the length scale [1].
+        closed_annihilates: the same for the closed form.
+        joint_scale: (n,) the joint motion that counts as one: 1 rad, or the length scale [m].
+    """
+
+    rank: Rank
+    check: RankNullity
+    range_basis: Array
+    null_basis: Array
+    projector: Array
+    closed_form: Array
+    difference: float
+    idempotent: float
+    annihilates: float
+    closed_annihilates: float
+    joint_scale: Array
+
+
+def redundancy(
+    robot: Robot, q: ArrayLike, task: Task | str | None = None, *, tolerances: Tolerances = DEFAULT
+) -> Redundancy:
+    """Bases of range and null space, the rank–nullity check and the projector in two forms.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: name, `Task`, or None for the task the arm is made for.
+        tolerances: `singular` decides the rank.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        TaskError: there is no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = redundancy(open_robot("pa10"), [0.0] * 7)
+        >>> found.check.rank, found.check.nullity, found.check.holds
+        (3, 4, True)
+        >>> found.null_basis[-1].round(3).tolist()  # joints 2, 4, 6 together
+        [0.0, -0.43, 0.0, 0.816, 0.0, -0.387, 0.0]
+    """
+    resolved = resolve_task(task, robot)
+    configuration = one_configuration(robot, q)
+    verdict = rank_at(robot, configuration, resolved, tolerances)
+    parts = factor(robot, configuration, resolved, tolerances)
+    scaled = task_jacobian(robot, configuration, resolved) * parts.joints
+    null = parts.v[:, verdict.rank :]
+    projector = null @ null.T
+    closed = _closed_form(scaled, verdict.rank)
+    arrays = {
+        "range_basis": _range_basis(parts, resolved, verdict.rank),
+        "null_basis": readable_parts(null).T * parts.joints,
+        "projector": _unscaled(projector, parts.joints),
+        "closed_form": _unscaled(closed, parts.joints),
+        "joint_scale": parts.joints,
+    }
+    for array in arrays.values():
+        array.flags.writeable = False
+    return Redundancy(
+        rank=verdict,
+        check=_check(scaled, parts, verdict.rank, tolerances.singular),
+        difference=float(np.abs(arrays["projector"] - arrays["closed_form"]).max()),
+        idempotent=float(np.abs(projector @ projector - projector).max()),
+        annihilates=float(np.abs(scaled @ projector).max()),
+        closed_annihilates=float(np.abs(scaled @ closed).max()),
+        **arrays,
+    )
+
+
+def null_space_motion(
+    robot: Robot,
+    q: ArrayLike,
+    twist: ArrayLike,
+    secondary: ArrayLike,
+    task: Task | str | None = None,
+    *,
+    tolerances: Tolerances = DEFAULT,
+) -> Array:
+    """Joint rates that follow a twist and use what is left over for a second objective: q̇ = J⁺ξ + P q̇₀ (JL).
+
+    P q̇₀ is the part of q̇₀ that the end effector does not notice; with an empty null space it is zero.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad, m].
+        twist: (..., m) wanted twist, the task's rows in the task's frame [m/s, rad/s].
+        secondary: (..., n) wished joint rates q̇₀ [rad/s, m/s], such as a gradient from `rankdrop.local.objectives`.
+        task: name, `Task`, or None for the task the arm is made for.
+        tolerances: `singular` decides the rank.
+
+    Returns:
+        (..., n) joint rates [rad/s, m/s].
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: twist or secondary has the wrong shape or is not finite.
+        TaskError: there is no such task.
+    """
+    resolved = resolve_task(task, robot)
+    parts = factor(robot, q, resolved, tolerances)
+    batch = parts.rank.shape
+    xi = _vectors("twist", twist, resolved.m, batch)
+    wished = _vectors("secondary", secondary, robot.n, batch) / parts.joints
+    kept = parts.v * (np.arange(robot.n) < parts.rank[..., None])[..., None, :]  # columns of V that move the task
+    unseen = wished - (kept @ (kept.swapaxes(-1, -2) @ wished[..., None]))[..., 0]
+    follow = (parts.inverse(parts.reciprocal) @ xi[..., None])[..., 0]
+    return np.asarray(follow + parts.joints * unseen)
+
+
+def readable_parts(columns: Array) -> Array:
+    """Readable orthonormal basis of a subspace, block by block of the coordinates that it couples.
+
+    The blocks are read off the projector. A block of more than three dimensions gets a basis by pivoted elimination of
+    the projector's columns, which also depends on the subspace only.
+
+    Args:
+        columns: (n, k) orthonormal columns.
+
+    Returns:
+        (n, k) orthonormal columns, blocks in the order of their first coordinate.
+    """
+    size, count = columns.shape
+    if count in (0, size):
+        return np.eye(size)[:, :count]
+    projector = columns @ columns.T
+    found = []
+    for members in _blocks(np.abs(projector) > _COUPLED):
+        inner = projector[np.ix_(members, members)]
+        dimension = round(float(np.trace(inner)))
+        if dimension == 0:
+            continue
+        basis = np.linalg.eigh(inner)[1][:, -dimension:]
+        local = readable_basis(basis) if dimension <= _READABLE or dimension == len(members) else _pivoted(inner)
+        placed = np.zeros((size, dimension))
+        placed[members] = local[:, :dimension]
+        found.append(placed)
+    return np.concatenate(found, axis=1)
+
+
+def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
+    """Coordinates joined by a symmetric relation, in groups."""
+    left, groups = list(range(len(coupled))), []
+    while left:
+        group, border = {left[0]}, {left[0]}
+        while border:
+            border = {int(j) for i in border for j in np.flatnonzero(coupled[i])} - group
+            group |= border
+        groups.append(sorted(group))
+        left = [i for i in left if i not in group]
+    return groups
+
+
+def _pivoted(projector: Array) -> Array:
+    """Orthonormal columns from the projector's own, the longest remaining one first (earlier ones win ties)."""
+    rest, found = projector.copy(), []
+    for _ in range(round(float(np.trace(projector)))):
+        lengths = np.linalg.norm(rest, axis=0)
+        pivot = int(np.argmax(lengths >= lengths.max() - 1e-9))
+        unit = rest[:, pivot] / lengths[pivot]
+        found.append(unit)
+        rest = rest - np.outer(unit, unit @ rest)
+    return np.column_stack(found)
+
+
+def _closed_form(scaled: Array, rank: int) -> Array:
+    """I − Jᵀ(JJᵀ)†J, † by the eigenvalues of JJᵀ."""
+    values, vectors = np.linalg.eigh(scaled @ scaled.T)
+    values, vectors = values[::-1][:rank], vectors[:, ::-1][:, :rank]
+    told = values > len(scaled) * np.finfo(float).eps * values.max(initial=0.0)  # the rest is rounding of JJᵀ
+    values, vectors = values[told], vectors[:, told]
+    return np.asarray(np.eye(scaled.shape[1]) - scaled.T @ (vectors / values) @ vectors.T @ scaled)
+
+
+def _range_basis(parts: Factored, task: Task, rank: int) -> Array:
+    """(rank, 6) readable orthonormal twists that span the range in metres and radians."""
+    twists = np.zeros((6, rank))
+    twists[list(task.rows)] = parts.u[:, :rank] / parts.rows[:, None]
+    return readable_parts(np.linalg.qr(twists)[0]).T
+
+
+def _check(scaled: Array, parts: Factored, rank: int, tolerance: float) -> RankNullity:
+    motions = parts.joints[:, None] * parts.v
+    motions /= np.linalg.norm(motions, axis=0)  # the tolerance speaks of σ of the Jacobian without joint scale
+    seen = np.linalg.norm((scaled / parts.joints) @ motions, axis=0)
+    nullity = int((seen <= tolerance).sum())
+    n = scaled.shape[1]
+    return RankNullity(rank, nullity, n, rank + nullity == n, float(seen[rank:].max(initial=0.0)))
+
+
+def _unscaled(projector: Array, joints: Array) -> Array:
+    return np.asarray(joints[:, None] * projector / joints)
+
+
+def _vectors(name: str, value: ArrayLike, size: int, batch: tuple[int, ...]) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != size or not np.isfinite(array).all():
+        raise OptionError(f"{name} needs {size} finite numbers", got=array.shape, allowed=f"shape (..., {size})")
+    try:
+        np.broadcast_shapes(array.shape[:-1], batch)
+    except ValueError:
+        raise OptionError(f"{name} and q have different batch axes", got=array.shape[:-1], allowed=batch) from None
+    return array

@@ -8,7 +8,7 @@ translation rows over the length scale, so rates depend on that scale, while ran
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -192,6 +192,7 @@ def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, cor
         TaskError: the arm does not move in this task at all.
     """
     configuration = one_configuration(robot, q)
+    task = replace(task, length_scale=task.scale(robot))  # the reach is worked out once
     verdict = rank_at(robot, configuration, task, tolerances)
     generic = verdict.generic_rank
     if not generic:

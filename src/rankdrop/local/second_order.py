@@ -21,7 +21,8 @@ from rankdrop.local.directions import lost_directions
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
 
-_ZERO = 2e-6  # a form below this is zero: the cut of D, for the same reason [1/rad²]
+FLAT = 2e-6
+"""A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
@@ -84,7 +85,7 @@ def definite(each: Array, seed: int) -> bool:
         weights = np.random.default_rng(seed).normal(size=(_SAMPLES, len(each)))
         weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     least = np.linalg.eigvalsh(np.einsum("wp,pab->wab", weights, each))[:, 0]
-    return bool(least.max() > _ZERO)
+    return bool(least.max() > FLAT)
 
 
 def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
@@ -101,7 +102,7 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     starts = np.random.default_rng(seed).normal(size=(_STARTS, size))
     starts = np.concatenate([np.eye(size), starts]) if size > 1 else np.eye(1)
     x = starts / np.linalg.norm(starts, axis=1, keepdims=True)
-    if not each.size or float(np.abs(each).max()) <= _ZERO:
+    if not each.size or float(np.abs(each).max()) <= FLAT:
         return x, True
     x = np.concatenate([x, _kernel(each)])
     for _ in range(_NEWTON):
@@ -127,7 +128,7 @@ def boundary(place: Place, each: Array) -> tuple[bool | None, str]:
     if place.corank > 1 or place.generic < place.task.m:
         return None, "undecided: the second-order test is for one lost direction of a full-rank task"
     eigenvalues = np.linalg.eigvalsh(each[0])
-    up, down = bool(eigenvalues[-1] > _ZERO), bool(eigenvalues[0] < -_ZERO)
+    up, down = bool(eigenvalues[-1] > FLAT), bool(eigenvalues[0] < -FLAT)
     if up and down:
         return False, "interior: at second order the end effector can leave to both sides of the lost direction"
     if up or down:
@@ -141,12 +142,12 @@ def boundary(place: Place, each: Array) -> tuple[bool | None, str]:
 def _kernel(each: Array) -> Array:
     """(c, s) vectors that every form sends to zero: Newton's method is slow to find them."""
     _, sigma, vt = np.linalg.svd(each.reshape(-1, each.shape[-1]))
-    return np.asarray(vt[int((sigma > _ZERO).sum()) :])
+    return np.asarray(vt[int((sigma > FLAT).sum()) :])
 
 
 def _lost_motion(row: Array, form: Array) -> LostMotion:
     eigenvalues = np.linalg.eigvalsh(form)
-    kind = 1 if np.abs(eigenvalues).max(initial=0.0) > _ZERO else 2
+    kind = 1 if np.abs(eigenvalues).max(initial=0.0) > FLAT else 2
     words = (
         "the end effector can move along it at second order, by a motion in the null space"
         if kind == 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from rankdrop.local.departure import Place
 from rankdrop.local.motion import room
-from rankdrop.local.second_order import definite, forms, vanishing
+from rankdrop.local.second_order import FLAT, definite, forms, vanishing
 from rankdrop.local.selfmotion import Trace, followed, trace
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
@@ -16,6 +16,8 @@ from rankdrop.robot.model import Array
 _LONGEST = 8  # tangents that are traced
 _APART = 0.05  # tangents nearer than this are traced once
 _LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
+_LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
+_STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
 _FIRST = 1e-6  # singular values of D along a tangent below this are zero
 
 
@@ -71,7 +73,22 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
         return _none(each, None, "no second-order direction of a self-motion was found; that is no proof")
     tangents, promise = _chosen(place, vectors @ basis.T)
     traced = trace(place, task, tangents, max(step, _LENGTH))
-    return _judged(place, each, tangents, promise, traced, all_vanish or basis.shape[1] == 1)
+    return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
+
+
+def _few(each: Array) -> bool:
+    """Whether the directions on which the forms vanish are a few lines, which are then all found.
+
+    One form on a plane vanishes on two lines at most, a semidefinite one on its kernel only.
+    """
+    size = each.shape[-1]
+    if size == 1 or (size == 2 and len(each) == 1):
+        return True
+    if len(each) != 1:
+        return False
+    eigenvalues = np.linalg.eigvalsh(each[0])
+    one_sided = eigenvalues[0] >= -FLAT or eigenvalues[-1] <= FLAT
+    return bool(one_sided and (np.abs(eigenvalues) <= FLAT).sum() == 1)
 
 
 def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
@@ -99,9 +116,8 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     down, up = room(place)
     moved = (traced.q - place.q) / place.scale
     inside = ((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2))
-    leaves = traced.valid & (traced.ranks >= place.generic)
-    if place.corank == 0:
-        leaves &= traced.sigma[:, -1] > traced.sigma[:, 0]
+    least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
+    leaves = traced.valid & (traced.sigma[:, -1] > least)
     if not leaves.any():
         return _stays(place, each, traced, complete)
     value = np.where(leaves, traced.sigma[:, -1] + 1e3 * inside, -1.0)
@@ -123,10 +139,13 @@ def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillnes
     """No trace restores the rank: say whether those were all there are."""
     if not place.corank:
         return _none(each, None, "regular: nothing to avoid")
-    if complete and traced.valid.all():
+    stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
+    if complete and stayed and traced.valid.all():
         return _none(each, False, "every self-motion traced through q stays singular (traced, not proven)")
-    if traced.valid.any():
+    if stayed and traced.valid.any():
         return _none(each, None, "the self-motions that were traced stay singular; there may be others")
+    if traced.valid.any():
+        return _none(each, None, "σ_r along the self-motions traced is too small to tell leaving from error")
     return _none(each, None, "no self-motion could be traced from q; that is no proof")
 
 

@@ -1,0 +1,175 @@
+"""Finite motions inside the joint limits, and the motion of a given length that restores most."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
+from rankdrop.local.block import decompose, singular_values
+from rankdrop.local.departure import Place
+from rankdrop.local.taylor import taylor
+from rankdrop.robot.model import Array
+
+LEAST = 1e-3
+"""A motion shorter than this is no motion: the joint stands at its limits [rad, or length scales]."""
+_JUDGES = (0.3, -0.3, 0.7, -0.7)  # finite motions that judge a predicted gain: far from small, and unrelated [rad]
+_ROOM = 0.1  # with less room than this inside the limits the judge looks past them [rad]
+_ANGLES = 16  # directions tried per pair, then refined
+_CLIMBS = 6  # steps of the climb towards the best direction
+_RANDOM = 24  # random starts of it
+
+
+def room(place: Place) -> tuple[Array, Array]:
+    """How far each joint can go down and up, (n,) each ≥ 0, in scaled coordinates; from outside only the way back."""
+    down = np.maximum(place.q - place.robot.lower, 0.0) / place.scale
+    up = np.maximum(place.robot.upper - place.q, 0.0) / place.scale
+    return down, up
+
+
+def measured_gains(place: Place, directions: Array) -> Array:
+    """(d,) rank after a finite motion along each direction, minus the rank before: the largest of several steps.
+
+    Steps are kept inside the limits where there is room, else the limits are not looked at: the judge asks about the
+    arm's geometry.
+    """
+    steps = np.array(_JUDGES)
+    motions = steps[:, None, None] * directions  # (4, d, n)
+    down, up = room(place)
+    inside = np.clip(motions, -down, up)
+    far = np.abs(inside).max(axis=-1) >= _ROOM * np.abs(directions).max(axis=-1)
+    used = np.where(far[..., None], inside, np.where(far.any(axis=0)[:, None], 0.0, motions))
+    sigma = singular_values(place.robot, place.q + used * place.scale, place.task)
+    ranks = np.minimum((sigma > place.floor).sum(axis=-1), place.generic)
+    return np.asarray(ranks.max(axis=0) - place.rank)
+
+
+def single_motions(place: Place, step: float) -> tuple[Array, Array]:
+    """The better of the two motions of each joint by `step`, cut off at its limits.
+
+    Returns:
+        (n,) signed motion in scaled coordinates, and (n,) σ_r after it.
+    """
+    down, up = room(place)
+    steps = np.stack([np.minimum(step, up), -np.minimum(step, down)])  # (2, n)
+    sigma = place.last(place.q + steps[..., None] * np.diag(place.scale))
+    better = np.argmax(sigma - 1e-12 * np.array([[0.0], [1.0]]), axis=0)  # ties go up
+    joints = np.arange(len(place.q))
+    return steps[better, joints], sigma[better, joints]
+
+
+def fitted(place: Place, motions: Array) -> Array:
+    """Motions (..., n) in scaled coordinates, cut off at the limits."""
+    down, up = room(place)
+    return np.clip(motions, -down, up)
+
+
+def best_pair(place: Place, step: float) -> Array:
+    """The motion (n,) of two joints, of length `step` at most, that restores most; inside the limits.
+
+    All pairs and a circle of directions in one call, then the best few pairs again, finer and finer.
+    """
+    n = len(place.q)
+    pairs = np.array(list(combinations(range(n), 2)))
+    angles = np.arange(_ANGLES) * 2 * np.pi / _ANGLES
+    motions = _on_circle(place, pairs[:, None, :], np.broadcast_to(angles, (len(pairs), _ANGLES)), step)
+    best, order = _best_of_each(place, motions)
+    chosen, centre = pairs[order[:3]], angles[best[order[:3]]]
+    width = 2 * np.pi / _ANGLES
+    for _ in range(4):
+        fine = centre[:, None] + width * np.linspace(-1, 1, 9)
+        motions = _on_circle(place, chosen[:, None, :], fine, step)
+        best, order = _best_of_each(place, motions)
+        centre, width = fine[np.arange(len(chosen)), best], width / 4
+    return np.asarray(motions[order[0], best[order[0]]])
+
+
+def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
+    """The motion (n,) of all joints, of length `step` at most, that restores most; inside the limits.
+
+    Candidates are the motions handed in, the leading directions of D, and random ones. Each climbs by
+    x ← step · g/‖g‖, g the gradient of σ_r at q + x: where it stands still, x is the best of its length.
+
+    Args:
+        place: where.
+        step: length in scaled coordinates.
+        seed: of the random candidates.
+        tried: (t, n) motions already known to be good.
+    """
+    rng = np.random.default_rng(seed)
+    random = rng.normal(size=(_RANDOM, len(place.q)))
+    candidates = np.concatenate([tried, _leading(place), random])
+    motions = fitted(place, step * _unit(candidates))
+    best = motions[_order(place, motions)[0]]
+    for turn in range(_CLIMBS):
+        if turn == 1:  # after the first step half of the field tells enough
+            motions = motions[_order(place, motions)[:12]]
+        motions = fitted(place, step * _unit(_gradient(place, motions)))
+        best = _better(place, best, motions)
+    for width in (0.3, 0.1, 0.03):  # ridges, where singular values tie and the gradient jumps
+        around = _unit(_unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
+        best = _better(place, best, fitted(place, step * around))
+    return best
+
+
+def scores(place: Place, motions: Array) -> Array:
+    """(..., 2) what motions (..., n) reach: rank, and the singular value that holds it."""
+    sigma = singular_values(place.robot, place.q + motions * place.scale, place.task)[..., : place.generic]
+    ranks = (sigma > place.floor).sum(axis=-1)
+    held = np.take_along_axis(sigma, np.maximum(ranks - 1, 0)[..., None], axis=-1)[..., 0]
+    return np.stack([ranks, held], axis=-1)
+
+
+def _order(place: Place, motions: Array) -> Array:
+    reached = scores(place, motions)
+    return np.lexsort((-reached[:, 1], -reached[:, 0]))
+
+
+def _better(place: Place, best: Array, motions: Array) -> Array:
+    every = np.concatenate([best[None], motions])
+    return np.asarray(every[_order(place, every)[0]])
+
+
+def _best_of_each(place: Place, motions: Array) -> tuple[Array, Array]:
+    """Of motions (p, a, n): the best a of each p, and the p from the best to the worst."""
+    reached = scores(place, motions)
+    value = reached[..., 0] * 1e6 + reached[..., 1]  # σ of scaled Jacobians is far below 1e6
+    best = np.argmax(value, axis=1)
+    return best, np.argsort(-value[np.arange(len(best)), best], kind="stable")
+
+
+def _on_circle(place: Place, pairs: Array, angles: Array, step: float) -> Array:
+    motions = np.zeros((*angles.shape, len(place.q)))
+    every = np.broadcast_to(pairs, (*angles.shape, 2))
+    np.put_along_axis(motions, every[..., :1], step * np.cos(angles)[..., None], axis=-1)
+    np.put_along_axis(motions, every[..., 1:], step * np.sin(angles)[..., None], axis=-1)
+    return fitted(place, motions)
+
+
+def _leading(place: Place) -> Array:
+    """± the right singular vectors of D as a matrix: for corank 1 the first is the best there is to first order."""
+    n = len(place.q)
+    rank = place.rank if place.corank else place.generic - 1
+    series = taylor(place.robot, place.q, place.task, np.diag(place.scale), 1)
+    d = np.einsum("mp,jmn,ns->psj", place.u[:, rank:], series[1], place.v[:, rank:])
+    if not place.corank:  # the gradient of σ_r itself
+        d = d[:1, :1]
+    _, sigma, vt = np.linalg.svd(d.reshape(-1, n), full_matrices=False)
+    leading = vt[sigma > place.floor]
+    return np.concatenate([leading, -leading])
+
+
+def _gradient(place: Place, motions: Array) -> Array:
+    """(c, n) gradient of σ_r at q + motion, in scaled coordinates: u_rᵀ dJ v_r (AM eq. 7)."""
+    rows = np.ascontiguousarray(place.q + motions * place.scale)
+    parts = decompose(place.robot, rows, place.task)
+    derivative = _core.derivative(chain_of(place.robot), task_view(place.robot, place.task), rows)
+    derivative = derivative.reshape(len(rows), place.task.m, place.robot.n, place.robot.n)
+    r = place.generic - 1
+    return np.asarray(np.einsum("cm,cmij,ci->cj", parts.u[..., r], derivative, parts.v[..., r]) * place.scale)
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))

@@ -29,6 +29,8 @@ struct Kernels {
                    std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
     void (*descend)(const Chain&, const View&, const SearchSettings&, const double* starts, std::int64_t begin,
                     std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
+    void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
+                    std::int64_t end, const NearestOutput&, const volatile bool* stop);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.

@@ -258,7 +258,7 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, int r
 
 // From points on (or near) the singular set to the ones nearest to `centre`.
 nb::object nearest(const Chain& chain, const View& view, const In2& starts, const In1& centre, int rank, int evaluations,
-                   double singular, double target, double cut, const In1& scale, const nb::object& limits, int threads) {
+                   double singular, double target, const In1& scale, const nb::object& limits, int threads) {
     fit(chain, starts);
     const int n = chain.variables, s = std::min(view.m, n);
     if (rank < 0 || rank >= s) throw nb::value_error("rank out of range");
@@ -266,7 +266,7 @@ nb::object nearest(const Chain& chain, const View& view, const In2& starts, cons
     if (std::min(n, (view.m - rank) * (n - rank)) > 16) throw nb::value_error("more than 16 variables and conditions");
     NearestSettings settings;
     settings.rank = rank, settings.evaluations = evaluations, settings.singular = singular, settings.target = target;
-    settings.cut = cut, settings.centre = centre.data(), settings.variable_scale = scale.data();
+    settings.centre = centre.data(), settings.variable_scale = scale.data();
     if (!limits.is_none()) {
         const In2 both = nb::cast<In2>(limits);
         if (both.shape(0) != 2 || (int)both.shape(1) != n) throw nb::value_error("limits have shape (2, n)");
@@ -324,7 +324,7 @@ NB_MODULE(_core, module) {
                nb::arg("first"), nb::arg("scale"), nb::arg("limits").none(), nb::arg("tie"), nb::arg("history"),
                nb::arg("threads"));
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("centre"),
-               nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"), nb::arg("target"), nb::arg("cut"),
+               nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"), nb::arg("target"),
                nb::arg("scale"), nb::arg("limits").none(), nb::arg("threads"));
     module.def("instruction_sets", &instruction_sets);
     module.def("instruction_set", [] { return std::string(kernels().name); });

@@ -53,7 +53,6 @@ struct NearestSettings {
     int evaluations = 200;                   // at most, per start
     double singular = 1e-9;                  // sigma[rank] at or below: singular
     double target = 1e-13;                   // sigma[rank] at or below: on the set
-    double cut = 2e-6;                       // singular values of D at or below are zero
     double step = 0.5;                       // longest step [rad, or length scale]
     const double* centre = nullptr;          // (n) the configuration whose distance is asked for
     const double* variable_scale = nullptr;  // (n) 1 for angles, the length scale for lengths

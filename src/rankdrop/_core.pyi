@@ -63,7 +63,6 @@ def nearest(
     evaluations: int,
     singular: float,
     target: float,
-    cut: float,
     scale: _A,
     limits: _A | None,
     threads: int,

@@ -15,15 +15,15 @@ nearer one exists is likely, not proved (a certified radius is).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, task_view
 from rankdrop.errors import OptionError
-from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -110,18 +110,20 @@ def nearest_singularity(
     """
     centre = one_configuration(robot, q)
     resolved = resolve_task(task, robot)
+    resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     rank = generic_rank(robot, resolved) - corank
     _check(robot, resolved, corank, rank, starts, seed)
     given = np.stack([one_configuration(robot, one) for one in seeds]) if (seeds := tuple(seeds)) else np.empty((0, robot.n))
-    walk = _Walk(robot, resolved, rank, centre, limits, tolerances)
+    box = np.stack([robot.lower, robot.upper]) if limits else None
+    walk = _Walk(robot, resolved, rank, centre, box, joint_scale(robot, resolved), ~idle_joints(robot, resolved), tolerances)
     rng = np.random.default_rng(seed)
     first = max(1, starts // 4)
     found = walk.run(np.concatenate([given, walk.around(rng, first)]))
     found = found.joined(walk.run(walk.within(rng, starts - first, found.distance.min(initial=np.inf))))
-    best = found.best()
-    if best is None:
+    if not len(found.q):
         return None
-    best = walk.without_idle_motion(best)
+    number = int(found.distance.argmin())
+    best = walk.without_idle_motion(found.q[number])
     distance = walk.distance(best)
     sigma = singular_values(robot, best, resolved)
     inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
@@ -131,14 +133,14 @@ def nearest_singularity(
         delta=tuple((best - centre).tolist()),
         corank=rank + corank - int((sigma > tolerances.singular).sum()),
         sigma=float(sigma[rank]),
-        stationarity=walk.stationarity(best),
+        stationarity=float(found.stationarity[number]),
         starts=len(given) + starts,
         agreeing=int((found.distance <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
 
 
-def idle_joints(robot: Robot, task: Task) -> np.ndarray:
+def idle_joints(robot: Robot, task: Task) -> NDArray[np.bool_]:
     """(n,) which joints the singular values do not depend on at all: the first and the last one for a pose, say."""
     low, high = sampling_box(robot, task, limits=False)
     q = np.random.default_rng(0).uniform(low, high, (8, robot.n))
@@ -155,12 +157,13 @@ class _Found:
 
     q: Array
     distance: Array
+    stationarity: Array
 
     def joined(self, other: _Found) -> _Found:
-        return _Found(np.concatenate([self.q, other.q]), np.concatenate([self.distance, other.distance]))
-
-    def best(self) -> Array | None:
-        return np.array(self.q[self.distance.argmin()]) if len(self.q) else None
+        return _Found(
+            np.concatenate([self.q, other.q]), np.concatenate([self.distance, other.distance]),
+            np.concatenate([self.stationarity, other.stationarity]),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,16 +174,10 @@ class _Walk:
     task: Task
     rank: int
     centre: Array
-    limits: bool
+    box: Array | None
+    scale: Array
+    moves: NDArray[np.bool_]  # joints that matter
     tolerances: Tolerances
-
-    @property
-    def scale(self) -> Array:
-        return joint_scale(self.robot, self.task)
-
-    @property
-    def box(self) -> Array | None:
-        return np.stack([self.robot.lower, self.robot.upper]) if self.limits else None
 
     def distance(self, q: Array) -> float:
         return float(np.linalg.norm((q - self.centre) / self.scale))
@@ -201,10 +198,9 @@ class _Walk:
 
     def _ball(self, rng: np.random.Generator, radii: Array) -> Array:
         """Uniform in balls (N, 1 radii) around q, over the joints that matter."""
-        moves = ~idle_joints(self.robot, self.task)
-        dimension = max(1, int(moves.sum()))
-        x = rng.standard_normal((len(radii), self.robot.n)) * moves
-        x *= radii * rng.random((len(radii), 1)) ** (1 / dimension) / np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
+        x = rng.standard_normal((len(radii), self.robot.n)) * self.moves
+        length = np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
+        x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(self.moves.sum()))) / length
         return np.asarray(self.centre + x * self.scale)
 
     def run(self, starts: Array) -> _Found:
@@ -217,15 +213,13 @@ class _Walk:
             chain, view, rows, self.rank, 0, _LM_ITERATIONS, limit, limit, self.tolerances.stationary, 0, 0, self.scale,
             self.box, _TIE, False, 1,
         )  # fmt: skip
-        q, distance, *_ = _core.nearest(
+        q, distance, stationarity, _ = _core.nearest(
             chain, view, self._brought_near(q[outcome == 0]), self.centre, self.rank, _EVALUATIONS, limit,
-            self.tolerances.target, self.tolerances.block_rank, self.scale, self.box, 1,
+            self.tolerances.target, self.scale, self.box, 1,
         )  # fmt: skip
-        arrived = np.isfinite(distance)
-        q = q[arrived]
         singular = singular_values(self.robot, q, self.task)[:, self.rank] <= limit
-        q = q[singular]
-        return _Found(q, np.linalg.norm((q - self.centre) / self.scale, axis=1))
+        kept = singular & np.isfinite(distance)
+        return _Found(q[kept], np.linalg.norm((q[kept] - self.centre) / self.scale, axis=1), stationarity[kept])
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""
@@ -243,18 +237,6 @@ class _Walk:
             plain = np.clip(plain, *self.box)
         sigma = singular_values(self.robot, np.stack([q, plain]), self.task)[:, self.rank]
         return plain if sigma[1] <= max(sigma[0], self.tolerances.target) else q
-
-    def stationarity(self, q: Array) -> float:
-        """Share of q − centre that lies along the singular set, from D at q afresh."""
-        x = (q - self.centre) / self.scale
-        a = block(self.robot, q, self.task, self.rank).d.reshape(-1, self.robot.n) * self.scale
-        if self.box is not None:
-            loose = (q > self.box[0]) & (q < self.box[1])
-            a, x = a * loose, x * loose
-        _, size, v = np.linalg.svd(a, full_matrices=False)
-        v = v[size > self.tolerances.block_rank]
-        length = self.distance(q)
-        return float(np.linalg.norm(x - v.T @ (v @ x)) / length) if length else 0.0
 
 
 def _check(robot: Robot, task: Task, corank: int, rank: int, starts: int, seed: int) -> None:

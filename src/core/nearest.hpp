@@ -1,6 +1,6 @@
 // The way from points of the singular set to the point of it that is nearest to a given configuration: steps along the
-// set against the gradient of the distance, each brought back by Gauss-Newton on F = U2^T J V2, step lengths from the
-// last two points (Barzilai and Borwein), shortened until the distance falls.
+// set against the gradient of the distance, each brought back by Gauss-Newton on F = U2^T J V2 and shortened until the
+// distance falls; the curvature of the set is learned on the way (BFGS in the tangent space).
 //
 // Where F vanishes to second order on a whole piece of the set (Stanford arm: slide at 0), D vanishes there as well, and
 // only a point beside the piece tells its normal. So points of the walk are left as soon as sigma <= target, and go on
@@ -21,7 +21,7 @@ class NearestWalk {
     }
 
     // `numbers` has room for doubles() doubles
-    static std::size_t doubles(const Chain& chain) { return (std::size_t)W * 2 * chain.variables; }
+    static std::size_t doubles(const Chain& chain) { return (std::size_t)W * (5 + chain.variables) * chain.variables; }
 
     NearestWalk(const Chain& chain, const View& view, const NearestSettings& settings, Pack* memory, double* numbers)
         : chain_(chain), view_(view), set_(settings), n_(chain.variables),
@@ -33,8 +33,11 @@ class NearestWalk {
         x_ = take(n_), q_ = take(n_), slope_ = take(n_), correction_ = take(n_), tangent_ = take(n_), free_ = take(n_);
         w_ = take(entries_ * n_), basis_ = take(n_ * n_), size_ = take(entries_ > n_ ? entries_ : n_);
         for (int lane = 0; lane < W; ++lane) {
-            lanes_[lane].base = numbers + 2 * lane * n_;
-            lanes_[lane].way = lanes_[lane].base + n_;
+            double* next_number = numbers + (std::size_t)lane * (5 + n_) * n_;
+            const auto some = [&](int count) { double* here = next_number; next_number += count; return here; };
+            Lane& state = lanes_[lane];
+            state.base = some(n_), state.way = some(n_), state.direction = some(n_), state.moved = some(n_);
+            state.change = some(n_), state.inverse = some(n_ * n_);
         }
     }
 
@@ -59,13 +62,17 @@ class NearestWalk {
     struct Lane {
         std::int64_t start = -1;
         int evaluations, corrections, shortened;
-        bool has_base, polishing;
-        double last_sigma, last_length;  // of the correction before
+        bool has_base, polishing, learned;
+        double last_sigma, last_length, last_value;  // of the correction before: sigma, its length, smallest value of D
         double radius;      // longest step
-        double length;      // step length, as a multiple of `way`
+        double length;      // step length, as a multiple of `direction`
+        double reach;       // |direction|
         double distance2;   // |base|^2
         double slope2;      // |way|^2
         double *base, *way; // a point of the set, and the projection of (centre - base) on its tangent space
+        double* direction;  // to go, in the tangent space: inverse * way
+        double* inverse;    // estimate of the inverse Hessian of |x|^2 / 2 along the set (n x n)
+        double *moved, *change;
     };
 
     double scale(int j) const { return set_.variable_scale[j]; }
@@ -78,6 +85,7 @@ class NearestWalk {
         state.radius = set_.step;
         state.last_sigma = HUGE_VAL;
         state.length = 1.0;
+        forget(state, n_, 1.0);
         for (int j = 0; j < n_; ++j) set(x_[j], lane, (starts[start * n_ + j] - set_.centre[j]) / scale(j));
     }
 
@@ -119,19 +127,17 @@ class NearestWalk {
         smallest_ = size_[0];
         for (int i = 0; i < values_; ++i) {
             const Mask seen = size_[i] > cut;
-            if (!any(seen)) break;
             smallest_ = select(seen, size_[i], smallest_);
             const Pack inverse = one / max(size_[i], cut);
             const Pack norm = tall ? one : inverse;
             Pack* v = tall ? basis_ + i * n_ : w_ + i * n_;
             Pack pull = zero, way = zero;
             for (int j = 0; j < n_; ++j) {
-                v[j] = v[j] * norm;
+                v[j] = select(seen, v[j] * norm, zero);
                 pull = pull + v[j] * slope_[j];
                 way = way + v[j] * tangent_[j];
             }
-            pull = select(seen, pull * inverse * inverse, zero);
-            way = select(seen, way, zero);
+            pull = pull * inverse * inverse;
             for (int j = 0; j < n_; ++j) {
                 correction_[j] = correction_[j] - pull * v[j];
                 tangent_[j] = tangent_[j] - way * v[j];
@@ -164,7 +170,7 @@ class NearestWalk {
         if (sigma > set_.target) {
             // quadratic where the set is regular, a factor of four where F vanishes to second order; a point that will
             // not come closer is taken as it is if it is singular
-            const bool far = state.has_base && length > 2.0 * state.length * std::sqrt(state.slope2);
+            const bool far = state.has_base && length > 2.0 * state.length * state.reach;
             const bool stuck = state.corrections > 1 && !(sigma < 0.9 * state.last_sigma);
             if (!far && !stuck && !last && state.corrections < kCorrections) return correct(lane, sigma, length);
             if (sigma > set_.singular || far) return last ? begin_polish(lane, out) : shorten(lane, out);
@@ -201,44 +207,94 @@ class NearestWalk {
         for (int j = 0; j < n_; ++j) set(x_[j], lane, get(x_[j], lane) + cap * get(correction_[j], lane));
     }
 
-    // Takes the point as the new base and chooses the next step length from the change of the gradient
+    // Takes the point as the new base and chooses the next direction
     void accept(int lane, double distance2, double slope2) {
         Lane& state = lanes_[lane];
-        double moved2 = 0.0, change = 0.0;
         for (int j = 0; j < n_; ++j) {
-            const double x = get(x_[j], lane), t = get(tangent_[j], lane);
-            if (state.has_base) {
-                const double moved = x - state.base[j];
-                moved2 = moved2 + moved * moved;
-                change = change + moved * (state.way[j] - t);
-            }
-            state.base[j] = x;
-            state.way[j] = t;
+            state.moved[j] = get(x_[j], lane) - state.base[j];
+            state.change[j] = state.way[j];
         }
         if (state.has_base) {
-            const double length = change > 0.0 ? moved2 / change : 4.0 * state.length;
-            state.length = std::fmin(std::fmax(length, kShortest), kLongest);
+            project(lane, state.moved), project(lane, state.change);
+            for (int j = 0; j < n_; ++j) state.change[j] = state.change[j] - get(tangent_[j], lane);
+            learn(state);
             state.radius = std::fmin(2.0 * state.radius, set_.step);
+        }
+        for (int j = 0; j < n_; ++j) {
+            state.base[j] = get(x_[j], lane);
+            state.way[j] = get(tangent_[j], lane);
         }
         state.has_base = true;
         state.distance2 = distance2;
         state.slope2 = slope2;
         state.shortened = 0;
+        aim(lane);
+    }
+
+    static double dot(const double* a, const double* b, int n) {
+        double sum = 0.0;
+        for (int j = 0; j < n; ++j) sum = sum + a[j] * b[j];
+        return sum;
+    }
+
+    // The part of a lane's vector in the tangent space of the last evaluation, over joints that are not held
+    void project(int lane, double* vector) const {
+        for (int j = 0; j < n_; ++j) vector[j] = vector[j] * get(free_[j], lane);
+        for (int i = 0; i < values_; ++i) {
+            const Pack* v = (entries_ > n_ ? basis_ : w_) + i * n_;
+            double overlap = 0.0;
+            for (int j = 0; j < n_; ++j) overlap = overlap + get(v[j], lane) * vector[j];
+            for (int j = 0; j < n_; ++j) vector[j] = vector[j] - overlap * get(v[j], lane);
+        }
+    }
+
+    static void forget(Lane& state, int n, double size) {
+        for (int i = 0; i < n * n; ++i) state.inverse[i] = i % (n + 1) == 0 ? size : 0.0;
+        state.learned = false;
+    }
+
+    // BFGS: the inverse Hessian that explains the last change of the gradient, where that is possible
+    void learn(Lane& state) {
+        const double *s = state.moved, *y = state.change;
+        const double sy = dot(s, y, n_), yy = dot(y, y, n_), ss = dot(s, s, n_);
+        if (!(sy > 1e-8 * std::sqrt(ss * yy))) return forget(state, n_, 1.0);
+        if (!state.learned) forget(state, n_, std::fmin(sy / yy, kLongest));
+        state.learned = true;
+        double* hy = state.direction;  // will be made anew
+        for (int i = 0; i < n_; ++i) hy[i] = dot(state.inverse + i * n_, y, n_);
+        const double share = (1.0 + dot(y, hy, n_) / sy) / sy;
+        for (int i = 0; i < n_; ++i)
+            for (int j = 0; j < n_; ++j)
+                state.inverse[i * n_ + j] += share * s[i] * s[j] - (hy[i] * s[j] + s[i] * hy[j]) / sy;
+    }
+
+    // The direction from the base: quasi-Newton if it falls, else straight down
+    void aim(int lane) {
+        Lane& state = lanes_[lane];
+        for (int i = 0; i < n_; ++i) state.direction[i] = dot(state.inverse + i * n_, state.way, n_);
+        project(lane, state.direction);
+        state.reach = std::sqrt(dot(state.direction, state.direction, n_));
+        if (!(dot(state.direction, state.way, n_) > 1e-6 * state.reach * std::sqrt(state.slope2))) {
+            forget(state, n_, 1.0);
+            for (int j = 0; j < n_; ++j) state.direction[j] = state.way[j];
+            state.reach = std::sqrt(state.slope2);
+        }
+        state.length = 1.0;
     }
 
     void shorten(int lane, const NearestOutput& out) {
         Lane& state = lanes_[lane];
         if (!state.has_base || ++state.shortened > kShortenings) return begin_polish(lane, out);
         state.length *= 0.25;
-        state.radius = state.length * std::sqrt(state.slope2);
+        state.radius = state.length * state.reach;
         step(lane);
     }
 
     void step(int lane) {
         Lane& state = lanes_[lane];
-        state.length = std::fmin(state.length, state.radius / std::fmax(std::sqrt(state.slope2), 1e-300));
+        state.length = std::fmin(state.length, state.radius / std::fmax(state.reach, 1e-300));
         state.corrections = 0;
-        for (int j = 0; j < n_; ++j) set(x_[j], lane, state.base[j] + state.length * state.way[j]);
+        for (int j = 0; j < n_; ++j) set(x_[j], lane, state.base[j] + state.length * state.direction[j]);
     }
 
     void begin_polish(int lane, const NearestOutput& out) {
@@ -246,11 +302,12 @@ class NearestWalk {
         if (!state.has_base) return leave(lane, out);
         state.polishing = true;
         state.corrections = 0;
-        state.last_sigma = state.last_length = HUGE_VAL;
+        state.last_sigma = state.last_length = state.last_value = HUGE_VAL;
         for (int j = 0; j < n_; ++j) set(x_[j], lane, state.base[j]);
     }
 
-    // Gauss-Newton to the last digit that F holds; twice the step where steps halve, which is what they do at a double zero
+    // Gauss-Newton to the last digit. At a double zero steps halve, and F drowns in rounding long before D does: where the
+    // last step halved the values of D they are carried on to zero along it.
     void polish(int lane, double sigma, double length, const NearestOutput& out) {
         Lane& state = lanes_[lane];
         if (sigma > 10.0 * state.last_sigma && sigma > 1e-16) return leave(lane, out);
@@ -260,14 +317,21 @@ class NearestWalk {
             distance2 = distance2 + state.base[j] * state.base[j];
         }
         state.distance2 = distance2;
-        const double blurred = 2e-16 / std::fmax(get(smallest_, lane), 1e-300);
+        const double value = get(smallest_, lane);
+        const double blurred = 2e-16 / std::fmax(value, 1e-300);
         if (length <= std::fmax(1e-16, blurred) || state.corrections >= kPolish) return leave(lane, out);
-        const double ratio = length / state.last_length;
-        const double factor = ratio > 0.4 && ratio < 0.6 ? 2.0 : 1.0;
+        const auto halved = [](double now, double before) { return now > 0.45 * before && now < 0.55 * before; };
+        if (halved(value, state.last_value) && halved(length, state.last_length)) {
+            for (int j = 0; j < n_; ++j)
+                set(x_[j], lane, state.base[j] + state.moved[j] * (value / (state.last_value - value)));
+            state.corrections = kPolish;  // the last one
+            state.last_sigma = sigma;
+            return;
+        }
         state.last_length = length;
+        state.last_value = value;
+        for (int j = 0; j < n_; ++j) state.moved[j] = get(correction_[j], lane);
         correct(lane, sigma, length);
-        if (factor > 1.0)
-            for (int j = 0; j < n_; ++j) set(x_[j], lane, get(x_[j], lane) + get(correction_[j], lane));
     }
 
     void leave(int lane, const NearestOutput& out) {
@@ -291,7 +355,7 @@ class NearestWalk {
     static constexpr int kPolish = 6;         // corrections at the end
     static constexpr double kCut = 1e-2;      // values of D below this times the root of sigma are zero
     static constexpr double kNoise = 1e-11;   // of a squared distance, relative
-    static constexpr double kShortest = 1e-3, kLongest = 50.0;  // step lengths from differences
+    static constexpr double kLongest = 50.0;  // first estimate of an inverse curvature
 
     const Chain& chain_;
     const View& view_;

@@ -325,6 +325,45 @@ nb::object ball(const Chain& chain, const View& view, const In1& q, const nb::nd
     return nb::make_tuple(found.radius, found.evaluations, found.stopped, array(centre, {boxes, n}), array(half, {boxes, n}));
 }
 
+// From points on (or near) the singular set to the ones nearest to `centre`.
+nb::object nearest(const Chain& chain, const View& view, const In2& starts, const In1& centre, int rank, int evaluations,
+                   double singular, double target, const In1& scale, const nb::object& limits, int threads) {
+    fit(chain, starts);
+    const int n = chain.variables, s = std::min(view.m, n);
+    if (rank < 0 || rank >= s) throw nb::value_error("rank out of range");
+    if ((int)centre.shape(0) != n || (int)scale.shape(0) != n) throw nb::value_error("one number for each variable");
+    if (std::min(n, (view.m - rank) * (n - rank)) > 16) throw nb::value_error("more than 16 variables and conditions");
+    NearestSettings settings;
+    settings.rank = rank, settings.evaluations = evaluations, settings.singular = singular, settings.target = target;
+    settings.centre = centre.data(), settings.variable_scale = scale.data();
+    if (!limits.is_none()) {
+        const In2 both = nb::cast<In2>(limits);
+        if (both.shape(0) != 2 || (int)both.shape(1) != n) throw nb::value_error("limits have shape (2, n)");
+        settings.lower = both.data(), settings.upper = both.data() + n;
+    }
+    const std::size_t rows = starts.shape(0);
+    double *q = make<double>(rows * n), *distance = make<double>(rows), *stationarity = make<double>(rows);
+    auto* count = make<std::int32_t>(rows);
+    std::memcpy(q, starts.data(), sizeof(double) * rows * n);
+    std::fill(distance, distance + rows, std::numeric_limits<double>::infinity());
+    std::fill(stationarity, stationarity + rows, std::numeric_limits<double>::infinity());
+    std::fill(count, count + rows, 0);
+    const NearestOutput out{q, distance, stationarity, count};
+    volatile bool stop = false;
+    {
+        nb::gil_scoped_release release;
+        const auto work = [&](std::int64_t a, std::int64_t b) {
+            kernels().nearest(chain, view, settings, starts.data(), a, b, out, &stop);
+        };
+        if (threads == 1 || rows <= 64)
+            work(0, (std::int64_t)rows);
+        else
+            parallel_rows((std::int64_t)rows, 64, threads, &stop, work, [] { return false; });
+    }
+    return nb::make_tuple(array(q, {rows, (std::size_t)n}), array(distance, {rows}), array(stationarity, {rows}),
+                          array(count, {rows}));
+}
+
 std::vector<std::string> instruction_sets() {
     const char* names[3];
     const int count = available(names, 3);
@@ -359,6 +398,9 @@ NB_MODULE(_core, module) {
     module.def("ball", &ball, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("matters"), nb::arg("rank"),
                nb::arg("length"), nb::arg("scale"), nb::arg("arm"), nb::arg("radius"), nb::arg("inner"), nb::arg("repeats"),
                nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
+    module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("centre"),
+               nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"), nb::arg("target"),
+               nb::arg("scale"), nb::arg("limits").none(), nb::arg("threads"));
     module.def("instruction_sets", &instruction_sets);
     module.def("instruction_set", [] { return std::string(kernels().name); });
     module.def("choose_instruction_set", [](const std::string& name) { return choose(name.c_str()); }, nb::arg("name"));

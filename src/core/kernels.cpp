@@ -6,6 +6,7 @@
 
 #include "descent.hpp"
 #include "enclosure.hpp"
+#include "nearest.hpp"
 #include "newton.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -181,12 +182,19 @@ void enclose(const Chain& chain, const View& view, const EnclosureSettings& sett
     Enclosure(chain, view, settings, memory.packs()).run(q, half, begin, end, out);
 }
 
+void nearest(const Chain& chain, const View& view, const NearestSettings& settings, const double* starts,
+             std::int64_t begin, std::int64_t end, const NearestOutput& out, const volatile bool* stop) {
+    Memory memory(NearestWalk::size(chain, view.m, settings.rank));
+    Memory numbers(NearestWalk::doubles(chain) / W + 1);
+    NearestWalk(chain, view, settings, memory.packs(), reinterpret_cast<double*>(numbers.packs())).run(starts, begin, end, out, stop);
+}
+
 }  // namespace
 
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose};
+                    svd_range, newton, descend, enclose, nearest};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -32,6 +32,8 @@ struct Kernels {
     // half (B, n) half-widths of boxes around q (B, n), or null for balls
     void (*enclose)(const Chain&, const View&, const EnclosureSettings&, const double* q, const double* half,
                     std::int64_t begin, std::int64_t end, const EnclosureOutput&);
+    void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
+                    std::int64_t end, const NearestOutput&, const volatile bool* stop);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.

@@ -74,4 +74,25 @@ inline double noise(std::uint64_t seed, std::uint64_t start, std::uint64_t kick,
     return (double)(std::int64_t)(x >> 11) * 0x1.0p-52 - 1.0;
 }
 
+// What the walk to the nearest singular configuration is told.
+struct NearestSettings {
+    int rank = 0;                            // rank kept; the block is what lies beyond it
+    int evaluations = 200;                   // at most, per start
+    double singular = 1e-9;                  // sigma[rank] at or below: singular
+    double target = 1e-13;                   // sigma[rank] at or below: on the set
+    double step = 0.5;                       // longest step [rad, or length scale]
+    const double* centre = nullptr;          // (n) the configuration whose distance is asked for
+    const double* variable_scale = nullptr;  // (n) 1 for angles, the length scale for lengths
+    const double* lower = nullptr;           // (n) limits, or null for none
+    const double* upper = nullptr;
+};
+
+// Rows are starts; distance and stationarity are infinite where a start did not stay on the set.
+struct NearestOutput {
+    double* q;
+    double* distance;      // |q - centre|, scaled
+    double* stationarity;  // share of q - centre that lies along the set
+    std::int32_t* evaluations;
+};
+
 }  // namespace rankdrop

@@ -54,6 +54,19 @@ def search(
     history: bool,
     threads: int,
 ) -> tuple[_A, _A, NDArray[np.int8], NDArray[np.int32], _A | None, _A | None, bool]: ...
+def nearest(
+    chain: Chain,
+    view: View,
+    starts: _A,
+    centre: _A,
+    rank: int,
+    evaluations: int,
+    singular: float,
+    target: float,
+    scale: _A,
+    limits: _A | None,
+    threads: int,
+) -> tuple[_A, _A, _A, NDArray[np.int32]]: ...
 def instruction_sets() -> list[str]: ...
 def instruction_set() -> str: ...
 def choose_instruction_set(name: str) -> bool: ...

@@ -1,0 +1,253 @@
+"""How far: the singular configuration nearest to a given one.
+
+    minimise ‖(q − q0)/s‖₂  subject to  F(q) = U₂ᵀ J V₂ = 0,   s the joint scale,
+
+with the rank kept r = generic rank − k. Every start is driven onto the singular set by block Levenberg–Marquardt and
+then walks along it: with A = D in scaled variables and P the projector on its row space, a point of the set is a
+candidate where (1 − P)(q − q0) = 0, and from anywhere else a step along −(1 − P)(q − q0) comes nearer. D knows nothing of
+joints that do not matter, so these stay where they are.
+
+The distance has many local minima. The first starts say about how far it is; the rest are spent in the ball of that
+radius, in which a nearer point must lie. What is returned is singular and a local minimum, both checked afresh; that no
+nearer one exists is likely, not proved (a certified radius is).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop.errors import OptionError
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+STARTS = 128  # random starts; failures to reach the global minimum are counted in tests/known/test_nearest.py
+SAME = 1e-6  # starts whose distances differ by less have found the same [rad]
+MOST_STARTS = 1_000_000
+_RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
+_WIDER = 1.25  # the balls after that, as a multiple of the best distance so far
+_LM_ITERATIONS = 60
+_EVALUATIONS = 200
+_TIE = 1e-2
+_MOST_CONDITIONS = 16  # what the core's singular value decomposition takes on its narrow side
+
+
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """The nearest singular configuration that was found.
+
+    Attributes:
+        distance: ‖(q* − q0)/joint scale‖₂ [rad; metres divided by the length scale].
+        q: (n,) q*, not wrapped: q* − q0 is the motion [rad, m].
+        delta: (n,) q* − q0, joint by joint [rad, m].
+        corank: at q*; at least the one asked for.
+        sigma: largest of the singular values that vanish there, evaluated anew [1].
+        stationarity: ‖(1 − P)(q* − q0)‖/‖q* − q0‖, P the projector on the row space of D: 0 at a local minimum of the
+            distance; with limits, over the joints that do not stand at one.
+        starts: number of starts, those given included.
+        agreeing: how many of them ended at this distance, to 1e-6.
+        within_limits: q* respects the joint limits.
+    """
+
+    distance: float
+    q: tuple[float, ...]
+    delta: tuple[float, ...]
+    corank: int
+    sigma: float
+    stationarity: float
+    starts: int
+    agreeing: int
+    within_limits: bool
+
+
+def nearest_singularity(
+    robot: Robot,
+    q: ArrayLike,
+    task: Task | str | None = None,
+    *,
+    corank: int = 1,
+    limits: bool = False,
+    starts: int = STARTS,
+    seed: int = 0,
+    seeds: Iterable[ArrayLike] = (),
+    tolerances: Tolerances = DEFAULT,
+) -> Nearest | None:
+    """The singular configuration of corank k or more that is nearest to q, by multistart.
+
+    Args:
+        robot: the arm.
+        q: (n,) the configuration [rad, m].
+        task: a Task, a name, or None for the arm's own.
+        corank: k: the rank is at most the generic rank − k.
+        limits: only configurations inside the joint limits count (q itself may lie outside).
+        starts: random starts, q itself the first of them.
+        seed: of the starts; same seed, same result, on any number of threads and any processor.
+        seeds: further starts (n,), nearest points of known families say.
+        tolerances: `singular` decides, `target` is where points are polished to.
+
+    Returns:
+        The nearest one found, distance 0 where q is singular itself; None where no start met a singularity. Near misses
+        (small but nonzero minima of σ) never count.
+
+    Raises:
+        ConfigurationError: q or a seed is not one configuration of this arm.
+        OptionError: corank, starts or seed outside what is allowed, or more than 16 joints with more than 16 conditions.
+        TaskError: no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = nearest_singularity(open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2])  # AM Table 3: θ4 = 0
+        >>> round(found.distance, 12), found.corank, [round(x, 12) + 0.0 for x in found.delta]
+        (0.25, 1, [0.0, 0.0, 0.0, -0.25, 0.0, 0.0, 0.0])
+    """
+    centre = one_configuration(robot, q)
+    resolved = resolve_task(task, robot)
+    resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
+    rank = generic_rank(robot, resolved) - corank
+    _check(robot, resolved, corank, rank, starts, seed)
+    given = np.stack([one_configuration(robot, one) for one in seeds]) if (seeds := tuple(seeds)) else np.empty((0, robot.n))
+    box = np.stack([robot.lower, robot.upper]) if limits else None
+    walk = _Walk(robot, resolved, rank, centre, box, joint_scale(robot, resolved), ~idle_joints(robot, resolved), tolerances)
+    rng = np.random.default_rng(seed)
+    first = max(1, starts // 4)
+    found = walk.run(np.concatenate([given, walk.around(rng, first)]))
+    found = found.joined(walk.run(walk.within(rng, starts - first, found.distance.min(initial=np.inf))))
+    if not len(found.q):
+        return None
+    number = int(found.distance.argmin())
+    best = walk.without_idle_motion(found.q[number])
+    distance = walk.distance(best)
+    sigma = singular_values(robot, best, resolved)
+    inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
+    return Nearest(
+        distance=distance,
+        q=tuple(best.tolist()),
+        delta=tuple((best - centre).tolist()),
+        corank=rank + corank - int((sigma > tolerances.singular).sum()),
+        sigma=float(sigma[rank]),
+        stationarity=float(found.stationarity[number]),
+        starts=len(given) + starts,
+        agreeing=int((found.distance <= distance + SAME).sum()),
+        within_limits=bool(inside.all()),
+    )
+
+
+def idle_joints(robot: Robot, task: Task) -> NDArray[np.bool_]:
+    """(n,) which joints the singular values do not depend on at all: the first and the last one for a pose, say."""
+    low, high = sampling_box(robot, task, limits=False)
+    q = np.random.default_rng(0).uniform(low, high, (8, robot.n))
+    q = np.repeat(q[None], robot.n + 1, axis=0)  # the last copy stays
+    joint = np.arange(robot.n)
+    q[joint, :, joint] += 0.3 * (high - low)[:, None]
+    sigma = singular_values(robot, q, task)
+    return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < 1e-12)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Where starts ended: singular configurations only."""
+
+    q: Array
+    distance: Array
+    stationarity: Array
+
+    def joined(self, other: _Found) -> _Found:
+        return _Found(
+            np.concatenate([self.q, other.q]), np.concatenate([self.distance, other.distance]),
+            np.concatenate([self.stationarity, other.stationarity]),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """One question: the arm, the rank to be reached, and the configuration to stay near to."""
+
+    robot: Robot
+    task: Task
+    rank: int
+    centre: Array
+    box: Array | None
+    scale: Array
+    moves: NDArray[np.bool_]  # joints that matter
+    tolerances: Tolerances
+
+    def distance(self, q: Array) -> float:
+        return float(np.linalg.norm((q - self.centre) / self.scale))
+
+    def around(self, rng: np.random.Generator, count: int) -> Array:
+        """q itself, and starts from balls of several radii around it."""
+        radii = np.resize(_RADII, count)[:, None]
+        starts = self._ball(rng, radii)
+        starts[0] = self.centre
+        return starts
+
+    def within(self, rng: np.random.Generator, count: int, distance: float) -> Array:
+        """Starts from the ball in which a nearer point must lie, or from wide ones where there is no point yet."""
+        if distance == 0.0:
+            return np.empty((0, self.robot.n))
+        radius = _WIDER * distance if np.isfinite(distance) else max(_RADII)
+        return self._ball(rng, np.full((count, 1), radius))
+
+    def _ball(self, rng: np.random.Generator, radii: Array) -> Array:
+        """Uniform in balls (N, 1 radii) around q, over the joints that matter."""
+        x = rng.standard_normal((len(radii), self.robot.n)) * self.moves
+        length = np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
+        x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(self.moves.sum()))) / length
+        return np.asarray(self.centre + x * self.scale)
+
+    def run(self, starts: Array) -> _Found:
+        """Onto the singular set, then along it to the nearest point; what is not singular in the end is dropped."""
+        rows, _ = configurations(self.robot, starts)
+        if self.box is not None:
+            rows = np.clip(rows, *self.box)
+        chain, view, limit = chain_of(self.robot), task_view(self.robot, self.task), self.tolerances.singular
+        q, _, outcome, *_ = _core.search(
+            chain, view, rows, self.rank, 0, _LM_ITERATIONS, limit, limit, self.tolerances.stationary, 0, 0, self.scale,
+            self.box, _TIE, False, 1,
+        )  # fmt: skip
+        q, distance, stationarity, _ = _core.nearest(
+            chain, view, self._brought_near(q[outcome == 0]), self.centre, self.rank, _EVALUATIONS, limit,
+            self.tolerances.target, self.scale, self.box, 1,
+        )  # fmt: skip
+        singular = singular_values(self.robot, q, self.task)[:, self.rank] <= limit
+        kept = singular & np.isfinite(distance)
+        return _Found(q[kept], np.linalg.norm((q[kept] - self.centre) / self.scale, axis=1), stationarity[kept])
+
+    def _brought_near(self, q: Array) -> Array:
+        """Whole turns taken off the way from the centre, as far as the limits let them."""
+        turns = np.where(self.robot.periodic, np.round((q - self.centre) / (2 * np.pi)), 0.0)
+        near = q - 2 * np.pi * turns
+        if self.box is not None:
+            near = np.where((near < self.box[0]) | (near > self.box[1]), q, near)
+        return np.ascontiguousarray(near)
+
+    def without_idle_motion(self, q: Array) -> Array:
+        """q with motions that are rounding set to nothing, where it is as singular as before."""
+        still = np.abs(q - self.centre) / self.scale < 1e-7 * self.distance(q)
+        plain = np.where(still, self.centre, q)
+        if self.box is not None:
+            plain = np.clip(plain, *self.box)
+        sigma = singular_values(self.robot, np.stack([q, plain]), self.task)[:, self.rank]
+        return plain if sigma[1] <= max(sigma[0], self.tolerances.target) else q
+
+
+def _check(robot: Robot, task: Task, corank: int, rank: int, starts: int, seed: int) -> None:
+    if not 1 <= corank <= rank + corank:
+        raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {rank + corank}")
+    for name, value, least, most in (("starts", starts, 1, MOST_STARTS), ("seed", seed, 0, 2**63 - 1)):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+            raise OptionError(f"{name} is outside the range", got=repr(value), allowed=f"a whole number, {least} … {most}")
+    conditions = (task.m - rank) * (robot.n - rank)
+    if min(robot.n, conditions) > _MOST_CONDITIONS:
+        raise OptionError(
+            "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
+            allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
+        )  # fmt: skip

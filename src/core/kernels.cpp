@@ -7,6 +7,8 @@
 #include "descent.hpp"
 #include "enclosure.hpp"
 #include "nearest.hpp"
+#include "links.hpp"
+#include "monitor.hpp"
 #include "newton.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -189,12 +191,62 @@ void nearest(const Chain& chain, const View& view, const NearestSettings& settin
     NearestWalk(chain, view, settings, memory.packs(), reinterpret_cast<double*>(numbers.packs())).run(starts, begin, end, out, stop);
 }
 
+void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {
+    const int n = chain.variables, count = (int)chain.joints.size() + 2;
+    Memory memory(n + 12 * (std::size_t)count);
+    Pack *x = memory.packs(), *poses = x + n;
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int lanes = lanes_left(row, end);
+        load(q + row * n, n, lanes, n, x);
+        place_links(chain, x, poses);
+        for (int lane = 0; lane < lanes; ++lane)
+            for (int link = 0; link < count; ++link) {
+                double* t = out + ((row + lane) * count + link) * 16;
+                for (int i = 0; i < 3; ++i) {
+                    for (int j = 0; j < 3; ++j) t[4 * i + j] = get(poses[12 * link + 3 * i + j], lane);
+                    t[4 * i + 3] = get(poses[12 * link + 9 + i], lane);
+                    t[12 + i] = 0.0;
+                }
+                t[15] = 1.0;
+            }
+    }
+}
+
+void monitor(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings,
+             const double* q, std::int64_t begin, std::int64_t end, const SightingsOutput& out) {
+    const int n = chain.variables, m = view.m, s = m < n ? m : n;
+    const std::size_t size = Workspace::size(chain, m);
+    Memory memory(size + 2 * n + (std::size_t)n * m);
+    Workspace ws(chain, m, memory.packs());
+    Pack *x = memory.packs() + size, *gradient = x + n, *scratch = gradient + n;
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        decompose(chain, view, x, s, ws);
+        Pack rank = fill(0.0);
+        for (int i = 0; i < settings.generic; ++i)
+            rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));
+        const Attribution met = attribute(families, settings, fill((double)settings.generic) - rank, x, gradient);
+        const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch);
+        store(ws.sigma, s, count, out.sigma + row * s, s);
+        store_columns(ws.u, m, m, count, out.u + row * m * m, m * m);
+        if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n);
+        for (int lane = 0; lane < count; ++lane) {
+            out.rank[row + lane] = (std::int32_t)get(rank, lane);
+            out.family[row + lane] = (std::int32_t)get(met.family, lane);
+            out.nearest[row + lane] = (std::int32_t)get(met.nearest, lane);
+            out.residual[row + lane] = get(met.residual, lane);
+            out.distance[row + lane] = get(distance, lane);
+        }
+    }
+}
+
 }  // namespace
 
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest};
+                    svd_range, newton, descend, enclose, nearest, links, monitor};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "families.hpp"
 #include "model.hpp"
 #include "settings.hpp"
 
@@ -34,6 +35,10 @@ struct Kernels {
                     std::int64_t begin, std::int64_t end, const EnclosureOutput&);
     void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
                     std::int64_t end, const NearestOutput&, const volatile bool* stop);
+    // (B, n) -> (B, joints + 2, 4, 4): base, every link, tip
+    void (*links)(const Chain&, const double* q, std::int64_t begin, std::int64_t end, double* out);
+    void (*monitor)(const Chain&, const View&, const Families&, const MonitorSettings&, const double* q, std::int64_t begin,
+                    std::int64_t end, const SightingsOutput&);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.

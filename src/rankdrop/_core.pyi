@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _A = NDArray[np.float64]
+_I = NDArray[np.int32]
 
 class Chain:
     @property
@@ -67,6 +68,39 @@ def nearest(
     limits: _A | None,
     threads: int,
 ) -> tuple[_A, _A, _A, NDArray[np.int32]]: ...
+
+class Families:
+    @property
+    def variables(self) -> int: ...
+
+def links(chain: Chain, q: _A, threads: int = 0) -> _A: ...
+def readable(bases: _A) -> _A: ...
+def make_families(
+    variables: int,
+    m: list[float],
+    shift: list[float],
+    a: list[float],
+    b: list[float],
+    powers: list[int],
+    terms: list[int],
+    equations: list[int],
+    corank: list[int],
+    scale: list[float],
+) -> Families: ...
+def monitor(
+    chain: Chain,
+    view: View,
+    families: Families,
+    q: _A,
+    generic: int,
+    singular: float,
+    on: float,
+    loose: float,
+    threads: int = 0,
+) -> tuple[_A, _I, _I, _I, _A, _A, _A, _A]: ...
+def monitor_one(
+    chain: Chain, view: View, families: Families, q: _A, generic: int, singular: float, on: float, loose: float
+) -> tuple[_A, int, int, int, float, _A, float] | None: ...
 def instruction_sets() -> list[str]: ...
 def instruction_set() -> str: ...
 def choose_instruction_set(name: str) -> bool: ...

@@ -38,6 +38,32 @@ def pose(robot: Robot, q: ArrayLike) -> Array:
     return _core.pose(chain_of(robot), rows).reshape(*batch, 4, 4)
 
 
+def link_poses(robot: Robot, q: ArrayLike) -> Array:
+    """Poses of the base, of the link after each joint (`Joint.frame` carried along) and of the tip, in the base frame.
+
+        T_i(q) = exp(S_1 q_1) … exp(S_i q_i) · frame_i
+
+    The first is the identity, the last equals `pose`. Mimic joints count as joints, N in all.
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+
+    Returns:
+        (..., N + 2, 4, 4).
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> link_poses(open_robot("pa10"), [0.0] * 7).shape
+        (9, 4, 4)
+    """
+    rows, batch = configurations(robot, q)
+    return _core.links(chain_of(robot), rows).reshape(*batch, len(robot.joints) + 2, 4, 4)
+
+
 def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
     """Geometric Jacobian: column i is the twist (v; ω) that unit speed of joint i gives the tip.
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from rankdrop.robot.model import Array, JointKind, Robot
+
+_reaches: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()  # a robot never changes, and every view asks
 
 
 def link_lengths(robot: Robot) -> Array:
@@ -34,5 +38,8 @@ def link_lengths(robot: Robot) -> Array:
 
 def reach(robot: Robot) -> float:
     """Sum of the link lengths from the first axis to the tip [m]; 1 for an arm without length (a bare wrist)."""
-    total = float(link_lengths(robot).sum())
-    return total if total > 1e-9 else 1.0
+    known = _reaches.get(robot)
+    if known is None:
+        total = float(link_lengths(robot).sum())
+        known = _reaches[robot] = total if total > 1e-9 else 1.0
+    return known

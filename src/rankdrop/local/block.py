@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, configurations, handles_of, task_view
 from rankdrop.errors import OptionError
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -157,8 +157,12 @@ def joint_scale(robot: Robot, task: Task) -> Array:
 def generic_rank(robot: Robot, task: Task) -> int:
     """Largest rank of the task Jacobian over random configurations: the rank of almost all of them.
 
-    Below min(m, n) the arm is singular at every configuration for this task.
+    Below min(m, n) the arm is singular at every configuration for this task. Found once for each robot and task.
     """
-    sigma = singular_values(robot, sample(robot, task, 64, seed=20231), task)
-    noise = 1e3 * np.finfo(float).eps * sigma[:, :1]
-    return int((sigma > noise).sum(axis=1).max())
+    ranks = handles_of(robot).ranks
+    key = (task.frame, task.rows, task.scale(robot))
+    if key not in ranks:
+        sigma = singular_values(robot, sample(robot, task, 64, seed=20231), task)
+        noise = 1e3 * np.finfo(float).eps * sigma[:, :1]
+        ranks[key] = int((sigma > noise).sum(axis=1).max())
+    return ranks[key]

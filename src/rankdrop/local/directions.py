@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import pose
+from rankdrop.kinematics import link_poses
 from rankdrop.local.block import decompose, generic_rank
-from rankdrop.local.readable import readable_basis
+from rankdrop.local.readable import readable_bases
 from rankdrop.local.screws import rewrite_wrench
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -67,7 +67,7 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
         OptionError: k is not in 1 … generic rank.
     """
     blocked, always = _blocked(robot, _one(robot, q), task, corank)
-    return _readable(blocked, always, corank)
+    return np.asarray(_readable(blocked[None], always[None], corank)[0])
 
 
 def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) -> FramedDirections:
@@ -81,18 +81,11 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     """
     configuration = _one(robot, q)
     blocked, always = _blocked(robot, configuration, task, corank)
-    links = _link_poses(robot, configuration)
-    joints = len(robot.joints)
-    best: FramedDirections | None = None
-    for frame, name in _candidates(task.frame, joints):
-        found = _readable(
-            _seen(blocked, links, task.frame, frame, joints), _seen(always, links, task.frame, frame, joints), corank
-        )
-        if best is None or _entries(found) < _entries(best.directions):
-            best = FramedDirections(found, frame, name)
-    if best is None:  # the first candidate is the task's own frame
-        raise OptionError("there is no frame to choose from")
-    return best
+    frames = _candidates(task.frame, len(robot.joints))
+    see = _Sight(link_poses(robot, configuration), task.frame, frames)
+    found = _readable(see(blocked), see(always), corank)
+    best = _sparsest(found)
+    return FramedDirections(found[best], frames[best], frame_name(frames[best]))
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -116,21 +109,22 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
         ConfigurationError: a point is not a configuration of this arm.
         OptionError: k is not in 1 … generic rank.
     """
-    joints = len(robot.joints)
-    scenes = []
+    frames = _every_frame(task.frame, len(robot.joints))
+    bases = []
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, _one(robot, q), task, corank)
-        scenes.append((_readable(blocked, always, corank), _link_poses(robot, q)))
-    best: FramedDirections | None = None
-    for frame in _every_frame(task.frame, joints):
-        seen = [_seen(directions, links, task.frame, frame, joints) for directions, links in scenes]
-        projectors = [basis @ basis.T for basis in (np.linalg.qr(rows.T)[0] for rows in seen)]
-        if max(float(np.abs(projector - projectors[0]).max()) for projector in projectors) > _STILL:
-            continue
-        found = readable_basis(np.linalg.qr(seen[0].T)[0]).T
-        if best is None or _entries(found) < _entries(best.directions):
-            best = FramedDirections(found, frame, frame_name(frame))
-    return best
+        own = _readable(blocked[None], always[None], corank)[0]
+        bases.append(_orthonormal(_Sight(link_poses(robot, q), task.frame, frames)(own)))
+    if not bases:
+        return None
+    projectors = np.stack([basis @ basis.swapaxes(1, 2) for basis in bases])  # (P, F, 6, 6)
+    still = np.flatnonzero(np.abs(projectors - projectors[0]).max(axis=(0, 2, 3)) <= _STILL)
+    if not len(still):
+        return None
+    found = readable_bases(bases[0][still]).swapaxes(1, 2)
+    best = _sparsest(found)
+    frame = frames[still[best]]
+    return FramedDirections(found[best], frame, frame_name(frame))
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -140,12 +134,20 @@ def _every_frame(own: Frame, joints: int) -> list[Frame]:
     return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
 
 
-def _seen(directions: Array, links: list[Array], own: Frame, frame: Frame, joints: int) -> Array:
-    """Wrenches (k, 6) of the task's frame rewritten in another frame of the chain."""
-    old = links[link_index(own.axes, joints, "axes")][:3, :3]
-    new = links[link_index(frame.axes, joints, "axes")][:3, :3]
-    offset = _point(links, frame, joints) - _point(links, own, joints)
-    return rewrite_wrench(directions, old.T @ new, old.T @ offset)
+class _Sight:
+    """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration."""
+
+    def __init__(self, links: Array, own: Frame, frames: list[Frame]) -> None:
+        joints = len(links) - 2
+        axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
+        old = links[link_index(own.axes, joints, "axes"), :3, :3]
+        points = np.stack([_point(links, frame, joints) for frame in frames]) - _point(links, own, joints)
+        self.turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
+        self.offsets = points @ old  # (F, 3) the new points seen from the old one
+
+    def __call__(self, wrenches: Array) -> Array:
+        """(k, 6) -> (F, k, 6)."""
+        return rewrite_wrench(wrenches, self.turns, self.offsets[:, None])
 
 
 def frame_name(frame: Frame) -> str:
@@ -190,42 +192,37 @@ def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
 
 
 def _readable(blocked: Array, always: Array, corank: int) -> Array:
-    """Readable basis (k, 6) of the part of span(blocked) that is farthest from the wrenches blocked around q."""
-    basis = np.linalg.qr(blocked.T)[0]
-    if basis.shape[1] > corank:
-        groups = always.reshape(_NEIGHBOURS, -1, 6)
-        overlap = np.zeros((basis.shape[1], basis.shape[1]))
-        for group in groups:
-            part = np.linalg.qr(group.T)[0].T @ basis
-            overlap += part.T @ part / _NEIGHBOURS
-        basis = basis @ np.linalg.eigh(overlap)[1][:, :corank]  # eigenvalue 1: blocked around q as well; 0: nowhere
-    return readable_basis(basis).T
+    """(F, k, 6) readable bases, in F frames, of the part of span(blocked) farthest from what is blocked around q.
+
+    Args:
+        blocked: (F, p, 6) rows that span what is blocked at q.
+        always: (F, N, 6) what is blocked at the neighbours, one after the other; N = 0 where nothing is.
+        corank: k.
+    """
+    basis = _orthonormal(blocked)
+    if basis.shape[2] > corank:
+        groups = _orthonormal(always.reshape(len(always), _NEIGHBOURS, -1, 6))  # (F, G, 6, g)
+        part = groups.swapaxes(2, 3) @ basis[:, None]
+        overlap = (part.swapaxes(2, 3) @ part).sum(axis=1) / _NEIGHBOURS
+        basis = basis @ np.linalg.eigh(overlap)[1][..., :corank]  # eigenvalue 1: blocked around q as well; 0: nowhere
+    return readable_bases(basis).swapaxes(1, 2)
 
 
-def _candidates(own: Frame, joints: int) -> list[tuple[Frame, str]]:
+def _orthonormal(rows: Array) -> Array:
+    """(..., 6, k) orthonormal columns with the span of rows (..., k, 6)."""
+    return np.asarray(np.linalg.qr(rows.swapaxes(-1, -2))[0])
+
+
+def _sparsest(directions: Array) -> int:
+    """Number of the frame with the fewest non-zero entries, the first of equals."""
+    return int((np.abs(directions) > _ENTRY).sum(axis=(1, 2)).argmin())
+
+
+def _candidates(own: Frame, joints: int) -> list[Frame]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
-    frames = [own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links)]
-    return [(frame, frame_name(frame)) for frame in frames]
+    return [own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links)]
 
 
-def _entries(directions: Array) -> int:
-    return int((np.abs(directions) > _ENTRY).sum())
-
-
-def _point(links: list[Array], frame: Frame, joints: int) -> Array:
+def _point(links: Array, frame: Frame, joints: int) -> Array:
     carrier = links[link_index(frame.origin, joints, "point")]
     return np.asarray(carrier[:3, :3] @ np.array(frame.point) + carrier[:3, 3])
-
-
-def _link_poses(robot: Robot, q: Array) -> list[Array]:
-    """Poses of link 0 (the base), link 1 … N and the tip: the pose of the arm cut off after each joint."""
-    values = dict(zip((joint.name for joint in robot.variables), q, strict=True))
-    for joint in robot.joints:
-        if joint.mimic is not None:
-            values[joint.name] = joint.mimic.multiplier * values[joint.mimic.leader] + joint.mimic.offset
-    free = [replace(joint, mimic=None) for joint in robot.joints]
-    every = np.array([values[joint.name] for joint in free])
-    poses = [np.eye(4)]
-    for i, joint in enumerate(free, start=1):
-        poses.append(pose(replace(robot, joints=tuple(free[:i]), home=joint.frame), every[:i]))
-    return [*poses, pose(robot, q)]

@@ -75,8 +75,8 @@ def rewrite_wrench(wrench: Array, turn: Array, offset: Array) -> Array:
 
     Args:
         wrench: (..., 6) in the old axes, moment about the old point.
-        turn: (3, 3) R, columns are the new axes in the old ones.
-        offset: (3,) d, the new point seen from the old one, in the old axes [m].
+        turn: (..., 3, 3) R, columns are the new axes in the old ones.
+        offset: (..., 3) d, the new point seen from the old one, in the old axes [m]; batch axes broadcast.
     """
     force, moment = wrench[..., :3], wrench[..., 3:]
     return np.concatenate([force @ turn, (moment - np.cross(offset, force)) @ turn], axis=-1)

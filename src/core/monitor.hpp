@@ -1,0 +1,99 @@
+// The monitor: rank, families, lost directions and first-order distance of each configuration, in one go.
+#pragma once
+
+#include "block.hpp"
+#include "families.hpp"
+
+namespace rankdrop::RANKDROP_ISA {
+
+inline Pack power(Pack x, int exponent) {
+    Pack result = fill(1.0);
+    for (int i = 0; i < exponent; ++i) result = result * x;
+    return result;
+}
+
+// One equation and its gradient at q.
+inline Pack equation_at(const Families& table, int equation, const Pack* q, Pack* gradient) {
+    const int n = table.variables;
+    Pack f = fill(0.0);
+    for (int j = 0; j < n; ++j) gradient[j] = fill(0.0);
+    for (int t = table.terms[equation]; t < table.terms[equation + 1]; ++t) {
+        const double* m = table.m.data() + (std::size_t)t * n;
+        const int* p = table.powers.data() + (std::size_t)t * n;
+        Pack angle = fill(-table.shift[t]), sine, cosine, monomial = fill(1.0);
+        for (int j = 0; j < n; ++j) {
+            if (m[j] != 0.0) angle = angle + q[j] * m[j];
+            if (p[j] > 0) monomial = monomial * power(q[j], p[j]);
+        }
+        sincos(angle, sine, cosine);
+        const Pack wave = cosine * table.a[t] + sine * table.b[t];
+        const Pack slope = (cosine * table.b[t] - sine * table.a[t]) * monomial;
+        f = f + wave * monomial;
+        for (int j = 0; j < n; ++j) {
+            if (m[j] != 0.0) gradient[j] = gradient[j] + slope * m[j];
+            if (p[j] == 0) continue;
+            Pack others = power(q[j], p[j] - 1) * (double)p[j];
+            for (int i = 0; i < n; ++i)
+                if (i != j && p[i] > 0) others = others * power(q[i], p[i]);
+            gradient[j] = gradient[j] + wave * others;
+        }
+    }
+    return f;
+}
+
+// Largest |f|/|grad f| over a family's equations, with |f|^(1/2) where the gradient is small: never far above the
+// distance [rad].
+inline Pack family_residual(const Families& table, int family, const Pack* q, Pack* gradient) {
+    Pack worst = fill(0.0);
+    for (int e = table.equations[family]; e < table.equations[family + 1]; ++e) {
+        const Pack f = abs(equation_at(table, e, q, gradient));
+        Pack slope = fill(0.0);
+        for (int j = 0; j < table.variables; ++j) {
+            const Pack g = gradient[j] * table.scale[j];
+            slope = slope + g * g;
+        }
+        worst = max(worst, min(f / max(sqrt(slope), fill(1e-300)), sqrt(f)));
+    }
+    return worst;
+}
+
+struct Attribution {
+    Pack family, nearest, residual;  // family: -1 for none
+};
+
+// The first family in the order of preference that a singular configuration lies on, and the nearest one of all.
+inline Attribution attribute(const Families& table, const MonitorSettings& set, Pack corank, const Pack* q, Pack* gradient) {
+    const Pack none = fill(-1.0), far = fill(HUGE_VAL);
+    Pack chosen = none, own = far, nearest = none, least = far, close = none, closest = far;
+    for (int family = 0; family < (int)table.corank.size(); ++family) {
+        const Pack residual = family_residual(table, family, q, gradient), index = fill((double)family);
+        const Pack lost = fill((double)table.corank[family]);
+        const Mask first = (chosen < fill(0.0)) & (lost <= corank) & (residual <= fill(set.on));
+        chosen = select(first, index, chosen), own = select(first, residual, own);
+        const Mask nearer = residual < least;
+        nearest = select(nearer, index, nearest), least = select(nearer, residual, least);
+        const Mask alike = (lost == corank) & (residual < closest);
+        close = select(alike, index, close), closest = select(alike, residual, closest);
+    }
+    const Mask loose = (chosen < fill(0.0)) & (closest <= fill(set.loose));
+    chosen = select(loose, close, chosen), own = select(loose, closest, own);
+    return {chosen, nearest, select(chosen < fill(0.0), least, own)};
+}
+
+// sigma_r / |d sigma_r / dq|, joint motions divided by their scale; 0 where sigma_r is zero. `scratch`: n * m packs.
+inline Pack first_order_distance(const Chain& chain, const View& view, const Families& table, const MonitorSettings& set,
+                                 Workspace& ws, Pack* scratch) {
+    const int n = chain.variables, m = view.m, last = set.generic - 1;
+    derivative_times(chain, view, ws.at, ws.v + last * n, scratch);
+    Pack slope = fill(0.0);
+    for (int k = 0; k < n; ++k) {
+        Pack g = fill(0.0);
+        for (int a = 0; a < m; ++a) g = g + ws.u[last * m + a] * scratch[k * m + a];
+        g = g * table.scale[k];
+        slope = slope + g * g;
+    }
+    const Pack sigma = ws.sigma[last];
+    return select(sigma <= fill(set.singular), fill(0.0), sigma / sqrt(slope));
+}
+
+}  // namespace rankdrop::RANKDROP_ISA

@@ -1,0 +1,312 @@
+"""How far to each family: the nearest point that satisfies a family's equations, and whether the search agrees.
+
+A family of pinned joints only is nearest where each of them turns to its nearest value: closed form. Otherwise
+
+    minimise ½‖x‖²  subject to  f(q) = 0,   x = (q − q0)/joint scale,
+
+by Newton's method on the conditions x = Aᵀλ, f = 0 (A = ∂f/∂x, second derivatives by differences of the gradient) from
+many starts at once. A point counts where |f| ≤ 1e-9 and σ vanishes in the Jacobian itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop.atlas.family import Family, Pinned
+from rankdrop.atlas.system import REACHED, System
+from rankdrop.local.block import generic_rank, joint_scale, singular_values
+from rankdrop.local.nearest import Nearest
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+AGREE = 1e-6  # distances that differ by less are the same: σ that vanishes to second order leaves half the digits [rad]
+STARTS = 24
+_RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
+_ITERATIONS = 40
+_LONGEST = 0.7  # step [rad]
+_DIFFERENCE = 1e-5  # of the gradients [rad, or length scales]
+_RANK = 1e-7  # singular values of A below this share of the largest are zero
+_FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
+
+
+@dataclass(frozen=True, slots=True)
+class FamilyDistance:
+    """The nearest point of one family.
+
+    Attributes:
+        family: the family.
+        distance: ‖(q* − q0)/joint scale‖₂ [rad; metres divided by the length scale]; inf where no point of the family
+            was reached (none within the limits, or no equations: `family.named` is False).
+        q: (n,) q*, not wrapped: q* − q0 is the motion [rad, m]; empty where the distance is inf.
+        delta: (n,) q* − q0 [rad, m].
+        residual: largest |f| of the family's equations at q*.
+        sigma: largest of the singular values that should vanish at q*, from the Jacobian [1].
+        exact: closed form: the nearest without doubt. Otherwise the best of many starts.
+    """
+
+    family: Family
+    distance: float
+    q: tuple[float, ...]
+    delta: tuple[float, ...]
+    residual: float
+    sigma: float
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """Two answers to "how far": the nearest point over the families and the nearest of a search.
+
+    Attributes:
+        agree: both distances are the same to 1e-6, or neither found anything.
+        gap: distance of the search minus that of the nearest family [rad]; nan where one of them has none.
+        family: the nearest family, where its distance is the smaller or the same; None where the search is nearer.
+        words: one sentence.
+    """
+
+    agree: bool
+    gap: float
+    family: Family | None
+    words: str
+
+
+def family_distances(
+    families: Sequence[Family],
+    robot: Robot,
+    q: ArrayLike,
+    task: Task,
+    *,
+    limits: bool = False,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+) -> tuple[FamilyDistance, ...]:
+    """Distance from q to every family, nearest first.
+
+    Args:
+        families: of any coranks, for this arm and task.
+        robot: the arm.
+        q: (n,) [rad, m].
+        task: from `resolve_task`.
+        limits: only points within the joint limits.
+        seed: of the starts of families whose joints are coupled.
+        tolerances: `singular` decides whether a point is singular.
+
+    Returns:
+        One record per family. Families without equations come last with distance inf: they were not asked.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+    """
+    centre = one_configuration(robot, q)
+    scale = joint_scale(robot, task)
+    box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
+    full = generic_rank(robot, task)
+    records = []
+    for family in families:
+        exact = family.named and bool(family.pinned) and not family.coupled
+        points = np.empty((0, robot.n))
+        if exact:
+            points = _pinned_point(family.pinned, robot, centre, box)
+        elif family.named and family.equations:
+            points = _Coupled(family, robot, centre, scale, box, seed).points()
+        records.append(_record(family, points, robot, task, full - family.corank, centre, scale, exact, tolerances))
+    return tuple(sorted(records, key=lambda record: record.distance))
+
+
+def agreement(distances: Sequence[FamilyDistance], nearest: Nearest | None) -> Agreement:
+    """Whether the families and a search give the same distance; where they do not, which of the two is short of the truth.
+
+    Args:
+        distances: from `family_distances`, over all families known.
+        nearest: from `nearest_singularity` at the same q, task and limits; None where the search found nothing.
+    """
+    reached = [record for record in distances if np.isfinite(record.distance)]
+    unnamed = sum(not record.family.named for record in distances)
+    first = min(reached, key=lambda record: record.distance, default=None)
+    if first is None and nearest is None:
+        return Agreement(True, np.nan, None, "neither the families nor the search reach a singularity")
+    if first is None:
+        return Agreement(False, np.nan, None, f"the search found a singularity, no named family has one{_more(unnamed)}")
+    if nearest is None:
+        return Agreement(False, np.nan, first.family, f"the search found none, family {first.family.id} has one")
+    gap = nearest.distance - first.distance
+    if abs(gap) <= AGREE:
+        return Agreement(True, gap, first.family, f"search and families agree: {first.family.id} ({first.family.name})")
+    if gap > 0:
+        text = f"the search missed a nearer point of family {first.family.id} ({first.family.name})"
+        return Agreement(False, gap, first.family, text)
+    text = f"the search found a singularity nearer than every named family{_more(unnamed)}"
+    return Agreement(False, gap, None, text)
+
+
+def _more(unnamed: int) -> str:
+    return f" ({unnamed} families have no conditions and were not asked)" if unnamed else ""
+
+
+def _record(
+    family: Family,
+    points: Array,
+    robot: Robot,
+    task: Task,
+    rank: int,
+    centre: Array,
+    scale: Array,
+    exact: bool,
+    tolerances: Tolerances,
+) -> FamilyDistance:
+    """The nearest of the points that solve the equations and are singular."""
+    nothing = FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
+    if not len(points):
+        return nothing
+    residual = np.abs(System(family.equations).values(points)).max(axis=1)
+    sigma = singular_values(robot, points, task)[:, rank]
+    distance = np.linalg.norm((points - centre) / scale, axis=1)
+    good = (residual <= REACHED) & (sigma <= tolerances.singular)
+    if not good.any():
+        return nothing
+    best = int(np.where(good, distance, np.inf).argmin())
+    at = points[best]
+    return FamilyDistance(
+        family, float(distance[best]), tuple(at.tolist()), tuple((at - centre).tolist()), float(residual[best]),
+        float(sigma[best]), exact,
+    )  # fmt: skip
+
+
+def _pinned_point(pinned: Sequence[Pinned], robot: Robot, centre: Array, box: Array) -> Array:
+    """(1, n) every pinned joint at its nearest value, the others where they are; (0, n) where the limits forbid it."""
+    point = np.clip(centre, box[0], box[1])
+    for joint in pinned:
+        j = joint.number - 1
+        options = _nearest_turns(np.array(joint.values), centre[j], bool(robot.periodic[j]), box[:, j])
+        if not len(options):
+            return np.empty((0, robot.n))
+        point[j] = options[np.abs(options - centre[j]).argmin()]
+    return point[None]
+
+
+def _nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Array:
+    """Values moved by whole turns to where they are nearest to `at` and inside the bounds."""
+    if periodic:
+        turns = np.round((at - values) / (2 * np.pi)) + np.arange(-2, 3)[:, None]
+        values = (values + 2 * np.pi * turns).ravel()
+    rounding = 1e-9  # a limit of 3.14159265359 is meant to allow π
+    inside = (values >= bounds[0] - rounding) & (values <= bounds[1] + rounding)
+    return np.asarray(values[inside])
+
+
+class _Coupled:
+    """The nearest points of one family with coupled joints; the joints it does not depend on stay where they are."""
+
+    def __init__(self, family: Family, robot: Robot, centre: Array, scale: Array, box: Array, seed: int) -> None:
+        self.family, self.robot, self.box = family, robot, box
+        self.centre = np.clip(centre, box[0], box[1])  # free joints of a q outside the limits go to the limit
+        self.system = System(family.equations)
+        self.moves = np.zeros(robot.n, dtype=np.bool_)
+        for equation in family.equations:
+            self.moves[[number - 1 for number in equation.joints]] = True
+        self.scale = scale
+        self.target = centre
+        self.rng = np.random.default_rng(seed)
+
+    def points(self) -> Array:
+        """Ends of all starts."""
+        first = self._walk(self._starts(np.resize(_RADII, STARTS)))
+        solved = np.abs(self.system.values(first)).max(axis=1) <= REACHED
+        distance = np.linalg.norm((first - self.target) / self.scale, axis=1)[solved]
+        if not len(distance) or distance.min() == 0:
+            return first
+        second = self._walk(self._starts(np.full(STARTS // 2, 1.25 * distance.min())))
+        return np.concatenate([first, second])
+
+    def _starts(self, radii: Array) -> Array:
+        """The configuration itself, and points in balls around it; pinned joints at any of their values."""
+        x = self.rng.standard_normal((len(radii), self.robot.n)) * self.moves
+        x *= (radii * self.rng.random(len(radii)) ** (1 / self.moves.sum()) / np.linalg.norm(x, axis=1))[:, None]
+        x[0] = 0
+        q = self.centre + x * self.scale
+        for joint in self.family.pinned:
+            j = joint.number - 1
+            options = _nearest_turns(np.array(joint.values), self.centre[j], bool(self.robot.periodic[j]), self.box[:, j])
+            if len(options):
+                options = options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)]
+                q[:, j] = options[self.rng.integers(len(options), size=len(q))]
+        return np.clip(q, self.box[0], self.box[1])
+
+    def _walk(self, q: Array) -> Array:
+        """Newton steps of all starts until they stand still, then straight onto the family."""
+        active = np.arange(len(q))
+        for _ in range(_ITERATIONS):
+            step = self._step(q[active])
+            length = np.linalg.norm(step, axis=1)
+            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+            q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
+            active = active[length > 1e-13]
+            if not len(active):
+                break
+        q = self._brought_near(q)
+        for _ in range(3):
+            q = np.clip(q + self._normal_step(q) * self.scale, self.box[0], self.box[1])
+        return q
+
+    def _brought_near(self, q: Array) -> Array:
+        turns = np.where(self.robot.periodic, np.round((q - self.target) / (2 * np.pi)), 0.0)
+        near = q - 2 * np.pi * turns
+        return np.where((near < self.box[0]) | (near > self.box[1]), q, near)
+
+    def _step(self, q: Array) -> Array:
+        """(N, n) Newton's step in scaled variables; joints at a limit that would cross it are held."""
+        free = np.repeat(self.moves[None], len(q), axis=0)
+        f, a = self.system.linear(q)
+        hessians = self._hessians(q)
+        step = self._newton(q, f, a * self.scale, hessians, free)
+        for _ in range(len(self.box[0]) if np.isfinite(self.box).any() else 0):
+            held = free & (((q <= self.box[0]) & (step < 0)) | ((q >= self.box[1]) & (step > 0)))
+            if not held.any():
+                break
+            free &= ~held
+            step = self._newton(q, f, a * self.scale, hessians, free)
+        return step
+
+    def _newton(self, q: Array, f: Array, a: Array, hessians: Array, free: NDArray[np.bool_]) -> Array:
+        x = (q - self.target) / self.scale * free
+        u, s, vt = np.linalg.svd(a * free[:, None], full_matrices=False)
+        keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
+        inverse = np.where(keep, 1 / np.where(keep, s, 1.0), 0.0)
+        vt = vt * keep[..., None]
+        normal = -np.einsum("nrj,nr,ner,ne->nj", vt, inverse, u, f)
+        multipliers = np.einsum("ner,nr,nrj,nj->ne", u, inverse, vt, x)
+        across = np.einsum("nri,nrj->nij", vt, vt)
+        along = np.eye(len(self.scale)) - across
+        curved = np.eye(len(self.scale)) - np.einsum("ne,neij->nij", multipliers, hessians)
+        curved = curved * free[:, None, :] * free[:, :, None]
+        slope = np.einsum("nij,nj->ni", along, x + np.einsum("nij,nj->ni", curved, normal))
+        size, axes = np.linalg.eigh(along @ curved @ along + across)
+        size = np.maximum(np.abs(size), _FLATTEST)
+        tangent = -np.einsum("nij,nj,nkj,nk->ni", axes, 1 / size, axes, slope)
+        return np.asarray((np.einsum("nij,nj->ni", along, tangent) + normal) * free)
+
+    def _normal_step(self, q: Array) -> Array:
+        """−A⁺f in scaled variables."""
+        f, a = self.system.linear(q)
+        u, s, vt = np.linalg.svd(a * self.scale, full_matrices=False)
+        keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
+        inverse = np.where(keep, 1 / np.where(keep, s, 1.0), 0.0)
+        return np.asarray(-np.einsum("nrj,nr,ner,ne->nj", vt, inverse, u, f))
+
+    def _hessians(self, q: Array) -> Array:
+        """(N, e, n, n) second derivatives in scaled variables, by central differences of the gradients."""
+        moves = np.flatnonzero(self.moves)
+        shifts = np.zeros((2, len(moves), 1, len(self.scale)))
+        shifts[0, np.arange(len(moves)), 0, moves] = _DIFFERENCE * self.scale[moves]
+        shifts[1] = -shifts[0]
+        rows = (q + shifts).reshape(-1, len(self.scale))
+        slopes = self.system.jacobian(rows).reshape(2, len(moves), len(q), -1, len(self.scale)) * self.scale
+        hessians = np.zeros((len(q), slopes.shape[3], len(self.scale), len(self.scale)))
+        hessians[..., moves] = np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1)
+        return hessians

@@ -16,26 +16,25 @@ from rankdrop.atlas.search import Outcome, refine
 from rankdrop.atlas.which import Met, families_at
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
-from rankdrop.explanation import Blame, Explanation, ExplainSettings, Far, Lost
-from rankdrop.known import known_analysis
+from rankdrop.explanation import Blame, ExplainSettings, Explanation, Far, Lost
+from rankdrop.known import geometry, known_analysis
 from rankdrop.local.block import decompose
-from rankdrop.local.circuits import circuits_at, to_blame_at
+from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.ellipsoids import ellipsoids
-from rankdrop.local.escape import escape
+from rankdrop.local.escape import JointEscape, escape
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.readable import readable_basis
 from rankdrop.local.redundancy import redundancy
 from rankdrop.local.relations import relations_at
-from rankdrop.local.representation import representations_at
+from rankdrop.local.representation import representation_at
 from rankdrop.local.screws import screw_of
 from rankdrop.local.systems import always_singular_reason, systems_at
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.local.words import blocked_words, words
 from rankdrop.result import Analysis
-from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -58,6 +57,7 @@ def explain(
     limits: bool = False,
     evaluations: int = 5_000,
     step: float = 0.1,
+    coranks: int = 1,
     seed: int = 0,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
@@ -81,6 +81,7 @@ def explain(
         limits: the nearest singularity within the joint limits.
         evaluations: budget of the certified radius (`certified_radius`).
         step: length of the motions out that are tried [rad; slides in length scales].
+        coranks: distances to known families up to this corank; every one of them lies in those of corank 1.
         seed: of every random choice.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
         tolerances: thresholds, recorded in the result.
@@ -104,14 +105,15 @@ def explain(
             raise OptionError("a threshold is a number from 0 up", where=name, got=value)
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
-    families, source = _families(robot, resolved, analysis)
+    families, source = _families(robot, resolved, analysis, tolerances)
+    targets = tuple(one for one in families if one.corank <= coranks)
     rank = rank_at(robot, configuration, resolved, tolerances)
-    far = _far(robot, configuration, resolved, rank, families, limits, small, evaluations, seed, tolerances)
+    far = _far(robot, configuration, resolved, rank, targets, source, limits, small, evaluations, seed, tolerances)
     verdict, reason = _verdict(rank, far, near, small)
     at_hand = far.nearest if verdict == "near" and far.near_miss is None else None
     focus = configuration if at_hand is None else np.array(at_hand.q)
     corank = rank.corank if at_hand is None else at_hand.corank
-    met = _met(robot, focus, resolved, corank, families, seed, tolerances) if corank else ()
+    met = _met(robot, focus, resolved, corank, families, source, seed, tolerances) if corank else ()
     way_out = escape(robot, configuration, resolved, tolerances=tolerances, seed=seed, step=step)
     return Explanation(
         robot=robot,
@@ -127,19 +129,21 @@ def explain(
         met=met,
         source=source,
         relations=relations_at(robot, focus),
-        lost=_lost(robot, configuration, resolved, rank, corank or (1 if far.near_miss is not None else 0)),
+        lost=_lost(robot, configuration, focus, resolved, rank, corank or (1 if far.near_miss is not None else 0)),
         blame=_blame(robot, focus, resolved, corank),
         escape=way_out,
         rates=joint_rates(robot, configuration, resolved),
         far=far,
         ellipsoids=ellipsoids(robot, configuration, resolved),
         redundancy=redundancy(robot, configuration, resolved),
-        representations=representations_at(robot, configuration),
-        disagreements=tuple(_disagreements(far, way_out.single, tolerances)),
+        representations=representation_at(robot, configuration, tolerances=tolerances),
+        disagreements=tuple(_disagreements(far, way_out.single)),
     )
 
 
-def _families(robot: Robot, task: Task, analysis: Analysis | None) -> tuple[tuple[Family, ...], str]:
+def _families(
+    robot: Robot, task: Task, analysis: Analysis | None, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], str]:
     """Known families and where they come from.
 
     Raises:
@@ -147,16 +151,17 @@ def _families(robot: Robot, task: Task, analysis: Analysis | None) -> tuple[tupl
     """
     if analysis is None:
         known = known_analysis(robot, task)
-        return (known.families, "the atlas shipped with rankdrop") if known else ((), "points around q")
-    if fingerprint(analysis.robot) != fingerprint(robot):
+        return (known.families, "catalogue") if known else ((), "on the spot")
+    mine, other = geometry(robot), geometry(analysis.robot)
+    if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
         raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
     if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
         raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
-    return analysis.families, "the analysis given"
+    return analysis.families, "analysis"
 
 
 def _far(
-    robot: Robot, q: Array, task: Task, rank: Rank, families: Sequence[Family], limits: bool, small: float,
+    robot: Robot, q: Array, task: Task, rank: Rank, families: Sequence[Family], source: str, limits: bool, small: float,
     evaluations: int, seed: int, tolerances: Tolerances,
 ) -> Far:  # fmt: skip
     away = tuple(
@@ -176,7 +181,7 @@ def _far(
     there = None
     if nearest is not None:
         at = np.array(nearest.q)
-        there = _met(robot, at, task, nearest.corank, families, seed, tolerances)[0]
+        there = _met(robot, at, task, nearest.corank, families, source, seed, tolerances)[0]
     return Far(nearest, there, away, certificate, reason, miss)
 
 
@@ -223,25 +228,25 @@ def _angle(distance: float) -> str:
 
 
 def _met(
-    robot: Robot, q: Array, task: Task, corank: int, families: Sequence[Family], seed: int,
+    robot: Robot, q: Array, task: Task, corank: int, families: Sequence[Family], source: str, seed: int,
     tolerances: Tolerances,
 ) -> tuple[Met, ...]:  # fmt: skip
-    found = families_at(families, robot, q, task, tolerances.explained)
+    found = families_at(families, robot, q, task, tolerances, source)
     if found and found[0].family.corank >= corank:
         return found
     local = name_on_the_spot(robot, q, task, corank, seed=seed)
     return (Met(local, 0.0, "on the spot"), *found)
 
 
-def _lost(robot: Robot, q: Array, task: Task, rank: Rank, corank: int) -> Lost:
+def _lost(robot: Robot, q: Array, focus: Array, task: Task, rank: Rank, corank: int) -> Lost:
     never = _never(robot, q, task, rank)
     empty = np.zeros((0, 6))
-    weakest = lost_directions(robot, q, task, max(rank.corank, 1))[-1] if rank.generic_rank else np.zeros(6)
+    weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
     if not corank:
         return Lost(empty, weakest, (), (), None, (), (), never)
-    framed = lost_in_sparsest_frame(robot, q, task, corank)
+    framed = lost_in_sparsest_frame(robot, focus, task, corank)
     return Lost(
-        directions=lost_directions(robot, q, task, corank),
+        directions=lost_directions(robot, focus, task, corank),
         weakest=weakest,
         words=tuple(words(one, framed.name) for one in framed.directions),
         blocked_words=tuple(blocked_words(one, framed.name) for one in framed.directions),
@@ -265,17 +270,18 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
 
 
 def _blame(robot: Robot, q: Array, task: Task, corank: int) -> Blame:
-    every = circuits_at(robot, q, task)
+    few = robot.n <= LARGEST_CHAIN
     return Blame(
-        circuits=every,
-        smallest=to_blame_at(robot, q, task) if corank else (),
-        ordered=ordered_subsets(robot, q),
+        circuits=circuits_at(robot, q, task) if few else (),
+        smallest=blame(robot, q, task) if corank and few else (),
+        ordered=ordered_subsets(robot, q, task),
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),
+        complete=few,
     )
 
 
-def _disagreements(far: Far, single: Sequence[object], tolerances: Tolerances) -> Iterator[str]:
+def _disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
     """Two methods, two answers."""
     for one in single:
         if not one.agrees:

@@ -20,7 +20,7 @@ from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import Rates
 from rankdrop.local.redundancy import Redundancy
 from rankdrop.local.relations import Relation
-from rankdrop.local.representation import RepresentationState
+from rankdrop.local.representation import Representations
 from rankdrop.local.screws import Screw
 from rankdrop.local.systems import ScrewSystem
 from rankdrop.local.verdict import Rank
@@ -66,8 +66,9 @@ class Lost:
 
     Attributes:
         directions: (k, 6) orthonormal, readable, in the task's frame; twists that cannot be made and, the same numbers
-            as (f; τ), wrenches that are carried without joint torque. At a regular configuration: empty.
-        weakest: (6,) the direction of σ_r, in the task's frame: what is lost first.
+            as (f; τ), wrenches that are carried without joint torque. Near a singularity: those of the nearest singular
+            configuration. At a regular configuration: empty.
+        weakest: (6,) the direction of σ_r at q, in the task's frame: what is lost first.
         words: one sentence per direction, in the frame where they are sparsest.
         blocked_words: the same directions read as wrenches.
         framed: the directions in that frame, and its name.
@@ -167,7 +168,7 @@ class Explanation:
     far: Far
     ellipsoids: Ellipsoids
     redundancy: Redundancy
-    representations: tuple[RepresentationState, ...]
+    representations: Representations
     disagreements: tuple[str, ...] = ()
 
     @cached_property

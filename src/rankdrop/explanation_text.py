@@ -9,6 +9,7 @@ import numpy as np
 
 from rankdrop.explanation import Explanation
 from rankdrop.local.escape import Direction, JointEscape
+from rankdrop.local.screws import Screw
 from rankdrop.sections import Section
 
 _SHOWN = 5
@@ -32,8 +33,8 @@ def _verdict(found: Explanation, full: bool) -> Iterator[Section]:
     lines = [
         f"σ = {sigma}  (each ± {rank.sigma_error:.1g}; zero at or below {rank.tolerance:g}; task {found.task.name}, "
         f"translation divided by {found.settings.length_scale:.4g} m)",
-        f"task freedoms lost: {rank.corank} of {r}; redundancy: {rank.nullity} joint "
-        f"{_plural('motion', rank.nullity)} leave the task still ({robot.n} joints)",
+        f"task freedoms lost: {rank.corank} of {r}; {robot.n} joints, {rank.nullity} "
+        f"independent joint {_plural('motion', rank.nullity)} without effect on the task",
     ]
     rows = (
         ("rad, m" if any(joint.unit == "m" for joint in robot.variables) else "rad", *map(_fixed, found.q)),
@@ -73,15 +74,13 @@ def _lost(found: Explanation, full: bool) -> Iterator[Section]:
     lost = found.lost
     if lost.framed is not None:
         lines = []
-        screws = zip(lost.words, lost.blocked_words, lost.framed.directions, lost.twist_screws, strict=True)
-        for sentence, blocked, direction, screw in screws:
+        screws = zip(lost.words, lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True)
+        for sentence, direction, twist, wrench in screws:
             lines.append(sentence)
-            lines.append(f"    twist {_vector(direction)}; {_pitch(screw.pitch)}; as a force: {blocked}")
+            lines.append(f"    twist {_vector(direction)}: {_pitch(twist.pitch)}")
+            lines.append(f"    carried without joint torque: {_wrench(wrench)}")
         title = "What is lost" if found.rank.corank else "What is nearly lost"
-        yield Section(
-            title, f"in the axes of {lost.framed.name}" if lost.framed.name else "", tuple(lines),
-            notes=("a lost direction is also a force and torque that the structure carries without joint torque",),
-        )  # fmt: skip
+        yield Section(title, f"axes of {lost.framed.name}; points from its reference point", tuple(lines))
     if len(lost.never):
         rows = tuple(tuple(_fixed(value) for value in row) for row in lost.never)
         yield Section("Never possible", "for this arm and task, at any configuration nearby",
@@ -90,7 +89,7 @@ def _lost(found: Explanation, full: bool) -> Iterator[Section]:
 
 def _blame(found: Explanation, full: bool) -> Iterator[Section]:
     blame = found.blame
-    lines = [f"{_set(circuit.numbers)}: {circuit.words}" for circuit in blame.smallest]
+    lines = [circuit.words for circuit in blame.smallest]
     lines += [system.words for system in blame.systems if system.permanent or full]
     if blame.always:
         lines.append(f"deficient at every configuration: {blame.always}")
@@ -127,9 +126,11 @@ def _escape(found: Explanation, full: bool) -> Iterator[Section]:
     if full or found.rank.corank:
         lines.append(f"best direction: {_direction(found, out.best_direction)}")
     if found.rank.corank:
-        lines.append(out.avoidable_words)
-        lines += [one.words for one in out.types]
-        lines.append(out.boundary_words)
+        lines.append(f"with the end effector still: {out.avoidable_words}")
+        for words in dict.fromkeys(one.words for one in out.types):
+            which = [str(i) for i, one in enumerate(out.types, start=1) if one.words == words]
+            lines.append(f"along lost direction {', '.join(which)}: {words}")
+        lines.append(f"workspace: {out.boundary_words}")
     title = "How to get out" if found.rank.corank else "How to get away"
     summary = "one joint alone, best first" if rows else ""
     yield Section(title, summary, tuple(line for line in lines if line), columns, rows, texts=(0, 5))
@@ -143,7 +144,8 @@ def _joint_row(found: Explanation, one: JointEscape) -> tuple[str, ...]:
     power = unit if one.order == 1 else f"{unit}{'²³⁴'[one.order - 2]}"
     receptors = _set(one.receptors) if one.receptors else "–"
     step = _motion(one.step, unit) if one.within_limits else "outside the limits"
-    return (f"{one.number} {one.joint}", str(one.order), f"{one.rate:.4g} per {power}", step, _short(one.sigma_after),
+    rate = f"{_short(one.rate) if abs(one.rate) > 1e-12 else '0'} per {power}"
+    return (f"{one.number} {one.joint}", str(one.order), rate, step, _short(one.sigma_after),
             receptors)  # fmt: skip
 
 
@@ -180,6 +182,77 @@ def _far(found: Explanation, full: bool) -> Iterator[Section]:
         columns = ("motion to it", *(f"{number}" for number in range(1, found.robot.n + 1))) if rows else ()
         title = "How far the next one is" if found.rank.corank else "How far"
         yield Section(title, "", tuple(lines), columns, tuple(rows))
+
+
+def _rates(found: Explanation, full: bool) -> Iterator[Section]:
+    rates = found.rates
+    chosen = [one for one in (*rates.axes, rates.weakest, *rates.lost) if one is not None]
+    rows = []
+    for one in chosen:
+        if not one.possible:
+            rows.append((one.name, "impossible", "", "0", *("" for _ in one.joint_rates if full)))
+            continue
+        worst = "" if one.worst is None else f"{one.worst} {one.worst_joint}"
+        top = "no limits known" if isinf(one.speed) else f"{one.speed:.3g} {one.unit}"
+        each = tuple(_short(round(rate, 6)) for rate in one.joint_rates) if full else ()
+        rows.append((one.name, f"{one.norm:.4g}", worst, top, *each))
+    columns = ("unit speed", "joint rates", "most of", "at most")
+    if full:
+        columns += tuple(f"{number}" for number in range(1, found.robot.n + 1))
+    note = "joint rates: norm of the smallest ones [rad/s] for 1 m/s or 1 rad/s of the end effector; at most: within " + (
+        "the joint velocity limits"
+    )
+    yield Section("What motion costs", "", (), columns, tuple(rows), texts=(0, 2, 3), notes=(note,))
+
+
+def _ellipsoids(found: Explanation, full: bool) -> Iterator[Section]:
+    shapes = found.ellipsoids
+    for group in (shapes.unit_rates, shapes.rate_limits):
+        if group is None:
+            continue
+        parts = [part for part in (group.translation, group.rotation, group.task) if part is not None]
+        rows = tuple(
+            (part.name, _lengths(part.velocity.half_lengths), _lengths(part.force.half_lengths), _index(part.sigma_min.value),
+             _index(part.condition.value), _index(part.manipulability.value))
+            for part in parts
+        )  # fmt: skip
+        units = ", ".join(f"{part.name} {part.velocity.unit} and {part.force.unit}" for part in parts)
+        yield Section(
+            "Ellipsoids", group.ball, (),
+            ("", "velocity half-axes", "force half-axes", "σ_min", "condition", "manipulability"), rows, texts=(0, 1, 2),
+            notes=(f"units: {units}; the task as a whole takes {shapes.length_scale:.4g} m for 1 rad",),
+        )  # fmt: skip
+
+
+def _redundancy(found: Explanation, full: bool) -> Iterator[Section]:
+    spare = found.redundancy
+    lines = [
+        f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
+        + ("holds" if spare.check.holds else "DOES NOT HOLD"),
+        f"projector I − J⁺J: ‖PP − P‖ {spare.idempotent:.1g}, ‖JP‖ {spare.annihilates:.1g}; "
+        f"Jin's I − Jᵀ(JJᵀ)†J differs by {spare.difference:.1g}",
+    ]
+    rows = tuple(tuple(_fixed(value) for value in row) for row in spare.null_basis)
+    columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(found.robot.variables, start=1))
+    title = "Joint motions that leave the task still"
+    yield Section(title, "" if rows else "none", tuple(lines), columns if rows else (), rows, texts=(),
+                  notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
+
+
+def _representation(found: Explanation, full: bool) -> Iterator[Section]:
+    every = found.representations
+    rows = tuple(
+        (one.name, ", ".join(f"{name} {_short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
+         _short(one.sigma_min), "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
+         "SINGULAR" if one.singular else "near" if one.near else "")
+        for one in (every.zyz, every.rpy, every.quaternion, every.rotvec)
+    )  # fmt: skip
+    yield Section("Coordinates of the orientation", every.words, (),
+                  ("", "value [rad]", "σ_min of E", "nearest singularity", ""), rows, texts=(0, 1, 4))  # fmt: skip
+
+
+def _lengths(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
+    return " ".join("∞" if isinf(value) else _short(round(float(value), 6)) for value in values)
 
 
 def _closing(found: Explanation, full: bool) -> Iterator[Section]:
@@ -220,6 +293,10 @@ def _short(value: float) -> str:
     return "0" if value == 0 else f"{value:.4g}".replace("-", "−")
 
 
+def _index(value: float) -> str:
+    return "∞" if isinf(value) else _short(value)
+
+
 def _vector(values: Sequence[float] | np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
     return f"({', '.join(_short(round(float(value), 6) + 0.0) for value in values)})"
 
@@ -228,6 +305,15 @@ def _pitch(pitch: float) -> str:
     if isinf(pitch):
         return "pure translation" if pitch == inf else "pure"
     return "pure rotation" if abs(pitch) < 1e-9 else f"screw of pitch {pitch:.3g} m/rad".replace("-", "−")
+
+
+def _wrench(screw: Screw) -> str:
+    """A wrench in words: its pitch is moment per force."""
+    along = _vector(screw.direction)
+    if isinf(screw.pitch):
+        return f"a torque about {along}"
+    line = f"a force along {along} through {_vector(screw.point)} m"
+    return line if abs(screw.pitch) < 1e-9 else f"{line} with {_short(screw.pitch)} N m about it per N"
 
 
 def _set(numbers: Sequence[int]) -> str:

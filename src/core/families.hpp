@@ -23,7 +23,7 @@ struct MonitorSettings {
     int generic = 0;         // generic rank
     double singular = 1e-9;  // sigma at or below: zero
     double on = 1e-5;        // a singular configuration with a smaller residual lies on the family [rad]
-    double loose = 3e-5;     // where none does: the nearest one of its corank, up to here [rad]
+    double loose = 1e-3;     // where none of its corank does: the nearest one of its corank, up to here [rad]
 };
 
 // Rows are configurations; `v` may be null.

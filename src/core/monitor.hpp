@@ -64,18 +64,19 @@ struct Attribution {
 // The first family in the order of preference that a singular configuration lies on, and the nearest one of all.
 inline Attribution attribute(const Families& table, const MonitorSettings& set, Pack corank, const Pack* q, Pack* gradient) {
     const Pack none = fill(-1.0), far = fill(HUGE_VAL);
-    Pack chosen = none, own = far, nearest = none, least = far, close = none, closest = far;
+    Pack chosen = none, own = far, chosen_corank = none, nearest = none, least = far, close = none, closest = far;
     for (int family = 0; family < (int)table.corank.size(); ++family) {
         const Pack residual = family_residual(table, family, q, gradient), index = fill((double)family);
         const Pack lost = fill((double)table.corank[family]);
         const Mask first = (chosen < fill(0.0)) & (lost <= corank) & (residual <= fill(set.on));
         chosen = select(first, index, chosen), own = select(first, residual, own);
+        chosen_corank = select(first, lost, chosen_corank);
         const Mask nearer = residual < least;
         nearest = select(nearer, index, nearest), least = select(nearer, residual, least);
         const Mask alike = (lost == corank) & (residual < closest);
         close = select(alike, index, close), closest = select(alike, residual, closest);
     }
-    const Mask loose = (chosen < fill(0.0)) & (closest <= fill(set.loose));
+    const Mask loose = (chosen_corank < corank) & (closest <= fill(set.loose));
     chosen = select(loose, close, chosen), own = select(loose, closest, own);
     return {chosen, nearest, select(chosen < fill(0.0), least, own)};
 }

@@ -98,7 +98,7 @@ def test_the_core_chooses_what_the_plain_search_chooses(
     assert np.abs(readable_bases(bases) - want).max() < 1e-9
 
 
-@pytest.mark.parametrize(("rows", "count"), [(3, 2), (4, 4), (8, 5), (9, 3)])
+@pytest.mark.parametrize(("rows", "count"), [(3, 2), (4, 4), (8, 3), (9, 2)])
 def test_other_numbers_of_rows_are_served_too(rows: int, count: int, rng: np.random.Generator) -> None:
     basis = random_rotation(rng, rows)[:, :count]
     assert np.abs(readable_basis(basis) - plain(basis)).max() < 1e-9

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +38,25 @@ class Term:
     harmonics: tuple[int, ...]
     powers: tuple[int, ...]
     shift: float = 0.0
+
+
+class Tables(NamedTuple):
+    """f = Σ (a cos φ + b sin φ) · Π q_j^p_j with φ = m·q − shift, one summand per row.
+
+    Attributes:
+        multiples: (t, n) m.
+        shift: (t,) [rad].
+        cosine, sine: (t,) a and b.
+        powers: (t, n) p.
+        powered: whether any power is not zero.
+    """
+
+    multiples: Array
+    shift: Array
+    cosine: Array
+    sine: Array
+    powers: Array
+    powered: bool
 
 
 @dataclass(frozen=True)
@@ -70,8 +89,8 @@ class Equation:
         return len(self.terms[0].harmonics)
 
     @cached_property
-    def _tables(self) -> tuple[Array, Array, Array, Array, Array, bool]:
-        """f = Σ (a cos φ + b sin φ)·q^p, one summand per angle: m (t, n), shift (t,), a (t,), b (t,), p (t, n)."""
+    def tables(self) -> Tables:
+        """The equation as arrays, one summand per angle."""
         found: dict[tuple[tuple[int, ...], tuple[int, ...], float], list[float]] = {}
         for term in self.terms:
             pair = found.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
@@ -80,12 +99,12 @@ class Equation:
         p = np.array([key[1] for key in found], dtype=np.float64)
         shift = np.array([key[2] for key in found])
         both = np.array(list(found.values()))
-        return m, shift, both[:, 0], both[:, 1], p, bool(p.any())
+        return Tables(m, shift, both[:, 0], both[:, 1], p, bool(p.any()))
 
     @property
     def joints(self) -> tuple[int, ...]:
         """Numbers (from 1) of the joints that occur."""
-        m, _, _, _, p, _ = self._tables
+        m, _, _, _, p, _ = self.tables
         return tuple(int(j) + 1 for j in np.flatnonzero((np.abs(m) + p).sum(axis=0)))
 
     @property
@@ -107,7 +126,7 @@ class Equation:
             ConfigurationError: q has another number of joints.
         """
         q = self._checked(q)
-        m, shift, a, b, p, powered = self._tables
+        m, shift, a, b, p, powered = self.tables
         angle = q @ m.T - shift  # (..., t)
         if not powered:
             return np.asarray(np.cos(angle) @ a + np.sin(angle) @ b)
@@ -128,7 +147,7 @@ class Equation:
             ConfigurationError: q has another number of joints.
         """
         q = self._checked(q)
-        m, shift, a, b, p, powered = self._tables
+        m, shift, a, b, p, powered = self.tables
         angle = q @ m.T - shift
         cos, sin = np.cos(angle), np.sin(angle)
         if not powered:

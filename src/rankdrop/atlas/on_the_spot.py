@@ -1,0 +1,320 @@
+"""A family named without an atlas: from the singular configurations around one of its members.
+
+1. Random steps of several sizes from q, along ker D and, where D may vanish, in all directions, are driven back to the
+   singular set by the search. What comes back near q, with exactly the same corank, is the neighbourhood.
+2. Where D has the same rank at q as around it, the set is smooth there and all of the neighbourhood is one family.
+   Where the rank differs, families meet at q: each signature that is found at every scale is one of them.
+3. A family's signature says which joints are pinned (their values are those of q), free and coupled; its name comes
+   from the geometry of the axes, as in an atlas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop.atlas.equation import Equation
+from rankdrop.atlas.family import Pinned
+from rankdrop.atlas.fit import Budget
+from rankdrop.atlas.local_family import LocalFamily, condition_words, relation_words
+from rankdrop.atlas.linear import Linear, Values, canonical, wrap
+from rankdrop.atlas.naming import name_family
+from rankdrop.atlas.recognise import recognised
+from rankdrop.atlas.residual import residual_equations
+from rankdrop.atlas.row import Row
+from rankdrop.atlas.sampling import Setting, Supply, smooth
+from rankdrop.atlas.search import refine
+from rankdrop.atlas.signature import Inspection, Signature
+from rankdrop.errors import ConfigurationError
+from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+SIZES = (0.01, 0.05, 0.2, 0.6)  # steps from q [rad, length scales]
+EACH = 24  # starts for each size
+FEW = 3  # neighbours that make a family
+CLOSE = 0.1  # so near the set is its tangent, within a tenth [rad, length scales]
+BACK = 3.0  # what comes back farther away than so many steps is another place of the set
+HELD = 1e-5  # a value of q and one of the neighbourhood that differ by less are the same [rad, length scales]
+NAMED = 12  # points that a name is taken from
+FIT_WORK = 1.5e8  # of one fit: some 50 ms
+Found = list[tuple[Signature, NDArray[np.int64]]]
+
+
+def name_on_the_spot(
+    robot: Robot,
+    q: ArrayLike,
+    task: Task,
+    corank: int,
+    seed: int = 0,
+    *,
+    fit: bool = False,
+    tolerances: Tolerances = DEFAULT,
+) -> LocalFamily:
+    """The family of corank k that a singular configuration lies on, without an atlas.
+
+    Only the neighbourhood of q is looked at: other values of the pinned joints, which a row of an atlas lists, are not.
+    Families that are met by too few neighbours are not found; not finding is no proof.
+
+    Args:
+        robot: the arm.
+        q: (n,) a configuration of corank k [rad, m].
+        task: from `resolve_task`.
+        corank: k, as `rank_at` says.
+        seed: of the random steps.
+        fit: also fit the equation of coupled joints, where it is within reach of a small budget.
+        tolerances: thresholds.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm, or is not singular.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> found = name_on_the_spot(arm, [0.3, 0.4, 0.5, 0.0, 0.2, 0.4, 1.0], resolve_task(None, arm), 1)
+        >>> found.dimension, found.words
+        (6, ('θ4 = 0',))
+    """
+    configuration = one_configuration(robot, q)
+    rank = generic_rank(robot, task) - corank
+    setting = Setting(robot, task, corank, rank, tolerances)
+    at = setting.inspect(configuration[None])
+    if corank < 1 or at.sigma[0, rank] > max(tolerances.singular, 1e-6):
+        raise ConfigurationError(
+            "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
+            mend="take the corank that rank_at gives",
+        )  # fmt: skip
+    around = _neighbourhood(setting, configuration, at, seed)
+    found = _groups(setting, configuration, at, around, seed)
+    families = [
+        _described(setting, configuration, around, signature, members, seed, fit=fit) for signature, members in found
+    ]
+    if not families:
+        families = _from_shared_values(setting, configuration, around, seed)
+    if not families:
+        return _nameless(setting, configuration, at, around)
+    return families[0] if len(families) == 1 else _met(families)
+
+
+def _neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Inspection:
+    """Singular configurations of exactly this corank around q; the first one is q itself, polished."""
+    rng = np.random.default_rng(seed)
+    scale = joint_scale(setting.robot, setting.task)
+    sizes = np.repeat(SIZES, EACH)
+    steps = rng.standard_normal((len(sizes), len(q)))
+    tangential = np.arange(len(sizes)) % 2 == 0
+    steps[tangential] = steps[tangential] @ at.tangent[0]
+    steps *= scale * sizes[:, None] / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-12)
+    starts = np.vstack([q, q + steps])
+    back = refine(
+        setting.robot, starts, setting.corank, task=setting.task, seed=seed, iterations=40, threads=1,
+        tolerances=replace(setting.tolerances, target=1e-15),
+    )  # fmt: skip
+    way = np.where(setting.robot.periodic, wrap(back.q - q), back.q - q)
+    near = np.linalg.norm(way / scale, axis=1) <= BACK * np.append(SIZES[0], sizes)
+    good = near & (back.sigma[:, setting.rank] <= setting.tolerances.singular)
+    good[0] = True
+    inspection = setting.inspect(q + way[good])
+    return inspection
+
+
+def _rank_of(at: Inspection) -> int:
+    """Rank of D at the first point."""
+    return at.q.shape[1] - round(float(np.trace(at.tangent[0])))
+
+
+def _usual_rank(around: Inspection) -> int:
+    """The rank of D at most of the neighbours."""
+    ranks = [signature.rank for signature in around.signatures[1:] if signature is not None]
+    return int(np.median(ranks)) if ranks else -1
+
+
+def _groups(setting: Setting, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
+    """Signatures of the neighbourhood whose linear conditions hold at q, each with its points.
+
+    Where the set is smooth at q there is one family: the signature most neighbours of that rank have. Else every
+    signature that is met next to q is a family through it. Groups where ker D is not the tangent space tell nothing.
+    """
+    groups: dict[Signature, list[int]] = {}
+    for i, signature in enumerate(around.signatures):
+        if i and signature is not None and signature.rank:
+            groups.setdefault(replace(signature, bound=()), []).append(i)
+    groups = {signature: _holding(setting, signature, q, around.q, members) for signature, members in groups.items()}
+    scale = joint_scale(setting.robot, setting.task)
+    far = np.linalg.norm(wrap(around.q - q) / scale, axis=1)
+    rng = np.random.default_rng([seed, 3])
+    ordered = [
+        (signature, np.array(members))
+        for signature, members in sorted(groups.items(), key=lambda item: (item[0].rank, -len(item[1]), item[0]))
+        if len(members) >= FEW
+        and smooth(setting, around, np.array(members), rng)
+        and _filled(wrap(around.q[members] - q) / scale, far[members], len(q) - signature.rank)
+    ]
+    rank = _rank_of(at)
+    if rank == _usual_rank(around):
+        alike = [item for item in ordered if item[0].rank == rank]
+        return [max(alike, key=lambda item: len(item[1]))] if alike else []
+    return [(signature, members) for signature, members in ordered if far[members].min() <= BACK * SIZES[0]]
+
+
+def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
+    """Whether neighbours lie in as many directions from q as ker D has.
+
+    One direction too many in ker D, in which the condition is of second order, is met by none of them: they come back
+    to within √σ of the set, a hundredth of their step. Too few neighbours decide nothing.
+    """
+    near = lengths <= CLOSE
+    if near.sum() < dimension + 3:
+        return True
+    spread = np.linalg.svd(ways[near] / np.maximum(lengths[near, None], 1e-12), compute_uv=False)
+    return int((spread > 0.05 * spread[0]).sum()) >= dimension
+
+
+def _holding(setting: Setting, signature: Signature, q: Array, points: Array, members: list[int]) -> list[int]:
+    """Those of the members at which the pinned joints and relations have the same values as at q."""
+    linear = Linear.of(setting.robot, signature.covectors(len(q)))
+    off = linear.values(points[members]) - linear.values(q[None])
+    off = np.where(linear.periodic, wrap(off), off)
+    same = (np.abs(off) <= HELD * max(1.0, setting.task.scale(setting.robot))).all(axis=1)
+    return [member for member, ok in zip(members, same, strict=True) if ok]
+
+
+def _described(
+    setting: Setting, q: Array, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
+) -> LocalFamily:
+    robot = setting.robot
+    linear = Linear.of(robot, signature.covectors(robot.n))
+    values = _values(linear, around.q[members])
+    equations: tuple[Equation, ...] = linear.equations([(v,) for v in values])
+    if signature.residual:
+        rest = _fitted(setting, around, signature, linear, values, members, seed) if fit else None
+        equations = () if rest is None else equations + rest
+    return _family(
+        setting, around.q[members], signature, values, equations,
+        f"{len(members)} singular configurations around q with one tangent shape",
+    )  # fmt: skip
+
+
+def _family(
+    setting: Setting, points: Array, signature: Signature, values: Values, equations: tuple[Equation, ...], evidence: str
+) -> LocalFamily:
+    robot = setting.robot
+    pinned = tuple(
+        Pinned(robot.variables[joint].name, joint + 1, (values[i],)) for i, joint in enumerate(signature.pinned)
+    )
+    coupled = tuple(j + 1 for j in signature.coupled)
+    relations = tuple(
+        relation_words(relation, values[len(signature.pinned) + i]) for i, relation in enumerate(signature.relations)
+    )
+    spread = points[:: max(1, len(points) // NAMED)][:NAMED]
+    name = name_family(robot, setting.task, spread, pinned)
+    return LocalFamily(
+        name=name if coupled else name.replace("others coupled", "others fixed"),
+        corank=setting.corank,
+        dimension=robot.n - signature.rank,
+        pinned=pinned,
+        free=tuple(j + 1 for j in signature.free),
+        coupled=coupled,
+        relations=relations,
+        equations=equations,
+        words=condition_words(robot, pinned, relations, coupled if signature.residual else (), equations),
+        parts=(),
+        points=len(points),
+        evidence=evidence,
+    )
+
+
+def _values(linear: Linear, points: Array) -> Values:
+    """The values that covectors take on points, simple ones exact."""
+    raw = linear.values(points)
+    middle = raw[len(raw) // 2]
+    off = raw - middle
+    mean = middle + np.median(np.where(linear.periodic, wrap(off), off), axis=0)
+    return tuple(canonical(float(v)) if turns else float(v) + 0.0 for v, turns in zip(mean, linear.periodic, strict=True))
+
+
+def _fitted(
+    setting: Setting,
+    around: Inspection,
+    signature: Signature,
+    linear: Linear,
+    values: Values,
+    members: NDArray[np.int64],
+    seed: int,
+) -> tuple[Equation, ...] | None:
+    """Equations of the coupled joints, or None where a small budget does not find them."""
+    rng = np.random.default_rng([seed, 1])
+    supply = Supply(setting, signature, linear, values, around.q[members], around.tangent[members], rng)
+    return residual_equations(supply, Budget(FIT_WORK), thorough=False)
+
+
+def _from_shared_values(setting: Setting, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:
+    """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ."""
+    rng = np.random.default_rng([seed, 2])
+    near = around.q[around.exact]
+    found = []
+    for row in recognised(setting, near, rng):
+        values = _row_values(row, q)
+        if values is None:
+            continue
+        # neighbours are known badly where σ is of higher order: take the values exactly
+        points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
+        points = points[setting.inspect(points).exact]
+        equations = row.linear.equations([(v,) for v in values])
+        found.append(_family(setting, points, row.signature, values, equations, "shared values, verified"))
+    return found
+
+
+def _row_values(row: Row, q: Array) -> Values | None:
+    """The combination of a row's values that q takes; None where it takes none."""
+    mine = row.linear.values(q[None])[0]
+    chosen = []
+    for value, options, turns in zip(mine, row.sets, row.linear.periodic, strict=True):
+        off = np.array(options) - value
+        off = np.abs(wrap(off) if turns else off)
+        if off.min() > 1e2 * HELD:
+            return None
+        chosen.append(options[int(off.argmin())])
+    return tuple(chosen)
+
+
+def _nameless(setting: Setting, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
+    """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
+    robot = setting.robot
+    isolated = _rank_of(at) == robot.n
+    everyone = tuple(range(1, robot.n + 1))
+    pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
+    return LocalFamily(
+        name=name_family(robot, setting.task, q[None], pinned if isolated else ()),
+        corank=setting.corank,
+        dimension=round(float(np.trace(at.tangent[0]))),
+        pinned=pinned if isolated else (),
+        free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(setting.irrelevant)),
+        coupled=() if isolated else tuple(j for j in everyone if not setting.irrelevant[j - 1]),
+        relations=(),
+        equations=(),
+        words=("an isolated singular configuration",) if isolated else ("no condition found around it",),
+        parts=(),
+        points=len(around.q),
+        evidence="D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound",
+    )
+
+
+def _met(families: list[LocalFamily]) -> LocalFamily:
+    """Several families meet at q: the largest one first."""
+    first = families[0]
+    names = "; ".join(dict.fromkeys(family.name for family in families))
+    return replace(
+        first,
+        name=f"meeting point of families: {names}",
+        words=tuple(" and ".join(family.words) for family in families),
+        equations=(),
+        parts=tuple(families),
+        points=sum(family.points for family in families),
+        evidence="; ".join(family.evidence for family in families),
+    )

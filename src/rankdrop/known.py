@@ -1,0 +1,140 @@
+"""Atlases that come with the package: the arms of the catalogue need not be analysed again.
+
+An arm is recognised by its geometry (joint kinds, screws at q = 0, home pose), not by its name: the same arm read from
+a URDF or a table of parameters is known too. Limits and names play no part: the families are those of the whole torus.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+
+import numpy as np
+
+from rankdrop.atlas.family import Family, Pinned
+from rankdrop.errors import ResultFileError
+from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.words import words
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+
+STARTS = 10_000
+"""Random starts for each corank of the atlases that are shipped."""
+SEED = 0
+"""Their seed."""
+INDEX = "index.json"
+"""File beside them: fingerprint -> names of the arms that have it."""
+_GRID = 1e-9  # numbers that agree to this have one fingerprint [1, m]
+_SAME = 1e-12  # and geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
+
+
+def known_analysis(robot: Robot, task: Task) -> Analysis | None:
+    """The shipped analysis of an arm with this geometry and task, or None.
+
+    The rows of the task have to be the same; unless the task has all six, so do its axes and its reference point. The
+    analysis returned is of `robot` itself, with its names. Its task may be seen in another frame than `task` (the one
+    its lost directions are written in), and its length scale is its own: neither changes a family of the full pose.
+
+    Args:
+        robot: any arm.
+        task: from `resolve_task`.
+
+    Returns:
+        The analysis, read once and then kept.
+
+    Raises:
+        ResultFileError: a shipped file is damaged.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> len(known_analysis(arm, resolve_task(None, arm)).families)
+        9
+    """
+    mine = geometry(robot)
+    for name in _index().get(_digest(robot, mine), ()):
+        found = shipped(name)
+        if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
+            return _named_after(found, robot)
+    return None
+
+
+def known_names() -> tuple[str, ...]:
+    """Names of the arms that have a shipped analysis, sorted."""
+    return tuple(sorted(name for names in _index().values() for name in names))
+
+
+@cache
+def shipped(name: str) -> Analysis:
+    """The analysis that is shipped for one arm of the catalogue.
+
+    Raises:
+        ResultFileError: there is none, or it is damaged.
+    """
+    if name not in known_names():
+        raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=", ".join(known_names()))
+    return Analysis.from_dict(json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8")))
+
+
+def geometry(robot: Robot) -> Array:
+    """All numbers that decide about the arm's singular set: screws, then home pose, then multipliers and offsets."""
+    parts = [joint.screw for joint in robot.joints] + [robot.home.reshape(-1)]
+    parts += [np.array([joint.mimic.multiplier, joint.mimic.offset]) for joint in robot.joints if joint.mimic]
+    return np.concatenate(parts)
+
+
+def fingerprint(robot: Robot) -> str:
+    """A name for the geometry of an arm: equal for arms that agree to 1e-9 (but for numbers on the edge of a cell)."""
+    return _digest(robot, geometry(robot))
+
+
+def _digest(robot: Robot, numbers: Array) -> str:
+    index = {joint.name: i for i, joint in enumerate(robot.joints)}
+    shape = [(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]
+    cells = np.rint(np.clip(numbers, -1e9, 1e9) / _GRID).astype("<i8")
+    return hashlib.sha256(repr(shape).encode() + cells.tobytes()).hexdigest()[:24]
+
+
+def _same_task(shipped_task: Task, task: Task) -> bool:
+    return shipped_task.rows == task.rows and (task.m == 6 or shipped_task.frame == task.frame)
+
+
+def _named_after(found: Analysis, robot: Robot) -> Analysis:
+    """The analysis with `robot` for its arm: pinned joints under its names, lost motions in its own link frames."""
+    names = [joint.name for joint in robot.variables]
+    families = found.families
+    if names != [joint.name for joint in found.robot.variables]:
+        families = tuple(_renamed(family, names) for family in families)
+    pairs = zip(robot.joints, found.robot.joints, strict=True)
+    if any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
+        families = tuple(_retold(family, robot, found.task) for family in families)
+    return replace(found, robot=robot, families=families)
+
+
+def _retold(family: Family, robot: Robot, task: Task) -> Family:
+    """The family with its lost motions in words for other link frames than those of the file."""
+    plain = lost_in_sparsest_frame(robot, family.witness, task, family.corank)
+    told = tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
+    return replace(family, lost_words=told)
+
+
+def _renamed(family: Family, names: Sequence[str]) -> Family:
+    pinned = tuple(Pinned(names[one.number - 1], one.number, one.values) for one in family.pinned)
+    return replace(family, pinned=pinned)
+
+
+@cache
+def _index() -> dict[str, list[str]]:
+    record: dict[str, list[str]] = json.loads((_folder() / INDEX).read_text(encoding="utf-8"))
+    return record
+
+
+def _folder() -> Traversable:
+    return resources.files("rankdrop") / "atlases"

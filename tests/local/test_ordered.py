@@ -12,8 +12,10 @@ from reference import arms
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
-from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
-from rankdrop.local.ordered_report import report, session
+from rankdrop.local.lie_product import motion
+from rankdrop.local.ordered import OrderedScrewSet, ordered_subsets
+from rankdrop.local.ordered_report import report
+from rankdrop.local.ordered_session import session
 from rankdrop.local.ordered_text import render
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws

@@ -114,6 +114,11 @@ def test_the_zero_pose_of_the_pa10() -> None:
     assert found[1].words == "axes 1, 2, 3 meet in one point (spherical system of dimension 3), at every configuration"
 
 
+def test_of_a_scara_the_whole_is_told_and_not_its_parts() -> None:
+    found = systems_at(open_robot("scara"), np.zeros(4))
+    assert [(s.numbers, s.kind, s.permanent) for s in found] == [((1, 2, 3, 4), "Schönflies", False)]
+
+
 def overfull_runs(robot: Robot, q: Array) -> list[tuple[int, ...]]:
     """Runs with more joints than the proper algebra they generate has dimensions, by brackets alone."""
     screws = jacobian(robot, q, SPACE).T
@@ -121,17 +126,41 @@ def overfull_runs(robot: Robot, q: Array) -> list[tuple[int, ...]]:
     return [run for run in runs if len(closure(screws[list(run)])) < min(6, len(run))]
 
 
-def test_every_overfull_run_lies_in_a_permanent_system(rng: np.random.Generator) -> None:
-    """Coverage: what brackets find without knowing any subgroup by name is told."""
+def orthogonal_chain(rng: np.random.Generator) -> Robot:
+    """Axes along X, Y, Z through points of a small grid, and slides: every system turns up by chance."""
+    axes = np.eye(3)[rng.integers(0, 3, int(rng.integers(4, 8)))]
+    points = rng.integers(0, 2, (len(axes), 3)).astype(float)
+    return built(*(prismatic(a) if rng.random() < 0.3 else revolute(a, p) for a, p in zip(axes, points, strict=True)))
+
+
+def test_every_overfull_run_has_a_permanent_system(rng: np.random.Generator) -> None:
+    """Coverage: what brackets find, without knowing any subgroup by name, is told."""
     met = 0
-    for robot, *_ in PLANTED:
+    for robot in [*(robot for robot, *_ in PLANTED), *(orthogonal_chain(rng) for _ in range(60))]:
         q = rng.uniform(-1, 1, robot.n)
         permanent = [s for s in systems_at(robot, q) if s.permanent]
         for run in overfull_runs(robot, q):
-            inside = [s.loss for s in permanent if set(s.numbers) <= {i + 1 for i in run}]
-            assert inside, run
+            joints, dimension = {i + 1 for i in run}, len(closure(jacobian(robot, q, SPACE).T[list(run)]))
+            around = [s for s in permanent if joints <= set(s.numbers) and s.dimension <= dimension]
+            assert around or any(set(s.numbers) <= joints for s in permanent), run
             met += 1
-    assert met > 20
+    assert met > 60
+
+
+def test_structural_means_at_every_configuration_and_permanent_dependent_there(rng: np.random.Generator) -> None:
+    permanent = special = 0
+    for robot in (orthogonal_chain(rng) for _ in range(60)):
+        for system in systems_at(robot, np.zeros(robot.n)):
+            members = [number - 1 for number in system.numbers]
+            dimensions = []
+            for q in rng.uniform(-pi, pi, (2, robot.n)):
+                dimensions.append(len(closure(jacobian(robot, q, SPACE).T[members])))
+                assert not system.permanent or rank(robot, q, system.numbers) <= system.dimension
+            assert system.structural is (max(dimensions) <= system.dimension), (system, dimensions)
+            permanent += system.permanent
+            special += not system.structural
+    assert permanent > 20
+    assert special > 20
 
 
 @pytest.mark.parametrize(("screws", "dimension"), [

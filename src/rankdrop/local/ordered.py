@@ -23,6 +23,7 @@ from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import sample
 from rankdrop.local.circuits import DEPENDENT
+from rankdrop.local.lie_product import NO_TURN, lie_product, motion
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -32,7 +33,6 @@ from rankdrop.task import Task
 
 _SAMPLES = 4  # random configurations that tell which losses hold everywhere
 _SEED = 20231  # as `generic_rank`
-_NO_TURN = 1e-12  # direction shorter than this share of the screw: a slide
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,15 +215,15 @@ class OrderedScrewSet:
 
     def _rank(self, runs: Array) -> Array:
         """(B,) ranks of runs (B, k, 6)."""
-        if len(runs) == 0:
-            return np.zeros(0, dtype=int)
+        return _ranks(self._rows(runs), self.tolerance)
+
+    def _rows(self, screws: Array) -> Array:
+        """(..., 6) screws brought to unit length about a point amid the axes of the set."""
         point, length = _middle(self.screws)
-        linear = (runs[..., 3:] + np.cross(runs[..., :3], point)) / length
-        columns = np.concatenate([linear, runs[..., :3]], axis=-1)
-        size = np.linalg.norm(columns, axis=-1, keepdims=True)
-        columns = np.swapaxes(columns / np.where(size > 0.0, size, 1.0), -1, -2)
-        sigma = _core.svd(np.ascontiguousarray(columns), False, 1)
-        return np.asarray((sigma > self.tolerance).sum(axis=-1))
+        linear = (screws[..., 3:] + np.cross(screws[..., :3], point)) / length
+        rows = np.concatenate([linear, screws[..., :3]], axis=-1)
+        size = np.linalg.norm(rows, axis=-1, keepdims=True)
+        return np.asarray(rows / np.where(size > 0.0, size, 1.0))
 
 
 def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubset, ...]:
@@ -249,53 +249,37 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
     return _runs([OrderedScrewSet(np.roll(jacobian(robot, c, SPACE).T, 3, axis=1)) for c in poses])
 
 
-def lie_product(first: Array, second: Array) -> Array:
-    """(6,) GR equation 2, direction first."""
-    turn = np.cross(first[:3], second[:3])
-    return np.concatenate([turn, np.cross(first[:3], second[3:]) - np.cross(second[:3], first[3:])])
-
-
-def motion(screw: Array, amount: float) -> Array:
-    """(6, 6) Ad(exp(amount · screw)), direction first: [[R, 0], [p̂ R, R]].
-
-    A screw with direction s ≠ 0 turns by |s| · amount about its axis and slides along it; else it slides.
-    """
-    s, moment = screw[:3], screw[3:]
-    size = float(np.linalg.norm(s))
-    turn, shift = np.eye(3), moment * amount
-    if size > _NO_TURN * float(np.linalg.norm(screw)):
-        axis, angle = s / size, size * amount
-        hat = _hat(axis)
-        turn = np.eye(3) + np.sin(angle) * hat + (1.0 - np.cos(angle)) * hat @ hat
-        centre = np.cross(axis, moment) / size
-        shift = (np.eye(3) - turn) @ centre + axis * float(axis @ moment) * amount
-    result = np.zeros((6, 6))
-    result[:3, :3] = result[3:, 3:] = turn
-    result[3:, :3] = _hat(shift) @ turn
-    return result
-
-
 def _runs(sets: list[OrderedScrewSet]) -> tuple[OrderedSubset, ...]:
     """Runs of the first set with a loss; generic where the other sets all have the same loss."""
     n, found, losing = len(sets[0]), [], set()
+    rows = np.stack([oss._rows(oss.screws) for oss in sets])
     for size in range(1, n + 1):
         firsts = range(n - size + 1)
-        ranks = [oss._rank(np.array([oss.screws[i : i + size] for i in firsts])) for oss in sets]
+        runs = np.concatenate([rows[:, i : i + size] for i in firsts])
+        ranks = _ranks(runs, sets[0].tolerance).reshape(-1, len(sets))
         for i in firsts:
-            dimension = int(ranks[0][i])
+            dimension = int(ranks[i, 0])
             if dimension < size:
                 inside = (i, size - 1) in losing or (i + 1, size - 1) in losing
                 losing.add((i, size))
-                generic = len(sets) > 1 and all(int(rank[i]) == dimension for rank in ranks[1:])
+                generic = len(sets) > 1 and bool((ranks[i] == dimension).all())
                 loss = size - dimension
                 found.append(OrderedSubset(i + 1, i + size, dimension, loss, loss == 1, not inside, generic))
     return tuple(found)
 
 
+def _ranks(rows: Array, tolerance: float) -> Array:
+    """(B,) ranks of (B, k, 6) unit rows."""
+    if len(rows) == 0:
+        return np.zeros(0, dtype=int)
+    sigma = _core.svd(np.ascontiguousarray(np.swapaxes(rows, -1, -2)), False, 1)
+    return np.asarray((sigma > tolerance).sum(axis=-1))
+
+
 def _middle(screws: Array) -> tuple[Array, float]:
     """A point amid the axes and their largest distance from it (1 where they meet): for well-scaled columns."""
     size = np.linalg.norm(screws[:, :3], axis=1)
-    turning = size > _NO_TURN * np.linalg.norm(screws, axis=1)
+    turning = size > NO_TURN * np.linalg.norm(screws, axis=1)
     if not turning.any():
         return np.zeros(3), 1.0
     rows = screws[turning]
@@ -303,8 +287,3 @@ def _middle(screws: Array) -> tuple[Array, float]:
     point = points.mean(axis=0)
     length = float(np.linalg.norm(points - point, axis=1).max())
     return point, length if length > 1e-9 else 1.0
-
-
-def _hat(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -20,38 +20,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.errors import OptionError
-from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset, lie_product
-from rankdrop.robot.model import Array
-
-Instruction = tuple[str, int, int]
-
-PRINTED_IN_GR: tuple[Instruction, ...] = (
-    ("readoss", 1, 7),
-    ("msos", 1, 5),
-    ("subspace", 1, 5),
-    ("newscrews", 4, 5),
-    ("dimension", 1, 5),
-    ("dimension", 1, 6),
-    ("readoss", 4, 5),
-    ("newscrews", 3, 5),
-    ("dimension", 1, 5),
-    ("dimension", 1, 6),
-    ("dimension", 2, 7),
-)
-"""The instructions of GR's section 5, in their order."""
+from rankdrop.local.lie_product import lie_product
+from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset
+from rankdrop.local.ordered_session import GREATEST_RUN, Instruction, Step, session
 
 _AMOUNTS = (0.37, -0.23, 0.1)  # finite motions that judge [rad, or the set's unit of length]: no simple fractions of π
 _SEED = 20231
-_GREATEST_RUN = 6  # GR section 2.2: a run has at most six screws
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One instruction of a session and the lines it prints."""
-
-    instruction: str
-    lines: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,44 +108,6 @@ class OrderedReport:
     disagreements: tuple[str, ...]
 
 
-def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR) -> tuple[Step, ...]:
-    """Run GR's instructions, each printing what theirs print; `newscrews` changes the set until `readoss` restores it.
-
-    Raises:
-        OptionError: an instruction or a run that does not exist.
-
-    Example:
-        >>> from rankdrop.robot.open import open_robot
-        >>> steps = session(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7))
-        >>> [step.lines for step in steps if step.instruction.startswith("newscrews")]
-        [('S(5) = [1, 0, -1, 0, 5, 0]',), ('S(4) = [0, 1, 0, 5, 0, 5]', 'S(5) = [1, 0, -1, 0, 0, 0]')]
-    """
-    current, steps = screws, []
-    for name, first, last in instructions:
-        lines: tuple[str, ...]
-        if name == "readoss":
-            rows = current.screws.copy()
-            rows[first - 1 : last] = screws.readoss(first, last)
-            current = OrderedScrewSet(rows, screws.tolerance)
-            lines = tuple(_row(row) for row in screws.readoss(first, last))
-        elif name == "newscrews":
-            current = current.newscrews(first, last)
-            lines = tuple(f"S({k}) = {_row(current.screws[k - 1])}" for k in range(first + 1, last + 1))
-        elif name == "dimension":
-            lines = (str(current.dimension(first, last)),)
-        elif name == "msos":
-            lines = _msos_lines(current.msos(first, last))
-        elif name == "subspace":
-            found = current.subspace(first, last)
-            lines = tuple(f"[{u}, {v}] {'yes' if inside else 'no'}" for u, v, inside in found.entries)
-            lines += tuple(f"actuating screw {u} can restore ({first}, {last})" for u in found.actuators)
-        else:
-            allowed = "readoss, msos, subspace, newscrews, dimension"
-            raise OptionError("there is no such instruction", got=repr(name), allowed=allowed)
-        steps.append(Step(f"{name}({first}, {last})", lines))
-    return tuple(steps)
-
-
 def report(screws: OrderedScrewSet, seed: int = _SEED) -> OrderedReport:
     """GR's search on any ordered screw set, the same with the whole chain carried along, and finite motion as judge.
 
@@ -189,7 +125,7 @@ def report(screws: OrderedScrewSet, seed: int = _SEED) -> OrderedReport:
     dimension, generic = screws.dimension(1, n), _generic(screws, seed)
     subsets = screws.subsets()
     special = _special(screws, subsets, seed) if dimension < generic else ()
-    watched = tuple((s.first, s.last) for s in special if s.last - s.first < _GREATEST_RUN)
+    watched = tuple((s.first, s.last) for s in special if s.last - s.first < GREATEST_RUN)
     trials: list[Trial] = []
     instructions: list[Instruction] = [("readoss", 1, n)]
     for run in special:
@@ -319,16 +255,5 @@ def _elsewhere(screws: OrderedScrewSet, seed: int) -> OrderedScrewSet:
     return screws
 
 
-def _msos_lines(found: OrderedSubset) -> tuple[str, ...]:
-    if found.last - found.first > _GREATEST_RUN:  # the guard as printed: 6 < j − i
-        return ("more than seven screws: take a shorter run",)
-    end = "a minimal singular ordered subset" if found.msos else "not a minimal singular ordered subset"
-    return (f"dimension = {found.dimension}", f"lost freedoms = {found.loss}", end)
-
-
 def _clean(value: float) -> float:
     return 0.0 if abs(value) < 1e-9 else value
-
-
-def _row(screw: Array) -> str:
-    return f"[{', '.join(f'{x + 0.0:.6g}' for x in np.where(np.abs(screw) < 1e-12, 0.0, screw))}]"

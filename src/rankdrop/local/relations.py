@@ -15,7 +15,7 @@ from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Robot
 from rankdrop.task import resolve_task
 
-_SAMPLES = 4  # random configurations at which a relation has to hold to be structure
+_SAMPLES = 2  # random configurations at which a relation has to hold to be structure
 _SEED = 20231
 _ORDER = ("aligned", "concurrent", "intersecting", "parallel")
 
@@ -83,7 +83,8 @@ def _groups(lines: Lines) -> list[Group]:
     for i, j in combinations(turns, 2):
         point = lines.meeting_point(i, j)
         if point is not None:
-            points[i, j] = tuple(k for k in turns if lines.through(point, k))
+            on = lines.through(point)
+            points[i, j] = tuple(k for k in turns if on[k])
     concurrent = {group for group in points.values() if len(group) > 2}
     pairs = {group for group in points.values() if len(group) == 2}
     found: list[Group] = [("aligned", group) for group in aligned if len(group) > 1]
@@ -101,7 +102,10 @@ def _holds(lines: Lines, group: Group) -> bool:
         return all(lines.parallel(i, j) for i, j in pairs)
     crossing = [pair for pair in pairs if not lines.parallel(*pair)]
     point = lines.meeting_point(*crossing[0]) if crossing else None
-    return point is not None and all(lines.through(point, i) for i in joints)
+    if point is None:
+        return False
+    on = lines.through(point)
+    return all(on[i] for i in joints)
 
 
 def _relation(lines: Lines, group: Group, structural: bool) -> Relation:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -21,10 +22,12 @@ from rankdrop.local.circuits import DEPENDENT
 from rankdrop.local.scene import SAME
 from rankdrop.local.subgroups import Lines, Member, closure, members, released
 from rankdrop.local.verdict import one_configuration
+from rankdrop.reach import reach
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import Task, resolve_task
 
 _SEED = 20231  # as `generic_rank`
+_SAMPLES = 2  # random configurations that tell what stays
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +78,13 @@ def systems_at(robot: Robot, q: ArrayLike, tolerance: float = SAME) -> tuple[Scr
         [((4, 5, 6), 'spherical')]
     """
     lines = Lines(robot, one_configuration(robot, q), tolerance)
+    elsewhere = _Elsewhere(robot)
     pieces: dict[tuple[int, ...], ScrewSystem] = {}
     for member in members(lines):
         for joints, structural in _pieces(member):
-            system = _system(robot, lines, member, joints, structural)
+            overfull = len(joints) > member.dimension
+            always = structural or (overfull and elsewhere.keeps(joints, member.dimension))
+            system = _system(robot, lines, member, joints, always)
             count = len(system.numbers)
             telling = count > system.dimension or (structural and count == system.dimension >= 2)
             known = pieces.get(system.numbers)
@@ -124,12 +130,36 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
     return head + told + ("" if bound == rank else f"; this accounts for rank {bound}, not for {rank}")
 
 
+class _Elsewhere:
+    """Joint twists at random configurations, computed when they are first asked for."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+
+    @cached_property
+    def twists(self) -> list[Array]:
+        """(N, 6) about the tip, lengths per reach, for every configuration."""
+        found = []
+        for q in sample(self.robot, resolve_task("pose", self.robot), _SAMPLES, _SEED):
+            found.append(_twists(self.robot, q, reach(self.robot)))
+        return found
+
+    def keeps(self, joints: tuple[int, ...], dimension: int) -> bool:
+        """Do these joints generate no more than this dimension there as well?"""
+        return all(len(closure(t[list(joints)], most=dimension)) <= dimension for t in self.twists)
+
+
+def _twists(robot: Robot, q: Array, length: float) -> Array:
+    """(N, 6) twists of every joint, mimic joints too, about the tip: rounding stays small."""
+    free, values = released(robot, q)
+    twists = jacobian(free, values).T.copy()
+    twists[:, :3] /= length
+    return twists
+
+
 def _whole(robot: Robot, task: Task, q: Array, rank: int) -> str | None:
     """All joints in one subgroup that is too small for the task."""
-    free, values = released(robot, q)
-    screws = jacobian(free, values).T.copy()  # about the tip: rounding stays small
-    screws[:, :3] /= task.scale(robot)
-    dimension = len(closure(screws))
+    dimension = len(closure(_twists(robot, q, task.scale(robot))))
     if dimension == 6:
         return None
     lines = Lines(robot, q)
@@ -166,7 +196,7 @@ def _apart(losses: list[tuple[int, frozenset[int], str]]) -> Iterator[tuple[tupl
 
 
 def _pieces(member: Member) -> Iterator[tuple[tuple[int, ...], bool]]:
-    """The set itself, and its parts that stay together for ever: all joints between two neighbours are keepers."""
+    """The set itself, and its parts that surely stay together: all joints between two neighbours are keepers."""
     runs: list[list[int]] = [[member.joints[0]]]
     for before, joint in zip(member.joints, member.joints[1:], strict=False):
         if all(between in member.keepers for between in range(before + 1, joint)):
@@ -185,7 +215,8 @@ def _says_more(other: ScrewSystem, system: ScrewSystem) -> bool:
     if other is system or (system.structural and not other.structural):
         return False
     mine, others = set(system.numbers), set(other.numbers)
-    if mine < others and other.dimension <= system.dimension:
+    filled_inside = system.loss == 0 and other.structural  # a part of a larger structure that is not dependent itself
+    if mine < others and (other.dimension <= system.dimension or filled_inside):
         return True
     return others < mine and not system.structural and other.loss >= system.loss
 

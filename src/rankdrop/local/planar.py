@@ -6,8 +6,8 @@
          [ a1 + a2 c2    a2 c2  ]                                   ─────────  [ −a1 − a2 c2   −a2 s2 ]
                                                                     a1 a2 s2
 
-Copies of the lecture in which entries of the inverse have lost their factor a2 do not satisfy ¹J ¹J⁻¹ = I; this form does,
-for all lengths. It gives the rates
+Copies of the lecture in which entries of the inverse have lost their factor a2 do not satisfy ¹J ¹J⁻¹ = I; this form
+does, for all lengths. It gives the rates
 
     θ̇1 = c2/(a1 s2) ẋ + ẏ/a1,      θ̇2 = −(a1 + a2 c2)/(a1 a2 s2) ẋ − ẏ/a1
 

@@ -7,38 +7,41 @@
 """
 
 from rankdrop.analyze import analyze
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.search import Search, search
+from rankdrop.atlas.search import search
 from rankdrop.errors import RankdropError
+from rankdrop.explain import explain
 from rankdrop.frames import Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
+from rankdrop.kinematics import jacobian, jacobian_derivative, pose
 from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.escape import escape
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.local.redundancy import redundancy
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Joint, Robot
-from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.open import open_robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 from rankdrop.version import VERSION as __version__
 
 __all__ = [
     "Analysis",
-    "Family",
     "Frame",
     "Joint",
     "RankdropError",
     "Robot",
-    "Search",
     "Task",
     "Tolerances",
     "__version__",
     "analyze",
+    "escape",
+    "explain",
     "generic_rank",
     "jacobian",
     "jacobian_derivative",
+    "nearest_singularity",
     "open_robot",
     "pose",
-    "robot_names",
+    "redundancy",
     "search",
     "singular_values",
-    "task_jacobian",
 ]

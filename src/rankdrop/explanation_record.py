@@ -6,11 +6,13 @@ from typing import Any
 
 from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
-from rankdrop.explanation import SCHEMA, Explanation, Lost
+from rankdrop.explanation_data import ExplanationData, Lost
 from rankdrop.record import Record, plain, robot_to_dict
 
+SCHEMA = "rankdrop/explanation/1"
 
-def explanation_to_dict(found: Explanation) -> Record:
+
+def explanation_to_dict(found: ExplanationData) -> Record:
     """Every part; what is asked for most stands at the top level."""
     rank = found.rank
     return {
@@ -87,7 +89,7 @@ def _lost(lost: Lost) -> Record:
     }
 
 
-def nearest_to_dict(found: Explanation) -> Record | None:
+def nearest_to_dict(found: ExplanationData) -> Record | None:
     """The nearest singular configuration: q itself where it is one."""
     name = None if found.far.nearest_family is None else met_to_dict(found.far.nearest_family)
     if found.rank.corank:
@@ -97,19 +99,19 @@ def nearest_to_dict(found: Explanation) -> Record | None:
     return None if found.far.nearest is None else {**plain(found.far.nearest), "family": name}
 
 
-def far_to_dict(found: Explanation) -> Record:
+def far_to_dict(found: ExplanationData) -> Record:
     """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
     return _picked(found, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
                    "uncertified", "near_miss")  # fmt: skip
 
 
-def way_out_to_dict(found: Explanation, procedure: Any) -> Record:
+def way_out_to_dict(found: ExplanationData, procedure: Any) -> Record:
     """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
     picked = _picked(found, "rankdrop/escape/1", "circuits", "blame", "escape")
     return {**picked, "lie": plain(procedure)}
 
 
-def _picked(found: Explanation, schema: str, *names: str) -> Record:
+def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
     whole = explanation_to_dict(found)
     always = ("robot", "settings", "q", "verdict", "reason", "rank", "generic_rank", "corank", "nullity", "sigma")
     return {"schema": schema, **{name: whole[name] for name in (*always, *names, "disagreements")}}

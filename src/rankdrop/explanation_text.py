@@ -7,7 +7,7 @@ from math import degrees, inf, isinf
 
 import numpy as np
 
-from rankdrop.explanation import Explanation
+from rankdrop.explanation_data import ExplanationData
 from rankdrop.local.escape import Direction, JointEscape
 from rankdrop.local.screws import Screw
 from rankdrop.sections import Section
@@ -15,7 +15,7 @@ from rankdrop.sections import Section
 _SHOWN = 5
 
 
-def sections_of(found: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
     """The parts in the order in which they are asked for.
 
     Args:
@@ -26,7 +26,7 @@ def sections_of(found: Explanation, *, full: bool = False, parts: Sequence[str] 
     return tuple(section for name in names for section in PARTS[name](found, full))
 
 
-def _verdict(found: Explanation, full: bool) -> Iterator[Section]:
+def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     r = rank.generic_rank
     sigma = ", ".join(_short(value) for value in rank.sigma)
@@ -46,7 +46,7 @@ def _verdict(found: Explanation, full: bool) -> Iterator[Section]:
     )  # fmt: skip
 
 
-def _which(found: Explanation, full: bool) -> Iterator[Section]:
+def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     if not found.met and not found.relations:
         return
     where = "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
@@ -70,7 +70,7 @@ def _which(found: Explanation, full: bool) -> Iterator[Section]:
     yield Section(title, where, tuple(lines), notes=tuple(notes))
 
 
-def _lost(found: Explanation, full: bool) -> Iterator[Section]:
+def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
     lost = found.lost
     if lost.framed is not None:
         lines = []
@@ -87,14 +87,15 @@ def _lost(found: Explanation, full: bool) -> Iterator[Section]:
                       columns=("vx", "vy", "vz", "wx", "wy", "wz"), rows=rows, texts=())  # fmt: skip
 
 
-def _blame(found: Explanation, full: bool) -> Iterator[Section]:
+def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
     blame = found.blame
     lines = [circuit.words for circuit in blame.smallest]
     lines += [system.words for system in blame.systems if system.permanent or full]
     if blame.always:
         lines.append(f"deficient at every configuration: {blame.always}")
     if lines:
-        yield Section("Joints to blame", "smallest dependent sets of joint screws" if blame.smallest else "", tuple(lines))
+        summary = "smallest dependent sets of joint screws" if blame.smallest else ""
+        yield Section("Joints to blame", summary, tuple(lines))
     if full and blame.circuits:
         rows = tuple(
             (_set(one.numbers), "always" if one.generic else "here", _vector(one.coefficients), one.words)
@@ -103,16 +104,16 @@ def _blame(found: Explanation, full: bool) -> Iterator[Section]:
         yield Section("Every circuit", "inclusion-minimal dependent sets", columns=("joints", "", "coefficients", ""),
                       rows=rows, texts=(0, 1, 2, 3))  # fmt: skip
     if full and blame.ordered:
-        rows = tuple(
+        runs = tuple(
             (f"{one.first}–{one.last}", str(one.dimension), str(one.loss), "yes" if one.msos else "no",
              "yes" if one.minimal else "no")
             for one in blame.ordered
         )  # fmt: skip
         yield Section("Singular runs of joints", "Gallardo-Alvarado and Rico-Martínez",
-                      columns=("joints", "dimension", "loss", "their test", "minimal"), rows=rows)  # fmt: skip
+                      columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
 
 
-def _escape(found: Explanation, full: bool) -> Iterator[Section]:
+def _escape(found: ExplanationData, full: bool) -> Iterator[Section]:
     out, r = found.escape, found.rank.generic_rank
     helpful = [one for one in out.single if one.order is not None]
     shown = out.single if full else helpful[:_SHOWN]
@@ -136,7 +137,7 @@ def _escape(found: Explanation, full: bool) -> Iterator[Section]:
     yield Section(title, summary, tuple(line for line in lines if line), columns, rows, texts=(0, 5))
 
 
-def _joint_row(found: Explanation, one: JointEscape) -> tuple[str, ...]:
+def _joint_row(found: ExplanationData, one: JointEscape) -> tuple[str, ...]:
     unit = found.robot.variables[one.number - 1].unit
     if one.order is None:
         gained = f"gains {one.gain}, not all" if one.gain else "no gain"
@@ -149,7 +150,7 @@ def _joint_row(found: Explanation, one: JointEscape) -> tuple[str, ...]:
             receptors)  # fmt: skip
 
 
-def _direction(found: Explanation, one: Direction) -> str:
+def _direction(found: ExplanationData, one: Direction) -> str:
     parts = [
         f"joint {number} {_motion(one.delta[number - 1] * one.step, found.robot.variables[number - 1].unit)}"
         for number in one.numbers
@@ -159,7 +160,7 @@ def _direction(found: Explanation, one: Direction) -> str:
     return f"{', '.join(parts)}: {end}" + ("" if one.restores else f", gains {one.gain} only")
 
 
-def _far(found: Explanation, full: bool) -> Iterator[Section]:
+def _far(found: ExplanationData, full: bool) -> Iterator[Section]:
     far, lines, rows = found.far, [], []
     if far.nearest is not None:
         name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
@@ -184,47 +185,45 @@ def _far(found: Explanation, full: bool) -> Iterator[Section]:
         yield Section(title, "", tuple(lines), columns, tuple(rows))
 
 
-def _rates(found: Explanation, full: bool) -> Iterator[Section]:
+def _rates(found: ExplanationData, full: bool) -> Iterator[Section]:
     rates = found.rates
     chosen = [one for one in (*rates.axes, rates.weakest, *rates.lost) if one is not None]
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for one in chosen:
         if not one.possible:
             rows.append((one.name, "impossible", "", "0", *("" for _ in one.joint_rates if full)))
             continue
         worst = "" if one.worst is None else f"{one.worst} {one.worst_joint}"
         top = "no limits known" if isinf(one.speed) else f"{one.speed:.3g} {one.unit}"
-        each = tuple(_short(round(rate, 6)) for rate in one.joint_rates) if full else ()
-        rows.append((one.name, f"{one.norm:.4g}", worst, top, *each))
-    columns = ("unit speed", "joint rates", "most of", "at most")
-    if full:
-        columns += tuple(f"{number}" for number in range(1, found.robot.n + 1))
-    note = "joint rates: norm of the smallest ones [rad/s] for 1 m/s or 1 rad/s of the end effector; at most: within " + (
-        "the joint velocity limits"
-    )
+        rates_of = tuple(_short(round(rate, 6)) for rate in one.joint_rates) if full else ()
+        rows.append((one.name, f"{one.norm:.4g}", worst, top, *rates_of))
+    each = tuple(f"{number}" for number in range(1, found.robot.n + 1)) if full else ()
+    columns = ("unit speed", "joint rates", "most of", "at most", *each)
+    note = "joint rates: norm of the smallest ones [rad/s] for 1 m/s or 1 rad/s; at most: within the velocity limits"
     yield Section("What motion costs", "", (), columns, tuple(rows), texts=(0, 2, 3), notes=(note,))
 
 
-def _ellipsoids(found: Explanation, full: bool) -> Iterator[Section]:
+def _ellipsoids(found: ExplanationData, full: bool) -> Iterator[Section]:
     shapes = found.ellipsoids
     for group in (shapes.unit_rates, shapes.rate_limits):
         if group is None:
             continue
         parts = [part for part in (group.translation, group.rotation, group.task) if part is not None]
         rows = tuple(
-            (part.name, _lengths(part.velocity.half_lengths), _lengths(part.force.half_lengths), _index(part.sigma_min.value),
-             _index(part.condition.value), _index(part.manipulability.value))
+            (part.name, _lengths(part.velocity.half_lengths), _lengths(part.force.half_lengths),
+             *(_index(index.value) for index in (part.sigma_min, part.condition, part.manipulability)))
             for part in parts
         )  # fmt: skip
         units = ", ".join(f"{part.name} {part.velocity.unit} and {part.force.unit}" for part in parts)
         yield Section(
             "Ellipsoids", group.ball, (),
-            ("", "velocity half-axes", "force half-axes", "σ_min", "condition", "manipulability"), rows, texts=(0, 1, 2),
+            ("", "velocity half-axes", "force half-axes", "σ_min", "condition", "manipulability"), rows,
+            texts=(0, 1, 2),
             notes=(f"units: {units}; the task as a whole takes {shapes.length_scale:.4g} m for 1 rad",),
         )  # fmt: skip
 
 
-def _redundancy(found: Explanation, full: bool) -> Iterator[Section]:
+def _redundancy(found: ExplanationData, full: bool) -> Iterator[Section]:
     spare = found.redundancy
     lines = [
         f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
@@ -239,7 +238,7 @@ def _redundancy(found: Explanation, full: bool) -> Iterator[Section]:
                   notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
 
 
-def _representation(found: Explanation, full: bool) -> Iterator[Section]:
+def _representation(found: ExplanationData, full: bool) -> Iterator[Section]:
     every = found.representations
     rows = tuple(
         (one.name, ", ".join(f"{name} {_short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
@@ -255,14 +254,14 @@ def _lengths(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
     return " ".join("∞" if isinf(value) else _short(round(float(value), 6)) for value in values)
 
 
-def _closing(found: Explanation, full: bool) -> Iterator[Section]:
+def _closing(found: ExplanationData, full: bool) -> Iterator[Section]:
     if found.disagreements:
         yield Section("Disagreement", "two methods differ; please report it", found.disagreements)
     elif not full:
         yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
 
 
-def _units(found: Explanation) -> list[str]:
+def _units(found: ExplanationData) -> list[str]:
     return [joint.unit for joint in found.robot.variables]
 
 
@@ -324,7 +323,7 @@ def _plural(word: str, count: int) -> str:
     return word if count == 1 else f"{word}s"
 
 
-PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
+PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "verdict": _verdict,
     "which": _which,
     "lost": _lost,

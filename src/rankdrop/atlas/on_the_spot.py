@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.family import Pinned
 from rankdrop.atlas.fit import Budget
-from rankdrop.atlas.local_family import LocalFamily, condition_words, relation_words
 from rankdrop.atlas.linear import Linear, Values, canonical, wrap
+from rankdrop.atlas.local_family import LocalFamily, condition_words, relation_words
 from rankdrop.atlas.naming import name_family
 from rankdrop.atlas.recognise import recognised
 from rankdrop.atlas.residual import residual_equations

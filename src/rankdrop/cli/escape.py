@@ -53,12 +53,14 @@ def escape(
     from rankdrop.cli.terminal import results, show
     from rankdrop.explain import explain
     from rankdrop.explanation_record import way_out_to_dict
-    from rankdrop.local.lie_steps import render, steps_for
+    from rankdrop.local.ordered import OrderedScrewSet
+    from rankdrop.local.ordered_report import report
+    from rankdrop.local.ordered_text import render
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)
     found = explain(model, parse_configuration(q, model, deg=deg), task, evaluations=0, seed=seed, step=step)
-    procedure = steps_for(model, found.q) if lie else None
+    procedure = report(OrderedScrewSet.of(model, found.q), seed) if lie else None
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
         steps.append(lambda: print_sections(found.sections(parts=("verdict", "blame", "escape"), full=True)))
@@ -67,4 +69,5 @@ def escape(
     if json is not None:
         steps.append(lambda: write_json(way_out_to_dict(found, procedure), json))
     do_all(steps)
-    return exits.UNEXPLAINED if found.rank.corank and not found.escape.restores else exits.FINE
+    out = any(one.order is not None for one in found.escape.single) or found.escape.best_direction.restores
+    return exits.FINE if out or not found.rank.corank else exits.UNEXPLAINED

@@ -14,7 +14,10 @@ try:
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.escape import escape
+    from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
+    from rankdrop.cli.nearest import nearest
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
@@ -29,6 +32,7 @@ For example:
     rankdrop analyze pa10
     rankdrop analyze arm.urdf --tip flange --json arm.json
     rankdrop find ur5 --corank 2 --out corank2.csv
+    rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
 
 {exits.HELP}"""
 
@@ -45,6 +49,9 @@ app = App(
 app.command(robots)
 app.command(analyze)
 app.command(find)
+app.command(explain)
+app.command(escape)
+app.command(nearest)
 
 
 def main() -> None:

@@ -58,8 +58,8 @@ def nearest(
     check_target(json, "--json")
     model, task = open_arm(robot, arm)
     found = explain(
-        model, parse_configuration(q, model, deg=deg), task, limits=limits, evaluations=evaluations, seed=seed, coranks=6,
-        analysis=None if analysis is None else Analysis.load(analysis),
+        model, parse_configuration(q, model, deg=deg), task, limits=limits, evaluations=evaluations, seed=seed,
+        coranks=6, analysis=None if analysis is None else Analysis.load(analysis),
     )  # fmt: skip
     steps: list[Callable[[], None]] = []
     if json != STDOUT:

@@ -16,7 +16,8 @@ from rankdrop.atlas.search import Outcome, refine
 from rankdrop.atlas.which import Met, families_at
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
-from rankdrop.explanation import Blame, ExplainSettings, Explanation, Far, Lost
+from rankdrop.explanation import Explanation
+from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
 from rankdrop.known import geometry, known_analysis
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at

@@ -194,6 +194,8 @@ def test_catalogue_arms_have_no_system_that_is_dependent_for_ever() -> None:
      "rank 5 of 6 everywhere: joints 1–7 lie in a Schönflies system of dimension 4 and lose 3"),
     (built(prismatic((1, 0, 0)), revolute(Z, C), prismatic(Z), *(prismatic((0, 1, 0)) for _ in range(4)),
            revolute((1, 0, 0), (0, 0, 1))), "pose", "rank 5 of 6 everywhere"),
+    (built(revolute(Z, C), revolute(Z, C), prismatic((1, 0, 0)), prismatic(Z)), "scara",
+     "rank 3 of 4 everywhere: joints 1, 2 lie in a coaxial system of dimension 1 and lose 1"),
     (built(*slides(4), *concurrent(4)), "pose", None),
     (built(*other(1), *concurrent(4), *other(2, 9)), "pose", None),
     (built(*other(6)), "pose", None),
@@ -207,8 +209,7 @@ def test_why_an_arm_is_deficient_everywhere(robot: Robot, task: str, told: str |
     assert "accounts for" not in (reason or "")
 
 
-def test_a_loss_that_no_system_explains_is_not_explained(rng: np.random.Generator) -> None:
-    """A line bound to the base that every axis meets for ever: axis 1 is that line, and the rest is a wrist on it."""
+def test_a_spherical_system_that_takes_the_first_axis_in(rng: np.random.Generator) -> None:
     wrist = [revolute(axis, C) for axis in rng.normal(size=(3, 3))]
     robot = built(revolute(Z, C), *wrist, *other(1))
     reason = always_singular_reason(robot, resolve_task("pose", robot))

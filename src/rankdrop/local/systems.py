@@ -118,13 +118,15 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
         return None
     q = sample(robot, task, 1, _SEED)[0]
     head = f"rank {rank} of {most} everywhere: "
-    whole = _whole(robot, task, q, rank)
-    if whole is not None:
-        return head + whole
+    dimension = len(closure(_twists(robot, q, task.scale(robot))))
+    if dimension < 6 and dimension == generic_rank(robot, resolve_task("pose", robot)):
+        return head + _whole(robot, q, dimension, rank)
     losses = _losses(robot, task, q)
     best = max(_apart(losses), key=lambda chosen: (sum(loss for loss, _, _ in chosen), -len(chosen)))
     bound = min(most, robot.n - sum(loss for loss, _, _ in best))
-    if not best or bound == most:
+    if bound > rank and dimension < 6:
+        return head + _whole(robot, q, dimension, rank)
+    if bound == most:
         return f"{head}no screw system of the joints accounts for it"
     told = "; ".join(words for _, _, words in best)
     return head + told + ("" if bound == rank else f"; this accounts for rank {bound}, not for {rank}")
@@ -157,11 +159,8 @@ def _twists(robot: Robot, q: Array, length: float) -> Array:
     return twists
 
 
-def _whole(robot: Robot, task: Task, q: Array, rank: int) -> str | None:
-    """All joints in one subgroup that is too small for the task."""
-    dimension = len(closure(_twists(robot, q, task.scale(robot))))
-    if dimension == 6:
-        return None
+def _whole(robot: Robot, q: Array, dimension: int, rank: int) -> str:
+    """All joints in one subgroup, and what the task sees of it."""
     lines = Lines(robot, q)
     every = tuple(range(len(robot.joints)))
     whole = [member for member in members(lines) if member.joints == every and member.dimension == dimension]

@@ -79,7 +79,8 @@ def shipped(name: str) -> Analysis:
         ResultFileError: there is none, or it is damaged.
     """
     if name not in known_names():
-        raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=", ".join(known_names()))
+        allowed = ", ".join(known_names())
+        raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=allowed)
     return Analysis.from_dict(json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8")))
 
 

@@ -21,10 +21,10 @@ def cut_off(robot: Robot, q: Array) -> Array:
             values[joint.name] = joint.mimic.multiplier * values[joint.mimic.leader] + joint.mimic.offset
     free = [replace(joint, mimic=None) for joint in robot.joints]
     every = np.array([values[joint.name] for joint in free])
-    cut = [
-        pose(replace(robot, joints=tuple(free[:i]), home=joint.frame), every[:i]) for i, joint in enumerate(free, start=1)
-    ]
-    return np.stack([np.eye(4), *cut, pose(robot, q)])
+    poses = [np.eye(4)]
+    for i, joint in enumerate(free, start=1):
+        poses.append(pose(replace(robot, joints=tuple(free[:i]), home=joint.frame), every[:i]))
+    return np.stack([*poses, pose(robot, q)])
 
 
 @pytest.mark.parametrize("kinds", ["rrrrrrr", "mrrhpmr", "p", "rpr"])

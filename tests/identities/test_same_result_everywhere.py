@@ -11,9 +11,11 @@ from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop import _core
+from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.search import METHODS, Search, search
 from rankdrop.frames import BODY, Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose
+from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
+from rankdrop.known import shipped
 from rankdrop.local.block import block, decompose
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
@@ -37,7 +39,10 @@ def everything() -> list[Array]:
         task = resolve_task("pose", robot)
         results += [pose(robot, q), jacobian(robot, q), jacobian_derivative(robot, q, Frame(1, -1))]
         parts, split = block(robot, q, task, 2), decompose(robot, q, task)
-        results += [parts.f, parts.d, parts.u2, parts.v2, split.u, split.sigma, split.v]
+        results += [parts.f, parts.d, parts.u2, parts.v2, split.u, split.sigma, split.v, link_poses(robot, q)]
+    found = shipped("canadarm2")
+    seen = Monitor(found.robot, found.task, found.families).look(np.random.default_rng(3).uniform(-3, 3, (37, 7)))
+    results += [seen.sigma, seen.family, seen.nearest, seen.residual, seen.u, seen.v, seen.distance]  # type: ignore[list-item]
     return results
 
 
@@ -92,6 +97,17 @@ def test_a_search_ends_alike_on_every_set(name: str, method: str) -> None:
 @pytest.mark.parametrize("threads", [0, 2, 3])
 def test_a_search_ends_alike_on_any_number_of_threads(threads: int, method: str) -> None:
     same(found(method, threads), found(method, 1))
+
+
+@pytest.mark.parametrize("threads", [0, 2, 3])
+def test_a_monitor_sees_the_same_on_any_number_of_threads(threads: int) -> None:
+    found = shipped("pa10")
+    q = np.random.default_rng(4).uniform(-3, 3, (1100, 7))
+    q[::3, 3] = 0.0
+    monitor = Monitor(found.robot, found.task, found.families)
+    one, many = monitor.look(q, threads=1), monitor.look(q, threads=threads)
+    for name in ("sigma", "rank", "corank", "family", "nearest", "residual", "u", "v", "distance"):
+        np.testing.assert_array_equal(getattr(many, name), getattr(one, name))
 
 
 def test_more_starts_repeat_the_first_ones() -> None:

@@ -1,4 +1,4 @@
-"""Planted sparse bases come back, whatever basis of their span is handed in; the core chooses as the plain oracle does."""
+"""Planted sparse bases come back, whatever basis of their span is handed in; the core chooses as the oracle does."""
 
 from __future__ import annotations
 
@@ -105,11 +105,12 @@ def test_other_numbers_of_rows_are_served_too(rows: int, count: int, rng: np.ran
 
 
 def test_the_best_of_a_plane_is_the_best_of_all_angles(rng: np.random.Generator) -> None:
-    """k = 2 is exact: no angle of a fine grid gives a smaller sum; generic planes have as many entries whichever is zero."""
+    """k = 2 is exact: no angle of a fine grid gives a smaller sum (all have as many entries in a generic plane)."""
     angles = np.linspace(0.0, np.pi, 2001)
     for _ in range(20):
         basis = random_rotation(rng, 6)[:, :2]
-        turned = basis @ np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]]).transpose(2, 0, 1)
+        c, s = np.cos(angles), np.sin(angles)
+        turned = basis @ np.array([[c, -s], [s, c]]).transpose(2, 0, 1)
         assert np.abs(readable_basis(basis)).sum() <= np.abs(turned).sum(axis=(1, 2)).min() + 1e-9
 
 

@@ -23,7 +23,7 @@ class LocalFamily:
         free: numbers of the joints that the family does not depend on.
         coupled: numbers of the joints bound together by a condition.
         relations: whole-number relations between joints in words, "θ3 + θ5 = 0".
-        equations: every condition, where the coupled ones were asked for and found, or where there are none; else empty.
+        equations: every condition; empty where joints are coupled and their equation was not asked for or not found.
         words: the conditions as sentences.
         parts: the families that meet at q, each as above; empty where q lies on one only.
         points: how many neighbours speak for it.

@@ -92,7 +92,7 @@ def name_on_the_spot(
     around = _neighbourhood(setting, configuration, at, seed)
     found = _groups(setting, configuration, at, around, seed)
     families = [
-        _described(setting, configuration, around, signature, members, seed, fit=fit) for signature, members in found
+        _described(setting, around, signature, members, seed, fit=fit) for signature, members in found
     ]
     if not families:
         families = _from_shared_values(setting, configuration, around, seed)
@@ -119,8 +119,7 @@ def _neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Ins
     near = np.linalg.norm(way / scale, axis=1) <= BACK * np.append(SIZES[0], sizes)
     good = near & (back.sigma[:, setting.rank] <= setting.tolerances.singular)
     good[0] = True
-    inspection = setting.inspect(q + way[good])
-    return inspection
+    return setting.inspect(q + way[good])
 
 
 def _rank_of(at: Inspection) -> int:
@@ -130,8 +129,8 @@ def _rank_of(at: Inspection) -> int:
 
 def _usual_rank(around: Inspection) -> int:
     """The rank of D at most of the neighbours."""
-    ranks = [signature.rank for signature in around.signatures[1:] if signature is not None]
-    return int(np.median(ranks)) if ranks else -1
+    ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
+    return ranks[len(ranks) // 2] if ranks else -1
 
 
 def _groups(setting: Setting, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
@@ -180,12 +179,12 @@ def _holding(setting: Setting, signature: Signature, q: Array, points: Array, me
     linear = Linear.of(setting.robot, signature.covectors(len(q)))
     off = linear.values(points[members]) - linear.values(q[None])
     off = np.where(linear.periodic, wrap(off), off)
-    same = (np.abs(off) <= HELD * max(1.0, setting.task.scale(setting.robot))).all(axis=1)
-    return [member for member, ok in zip(members, same, strict=True) if ok]
+    same = np.abs(off).max(axis=1, initial=0.0) <= HELD * max(1.0, setting.task.scale(setting.robot))
+    return [members[i] for i in np.flatnonzero(same)]
 
 
 def _described(
-    setting: Setting, q: Array, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
+    setting: Setting, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
 ) -> LocalFamily:
     robot = setting.robot
     linear = Linear.of(robot, signature.covectors(robot.n))
@@ -201,8 +200,14 @@ def _described(
 
 
 def _family(
-    setting: Setting, points: Array, signature: Signature, values: Values, equations: tuple[Equation, ...], evidence: str
+    setting: Setting,
+    points: Array,
+    signature: Signature,
+    values: Values,
+    equations: tuple[Equation, ...],
+    evidence: str,
 ) -> LocalFamily:
+    """The record of one family; `points` are of it, and its name is taken from them."""
     robot = setting.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, (values[i],)) for i, joint in enumerate(signature.pinned)
@@ -235,7 +240,8 @@ def _values(linear: Linear, points: Array) -> Values:
     middle = raw[len(raw) // 2]
     off = raw - middle
     mean = middle + np.median(np.where(linear.periodic, wrap(off), off), axis=0)
-    return tuple(canonical(float(v)) if turns else float(v) + 0.0 for v, turns in zip(mean, linear.periodic, strict=True))
+    pairs = zip(mean.tolist(), linear.periodic.tolist(), strict=True)
+    return tuple(canonical(value) if turns else value + 0.0 for value, turns in pairs)
 
 
 def _fitted(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -183,9 +183,4 @@ def _way(
         return length
     part = np.linspace(0.0, 1.0, STEPS)[:, None]
     sigma = singular_values(robot, (1 - part) * q + part * feet[0], task)[:, rank]
-    return length if bool((sigma <= max(tolerances.singular, 0.0)).all()) else inf
-
-
-def loosest(tolerances: Tolerances) -> float:
-    """How far from a crossing of two sheets σ is still zero within the tolerance [rad]."""
-    return sqrt(tolerances.singular)
+    return length if bool((sigma <= tolerances.singular).all()) else inf

@@ -50,7 +50,7 @@ def readable_basis(B: ArrayLike) -> Array:
     u, sigma, vt = np.linalg.svd(columns, full_matrices=False)
     if count > rows or sigma[-1] <= _DEPENDENT * sigma[0]:
         raise OptionError("the columns of a basis are independent", got=f"singular values {sigma.tolist()}")
-    return readable_bases((u @ vt)[None])[0]
+    return np.asarray(readable_bases((u @ vt)[None])[0])
 
 
 def readable_bases(orthonormal: Array) -> Array:

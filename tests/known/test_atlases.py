@@ -1,0 +1,167 @@
+"""The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
+
+All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py` (one minute); two by default.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from rankdrop.analyze import analyze
+from rankdrop.atlas.monitor import Monitor
+from rankdrop.atlas.row import soundness
+from rankdrop.atlas.sampling import Setting
+from rankdrop.atlas.search import search
+from rankdrop.atlas.system import System
+from rankdrop.errors import ResultFileError
+from rankdrop.frames import BODY
+from rankdrop.known import SEED, STARTS, fingerprint, known_analysis, known_names, shipped
+from rankdrop.record import robot_to_dict
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.screws import from_screws
+from rankdrop.task import resolve_task
+from rankdrop.version import VERSION
+
+QUICK = ("planar3r", "puma560")
+ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names()]
+
+
+def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
+    assert known_names() == robot_names()
+    files = [item for item in (resources.files("rankdrop") / "atlases").iterdir() if item.name.endswith(".json")]
+    assert len(files) == len(robot_names()) + 1
+    assert sum(len(item.read_bytes()) for item in files) < 1_500_000
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
+    robot, found = open_robot(name), shipped(name)
+    assert robot_to_dict(robot, found.task, 0) == robot_to_dict(found.robot, found.task, 0), "stale: make it anew"
+    assert found.settings.seed == SEED
+    assert found.settings.starts == STARTS
+    assert found.settings.version == VERSION, "made by another version: run tools/make_atlases.py"
+    assert found.complete
+    assert found.verified
+    assert found.residual().holds(found.settings.tolerances)
+    known = known_analysis(robot, resolve_task(None, robot))
+    assert known == found
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_family_is_sound_at_fresh_points(name):
+    found = shipped(name)
+    for number, family in enumerate(found.families):
+        setting = Setting(found.robot, found.task, family.corank, found.generic_rank - family.corank,
+                          found.settings.tolerances)  # fmt: skip
+        rng = np.random.default_rng([4711, number])
+        fresh, strangers = soundness(setting, System(family.equations), found.robot.n - family.dimension, rng)
+        assert fresh.holds, (family.id, fresh)
+        assert not len(strangers)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
+    found = shipped(name)
+    monitor = Monitor(found.robot, found.task, found.families)
+    coranks = np.array([family.corank for family in found.families])
+    for corank in sorted(set(coranks)):
+        q = search(found.robot, int(corank), starts=300, seed=31_415).converged
+        assert len(q) > 50, "the search found hardly anything: this test would mean nothing"
+        seen = monitor.look(q)
+        exact = seen.corank == corank
+        assert exact.sum() > 30
+        assert (seen.family[exact] >= 0).all()
+        assert (coranks[seen.family[exact]] == corank).all()
+
+
+@pytest.mark.parametrize("name", ANEW)
+def test_made_anew_it_is_the_same(name):
+    found = shipped(name)
+    again = analyze(open_robot(name), starts=found.settings.starts, seed=found.settings.seed)
+    rows = [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in again.families]
+    assert rows == [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in found.families]
+    for new, old in zip(again.families, found.families, strict=True):
+        assert [one.number for one in new.pinned] == [one.number for one in old.pinned]
+        for a, b in zip(new.pinned, old.pinned, strict=True):
+            assert np.abs(np.array(a.values) - b.values).max() < 1e-9
+        # not the last digits: LAPACK's differ from machine to machine
+        points = np.random.default_rng(5).uniform(-3, 3, (20, found.robot.n))
+        for mine, other in zip(new.equations, old.equations, strict=True):
+            assert np.abs(mine(points) - other(points)).max() < 1e-6
+
+
+def other_names(robot: Robot) -> Robot:
+    """The same arm from its screws, with other names and limits, rounded as another program would."""
+    screws = np.stack([joint.screw for joint in robot.joints]) * (1 + 2e-16)
+    kinds = [str(joint.kind) for joint in robot.joints]
+    return from_screws(screws, order="linear-first", kinds=kinds, home=robot.home, name="somebody's arm")
+
+
+@pytest.mark.parametrize("name", ["pa10", "ur5", "canadarm2"])
+def test_an_arm_is_recognised_by_its_geometry_and_keeps_its_own_names(name):
+    robot = other_names(open_robot(name))
+    found = known_analysis(robot, resolve_task("pose", robot))
+    assert found is not None
+    assert found.robot is robot
+    assert found.residual().holds(found.settings.tolerances)
+    pinned = [one for family in found.families for one in family.pinned]
+    assert pinned
+    assert all(one.joint == robot.variables[one.number - 1].name for one in pinned)
+    assert {f.equations for f in found.families} == {f.equations for f in shipped(name).families}
+    told = [text for family in found.families for text in family.lost_words]
+    assert told
+    assert type(found).from_dict(found.to_dict()) == found
+
+
+def test_another_geometry_is_not_recognised():
+    robot = open_robot("pa10")
+    home = robot.home.copy()
+    home[2, 3] += 1e-7
+    joints = (replace(robot.joints[0], kind="helical"), *robot.joints[1:])
+    screw = robot.joints[3].screw.copy()
+    screw[0] += 1e-7
+    bent = (*robot.joints[:3], replace(robot.joints[3], screw=screw), *robot.joints[4:])
+    for other in (replace(robot, home=home), replace(robot, joints=joints), replace(robot, joints=bent)):
+        assert known_analysis(other, resolve_task("pose", other)) is None
+        assert fingerprint(other) != fingerprint(robot)
+
+
+def test_geometry_off_by_a_hair_is_not_the_same_arm():
+    robot = open_robot("pa10")
+    home = robot.home.copy()
+    home[2, 3] += 1e-11  # one fingerprint, but not the same numbers
+    other = replace(robot, home=home)
+    assert fingerprint(other) == fingerprint(robot)
+    assert known_analysis(other, resolve_task("pose", other)) is None
+
+
+def test_the_rows_of_the_task_have_to_be_the_same():
+    pa10, planar = open_robot("pa10"), open_robot("planar3r")
+    assert known_analysis(pa10, resolve_task("position", pa10)) is None
+    assert known_analysis(pa10, resolve_task("pose", pa10, frame=BODY)) is not None
+    assert known_analysis(planar, resolve_task(None, planar)) is not None
+    assert known_analysis(planar, resolve_task(None, planar, frame=BODY)) is None
+
+
+def test_a_file_that_is_not_there_is_said_so():
+    with pytest.raises(ResultFileError, match="no shipped analysis"):
+        shipped("no such arm")
+
+
+def test_loading_is_quick():
+    shipped.cache_clear()
+    robot = open_robot("sawyer")  # the longest file
+    task = resolve_task(None, robot)
+    times = []
+    for _ in range(5):
+        shipped.cache_clear()
+        begin = time.perf_counter()
+        known_analysis(robot, task)
+        times.append(time.perf_counter() - begin)
+    assert min(times) < 0.02  # measured 0.003

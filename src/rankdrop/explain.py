@@ -96,7 +96,7 @@ def explain(
         >>> from rankdrop.robot.open import open_robot
         >>> found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6])
         >>> found.verdict, found.met[0].family.name, [one.number for one in found.escape.single if one.order]
-        ('singular', 'wrist', [5])
+        ('singular', 'wrist: axes 4 and 6 aligned', [5])
     """
     check_robot(robot)
     configuration = one_configuration(robot, q)

@@ -14,9 +14,8 @@ import numpy as np
 from rankdrop import _core
 from rankdrop.errors import TaskError
 from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import jacobian, pose
+from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local.block import joint_scale
-from rankdrop.local.directions import _link_poses
 from rankdrop.local.factored import row_scale
 from rankdrop.local.representation import orientation_coordinates, rate_matrix
 from rankdrop.robot.model import Array, Robot
@@ -50,8 +49,7 @@ class Displacement:
         self._frame = Frame(BASE, TIP, point)
         self._point = np.array([*point, 1.0])
         self._home = pose(robot, start)
-        links = [np.eye(4)] if task.frame.axes == BASE else _link_poses(robot, start)
-        self._axes = links[link_index(task.frame.axes, len(robot.joints), "axes") if len(links) > 1 else 0][:3, :3]
+        self._axes = link_poses(robot, start)[link_index(task.frame.axes, len(robot.joints), "axes"), :3, :3]
 
     def error(self, q: Array) -> Array:
         """(m,) displacement of the task's rows, without unit."""

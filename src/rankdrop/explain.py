@@ -101,9 +101,9 @@ def explain(
     check_robot(robot)
     configuration = one_configuration(robot, q)
     configuration.flags.writeable = False
-    for name, value in (("near", near), ("small", small)):
+    for name, value in (("near", near), ("small", small), ("evaluations", evaluations)):
         if not 0.0 <= value < np.inf:
-            raise OptionError("a threshold is a number from 0 up", where=name, got=value)
+            raise OptionError("this is a finite number from 0 up", where=name, got=value)
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
     families, source = _families(robot, resolved, analysis, tolerances)

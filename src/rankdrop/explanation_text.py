@@ -191,7 +191,7 @@ def _rates(found: ExplanationData, full: bool) -> Iterator[Section]:
     rows: list[tuple[str, ...]] = []
     for one in chosen:
         if not one.possible:
-            rows.append((one.name, "impossible", "", "0", *("" for _ in one.joint_rates if full)))
+            rows.append((one.name, "impossible", "", "0", *([""] * found.robot.n if full else [])))
             continue
         worst = "" if one.worst is None else f"{one.worst} {one.worst_joint}"
         top = "no limits known" if isinf(one.speed) else f"{one.speed:.3g} {one.unit}"

@@ -1,0 +1,120 @@
+"""explain, escape, nearest on the command line: exit codes, text, JSON, refusals."""
+
+from __future__ import annotations
+
+import json
+from math import pi
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.cli import exits
+from rankdrop.cli.configuration import parse_configuration
+from rankdrop.errors import ConfigurationError
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+
+REGULAR = ("ur5", "--deg", "--q", "0,-135,45,90,-90,0")
+SINGULAR = ("puma560", "--q", "0.3 0.5 0.4 0.2 0 0.6")
+NEAR = ("puma560", "--q=0.3,0.5,0.4,0.2,0.001,0.6")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"), [(REGULAR, exits.FINE), (NEAR, exits.NEAR), (SINGULAR, exits.SINGULAR)]
+)
+def test_the_exit_code_tells_the_verdict(run, words: tuple[str, ...], code: int) -> None:
+    ended = run("explain", *words)
+    assert ended.code == code
+    assert ended.err == ""
+
+
+def test_what_is_printed_at_a_singularity(run) -> None:
+    text = run("explain", *SINGULAR).out
+    for part in ("puma560: SINGULAR", "wrist: axes 4 and 6 aligned", "sin θ5 = 0", "What is lost", "cannot ",
+                 "Joints to blame", "How to get out", "5 joint5", "per rad", "What motion costs", "How far"):  # fmt: skip
+        assert part in text
+    assert "Every circuit" not in text
+    full = run("explain", *SINGULAR, "--full").out
+    for part in ("Every circuit", "Ellipsoids", "rank 5 + nullity 1 = 6 joints: holds", "zyz"):
+        assert part in full
+
+
+def test_json_is_valid_and_alone(process) -> None:
+    ended = process("explain", *SINGULAR, "--json", "-")
+    assert ended.code == exits.SINGULAR
+    record = json.loads(ended.out)
+    Draft202012Validator(load_schema("explanation")).validate(record)
+    assert record["verdict"] == "singular"
+    assert [one["number"] for one in record["escape"]["single"] if one["order"]] == [5]
+
+
+def test_json_in_a_file_beside_the_text(run, tmp_path: Path) -> None:
+    target = tmp_path / "here.json"
+    ended = run("explain", *REGULAR, "--json", str(target))
+    assert "REGULAR" in ended.out
+    assert json.loads(target.read_text())["verdict"] == "regular"
+
+
+def test_a_saved_analysis_names_the_family(run, tmp_path: Path) -> None:
+    target = tmp_path / "scara.json"
+    assert run("analyze", "scara", "--starts", "200", "--quiet", "--json", str(target)).code == exits.FINE
+    ended = run("explain", "scara", "--q", "0.1,0,0.1,0.3", "--analysis", str(target), "--json", "-")
+    assert json.loads(ended.out)["family"]["source"] == "analysis"
+    refused = run("explain", *SINGULAR, "--analysis", str(target))
+    assert refused.code == exits.BAD_INPUT
+    assert "another arm" in refused.err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("explain", "ur5", "--q", "0,1"), "6 joint values are needed"),
+        (("explain", "ur5", "--q", "0,1,2,3,4,five"), "wrist_3_joint"),
+        (("explain", "ur5", "--q", "0,1,2,3,4,inf"), "not finite"),
+        (("explain", "ur5"), "--q"),
+        (("explain", *REGULAR, "--near", "-1"), "near"),
+        (("nearest", *REGULAR, "--evaluations", "-5"), "evaluations"),
+        (("escape", *SINGULAR, "--step", "0"), "step"),
+    ],
+)
+def test_refusals_say_what_and_where(run, words: tuple[str, ...], told: str) -> None:
+    ended = run(*words)
+    assert ended.code == exits.BAD_INPUT
+    assert told in ended.err
+    assert len(ended.err.strip().splitlines()) == 1
+    assert ended.out == ""
+
+
+def test_escape_prints_the_ways_out_and_the_procedure_of_gallardo_and_rico(run) -> None:
+    words = ("escape", "rcrrrr", "--q", "0,0,0,0,0,0,0", "--length-scale", "1", "--lie")
+    text = run(*words).out
+    for part in ("2.071 per rad", "0.7036 per rad", "subspace(1, 5);", "actuating screw 4 can restore (1, 5)",
+                 "conclusion: actuate 3, 4", "Disagreements with the printed procedure"):  # fmt: skip
+        assert part in text
+    record = json.loads(run(*words, "--json", "-").out)
+    assert record["schema"] == "rankdrop/escape/1"
+    assert record["lie"]["lost"] == 1
+    assert record["escape"]["single"][0]["number"] == 4
+
+
+def test_nearest_prints_a_distance_and_a_proof(run) -> None:
+    ended = run("nearest", *REGULAR)
+    assert ended.code == exits.FINE
+    assert "nearest singular configuration found: 0.4303 rad (24.7°) away" in ended.out
+    assert "certified: no singularity within" in ended.out
+    record = json.loads(run("nearest", *REGULAR, "--json", "-").out)
+    assert record["schema"] == "rankdrop/nearest/1"
+    assert 0.95 * record["nearest"]["distance"] < record["certified_radius"] <= record["nearest"]["distance"]
+
+
+def test_configurations_as_people_write_them() -> None:
+    arm = open_robot("scara")
+    assert parse_configuration("[30deg, -pi/2; 120mm 0.5]", arm, deg=False) == [
+        pytest.approx(pi / 6), -pi / 2, pytest.approx(0.12), 0.5,
+    ]  # fmt: skip
+    assert parse_configuration("30, -90, 0.12, 0.5rad", arm, deg=True) == [
+        pytest.approx(pi / 6), pytest.approx(-pi / 2), 0.12, 0.5,
+    ]  # fmt: skip
+    with pytest.raises(ConfigurationError, match="4 joint values"):
+        parse_configuration("", arm, deg=False)

@@ -1,0 +1,179 @@
+"""Explanations of configurations whose answer is known."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.analyze import analyze
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.explain import explain
+from rankdrop.explanation import Explanation
+from rankdrop.kinematics import jacobian
+from rankdrop.local.block import sample
+from rankdrop.record import json_text
+from rankdrop.robot.open import open_robot
+from rankdrop.robot.screws import from_screws, prismatic, revolute
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+
+ARMS = ("pa10", "ur5", "puma560", "panda", "scara", "stanford", "planar3r", "rcrrrr", "gen3", "fetch8")
+
+
+def record(found: Explanation) -> dict:  # type: ignore[type-arg]
+    return json.loads(json_text(found.to_dict()))
+
+
+def test_pa10_at_zero() -> None:
+    found = explain(open_robot("pa10"), [0.0] * 7)
+    assert (found.verdict, found.rank.rank, found.rank.corank, found.rank.nullity) == ("singular", 3, 3, 4)
+    assert found.met[0].family.name.startswith("shoulder, elbow and wrist")
+    assert found.met[0].source == "catalogue"
+    assert [one.number for one in found.escape.single if one.order is not None] == []
+    pair = found.escape.best_pair
+    assert pair is not None
+    assert pair.restores
+    assert found.certified_radius == 0.0
+
+
+def test_the_quoted_shoulder_of_the_ur5_is_regular() -> None:
+    """[0, −135, 45, 90, −90, 0]° is often quoted as a shoulder singularity; the real one is elsewhere."""
+    arm, q = open_robot("ur5"), np.radians([0, -135, 45, 90, -90, 0])
+    found = explain(arm, q)
+    assert (found.verdict, found.rank.corank) == ("regular", 0)
+    nearest = found.far.nearest
+    assert nearest is not None
+    assert found.far.nearest_family is not None
+    assert found.far.nearest_family.family.name.startswith("shoulder")
+    assert nearest.distance == pytest.approx(0.4303, abs=1e-4)
+    assert found.certified_radius is not None
+    assert 0.9 * nearest.distance < found.certified_radius <= nearest.distance
+    there = explain(arm, nearest.q)
+    assert (there.verdict, there.rank.corank) == ("singular", 1)
+
+
+def test_the_cylindrical_arm_of_gallardo_and_rico() -> None:
+    found = record(explain(open_robot("rcrrrr"), [0.0] * 7, length_scale=1.0))
+    assert found["circuits"] == [[1, 3, 4, 5], [3, 4, 6, 7], [1, 3, 5, 6, 7], [1, 4, 5, 6, 7]]
+    ways = {one["number"]: one["rate"] for one in found["escape"]["single"] if one["order"] == 1}
+    assert ways == {4: pytest.approx(2.07134, abs=1e-4), 3: pytest.approx(0.7036, abs=1e-4)}
+
+
+@pytest.mark.parametrize("offset", [1e-7, 1e-4, 0.01])
+def test_near_a_wrist(offset: float) -> None:
+    found = explain(open_robot("puma560"), [0.1, 0.5, 0.4, 0.2, offset, 0.6])
+    assert (found.verdict, found.rank.corank) == ("near", 0)
+    assert found.met[0].family.name.startswith("wrist")
+    assert found.far.nearest is not None
+    assert found.far.nearest.distance == pytest.approx(offset, rel=1e-9)
+    assert found.focus[4] == pytest.approx(0.0, abs=1e-12)
+    assert len(found.lost.directions) == 1
+    assert found.lost.words[0].startswith("cannot ")
+
+
+def test_a_near_miss_is_not_a_singularity() -> None:
+    """Gen3's 12 mm offsets: where an arm without them would lose two freedoms σ stays at 4e-5 and above."""
+    arm = open_robot("gen3")
+    task = resolve_task(None, arm)
+    from rankdrop.atlas.search import Outcome, search
+
+    cloud = search(arm, 2, task=task, starts=4000)
+    missed = cloud.q[(cloud.outcome == Outcome.NEAR_MISS) & (cloud.sigma[:, 4] < 1e-3)]
+    assert len(missed)
+    found = explain(arm, missed[0])
+    assert found.verdict in ("near", "singular")
+    assert found.rank.corank < 2
+
+
+def test_an_arm_that_is_always_singular() -> None:
+    slides = [prismatic(axis) for axis in ([1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0])]
+    turns = [revolute([0, 0, 1], [x, 0, 0]) for x in (0.0, 0.4)]
+    arm = from_screws([*slides, *turns], order="linear-first", name="gantry")
+    found = explain(arm, [0.1, 0.2, 0.3, 0.1, 0.5, 0.6], "pose")
+    assert found.verdict == "always-singular"
+    assert found.blame.always
+    assert found.rank.generic_rank == 4
+    assert len(found.lost.never) == 2
+    assert found.certified_radius == 0.0
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_records_are_valid_and_lost_motions_are_lost(name: str) -> None:
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    schema = Draft202012Validator(load_schema("explanation"))
+    points = [*sample(arm, task, 2, seed=3)]
+    known = explain(arm, points[0]).far.nearest
+    assert known is not None
+    points.append(np.array(known.q))
+    for q in points:
+        found = explain(arm, q)
+        schema.validate(record(found))
+        assert not found.disagreements
+        if found.rank.corank:
+            made = jacobian(arm, q, found.task.frame)
+            assert np.abs(found.lost.directions[:, :] @ made).max() < 1e-6
+            assert len(found.lost.directions) == len(found.lost.words) == found.rank.corank
+            assert found.met
+            assert found.met[0].family.corank == found.rank.corank
+        else:
+            assert found.far.nearest is not None
+            radius = found.certified_radius
+            assert radius is not None
+            assert 0.0 < radius <= found.far.nearest.distance * (1 + 1e-8)
+        for full in (False, True):
+            sections = found.sections(full=full)
+            assert sections[0].title.startswith(arm.name)
+            assert all(len(row) == len(section.columns) for section in sections for row in section.rows)
+        assert found._repr_html_().count("<table>") > 2
+
+
+def test_the_last_point_of_each_arm_is_singular() -> None:
+    """So that the branch above is not empty."""
+    for name in ARMS:
+        arm = open_robot(name)
+        there = explain(arm, sample(arm, resolve_task(None, arm), 2, seed=3)[0]).far.nearest
+        assert there is not None
+        assert explain(arm, there.q).verdict == "singular"
+
+
+def test_families_of_an_analysis_given() -> None:
+    arm = open_robot("scara")
+    analysis = analyze(arm, starts=200)
+    found = explain(arm, [0.3, 0.0, 0.1, 0.2], analysis=analysis)
+    assert found.met[0].source == "analysis"
+    with pytest.raises(OptionError, match="another arm"):
+        explain(open_robot("pa10"), [0.0] * 7, analysis=analysis)
+    with pytest.raises(OptionError, match="another task"):
+        explain(arm, [0.3, 0.0, 0.1, 0.2], "position", analysis=analysis)
+
+
+def test_an_unknown_arm_is_named_on_the_spot() -> None:
+    """PUMA with other lengths is in no atlas."""
+    from rankdrop.robot.dh import from_dh
+
+    rows = [(0, np.pi / 2, 0), (0.5, 0, 0.1), (0.02, -np.pi / 2, 0), (0, np.pi / 2, 0.45), (0, -np.pi / 2, 0), (0, 0, 0)]
+    arm = from_dh([{"a": a, "alpha": alpha, "d": d} for a, alpha, d in rows], convention="standard", name="mine")
+    found = explain(arm, [0.3, 0.5, 0.4, 0.2, 0.0, 0.6])
+    assert found.met[0].source == "on the spot"
+    assert found.met[0].family.name.startswith("wrist")
+    assert [one.number for one in found.met[0].family.pinned] == [5]
+
+
+def test_bad_input() -> None:
+    arm = open_robot("pa10")
+    with pytest.raises(ConfigurationError):
+        explain(arm, [0.0] * 6)
+    with pytest.raises(ConfigurationError):
+        explain(arm, [np.nan] + [0.0] * 6)
+    with pytest.raises(OptionError):
+        explain(arm, [0.0] * 7, near=-1.0)
+
+
+def test_the_same_twice() -> None:
+    arm = open_robot("panda")
+    q = sample(arm, resolve_task(None, arm), 1, seed=9)[0]
+    assert explain(arm, q).to_dict() == explain(arm, q).to_dict()

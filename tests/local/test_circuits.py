@@ -156,10 +156,38 @@ def test_units_tell_a_slide_from_a_turn() -> None:
      "axes 1–6 meet one line"),
     ([*(revolute((x, 1, x * x), (0, 0, z)) for x, z in ((0, 0), (1, 1), (2, 3), (3, -1), (-1, 2))),
       prismatic((1, 2, 0))], "axes 1–5 meet one line, slide 6 normal to it"),
+    ([revolute(Z, (0, 0, 0)), revolute(Z, (1, 0, 0)), *(prismatic(a) for a in ((1, 0, 0), (1, 0, 1), (1, 1, 2)))],
+     "axes 1, 2 parallel, slides 3, 4, 5 along what they translate"),
 ])  # fmt: skip
 def test_patterns_of_dependent_screws_have_names(screws: list[Array], words: str) -> None:
     found = at_zero(screws)
     assert [circuit.words for circuit in found if len(circuit.numbers) == len(screws)] == [words]
+
+
+def test_six_dependent_axes_that_meet_no_line_are_only_dependent(rng: np.random.Generator) -> None:
+    """Reciprocal to the wrench (z; 0.3 z): v·z + 0.3 ω·z = 0."""
+    screws = []
+    for direction, point in zip(rng.normal(size=(6, 2)), rng.normal(size=(6, 3)), strict=True):
+        moment = point[0] * direction[1] - point[1] * direction[0]
+        screws.append(revolute((*direction, -moment / 0.3), point))
+    assert [circuit.words for circuit in at_zero(screws)] == ["screws 1–6 dependent"]
+
+
+def test_circuits_of_a_family_hold_at_every_point_of_it(rng: np.random.Generator) -> None:
+    points = rng.normal(size=(3, 6, 5))
+    points[:, :, 4] = points[:, :, 0] - points[:, :, 3]
+    points[1, :, 2] = points[1, :, 1]
+    assert shared_circuits(points) == [(0, 3, 4)]
+    assert shared_circuits(points[1:2]) == [(1, 2), (0, 3, 4)]
+
+
+def test_blame_passes_over_what_follows_from_smaller_circuits() -> None:
+    """Axes 1, 3, 5 on one line bring two dependencies, not three; the third is that of 2, 4, 6."""
+    across = [revolute((1, 0, 0), (0, 0, z)) for z in (1, 3, 4)]
+    screws = [revolute(Z, (0, 0, 0)), across[0], revolute(Z, (0, 0, 0)), across[1], revolute(Z, (0, 0, 0)), across[2]]
+    robot = from_screws(screws, order="linear-first")
+    found = blame(robot, np.zeros(6), resolve_task("pose", robot))
+    assert sets(found) == [(1, 3), (1, 5), (2, 4, 6)]
 
 
 def test_what_a_task_of_fewer_rows_makes_dependent() -> None:
@@ -197,12 +225,14 @@ def test_blame_brings_as_many_new_dependencies_as_rank_is_lost(name: str, rng: n
 def test_what_is_dependent_everywhere_is_not_blamed_for_what_is_lost_here(rng: np.random.Generator) -> None:
     """Joints 1 and 2 on one line always; at q3 = 0 joint 4 is on that line as well: one loss, blamed once."""
     axis = [revolute(Z, (0, 0, 0)), revolute(Z, (0, 0, 1)), revolute((1, 0, 0), (0, 0, 2)), revolute(Z, (0, 0, 0))]
-    rest = [arms.random_chain(rng, "rrr").joints[i].screw for i in range(3)]
-    robot = from_screws([*axis, *rest], order="linear-first")
+    skew = arms.random_chain(rng, "rr").joints
+    far = [skew[0].screw, skew[1].screw, skew[0].screw]  # axes 5 and 7 on one line at q6 = 0
+    robot = from_screws([*axis, *far], order="linear-first")
     task = resolve_task("pose", robot)
     found = circuits_at(robot, np.zeros(7), task)
-    assert [(c.numbers, c.generic) for c in found][:3] == [((1, 2), True), ((1, 4), False), ((2, 4), False)]
-    assert [c.numbers for c in blame(robot, np.zeros(7), task)] == [(1, 4)]
+    told = [((1, 2), True), ((1, 4), False), ((2, 4), False), ((5, 7), False)]
+    assert [(c.numbers, c.generic) for c in found] == told
+    assert [c.numbers for c in blame(robot, np.zeros(7), task)] == [(1, 4), (5, 7)]
 
 
 def test_twelve_joints_are_listed_and_more_than_the_cap_are_refused(rng: np.random.Generator) -> None:

@@ -175,6 +175,21 @@ def test_a_joint_that_escapes_at_second_order_only_escapes() -> None:
     assert found.lost >= 1
     second = [joint for joint in found.joints if joint.gain > 0 and joint.rate == 0.0]
     assert second, "a gain that no first-order rate tells"
+    assert {joint.number for joint in second if joint.escapes} == set(found.escapes) - {
+        joint.number for joint in found.joints if joint.rate > 0
+    }
+    assert any(joint.escapes for joint in second)
+
+
+def test_what_is_read_again_is_restored_and_nothing_else() -> None:
+    steps = session(GR, [("newscrews", 3, 5), ("readoss", 5, 5), ("newscrews", 3, 3), ("dimension", 1, 4)])
+    assert steps[1].lines == ("[1, 0, 0, 0, 0, 0]",)
+    after = session(GR, [("newscrews", 3, 5), ("readoss", 5, 5), ("newscrews", 4, 5)])[-1].lines
+    moved = GR.newscrews(3, 5)
+    rows = moved.screws.copy()
+    rows[4] = SCREWS[4]
+    expected = OrderedScrewSet(rows).newscrews(4, 5).screws[4]
+    assert after == (f"S(5) = [{', '.join(f'{x + 0.0:g}' for x in expected)}]",)
 
 
 def test_a_regular_set_has_nothing_to_escape_from() -> None:

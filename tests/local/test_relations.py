@@ -50,6 +50,12 @@ def test_what_is_special_stands_first(theta: float, words: str) -> None:
     assert [relation.structural for relation in found] == sorted(relation.structural for relation in found)
 
 
+def test_a_structural_pair_inside_a_special_group_is_not_repeated() -> None:
+    words = [text for _, text in told(relations_at(open_robot("puma560"), [0.1, 0.2, 0.3, 0.0, 0.7, 0.6]))]
+    assert "axes 2, 3, 5 parallel" in words
+    assert "axes 2, 3 parallel" not in words
+
+
 def test_the_tolerance_is_that_of_angles() -> None:
     robot = open_robot("puma560")
     near = [0.1, 0.2, 0.3, 0.4, 1e-4, 0.6]

@@ -86,6 +86,23 @@ def test_a_planted_system_is_found_at_every_configuration(
         assert rank(robot, q, numbers) <= dimension
 
 
+def test_a_line_met_again_after_turning_about_a_parallel_one_is_special() -> None:
+    """Equal links folded: axes 1 and 3 on one line here, and apart when joint 2 moves."""
+    robot = built(*(revolute(Z, (x, 0, 0)) for x in (0, 1, 0)), *other(3))
+    found = systems_at(robot, np.zeros(6))
+    assert [(s.numbers, s.kind, s.structural) for s in found] == [
+        ((1, 3), "coaxial", False), ((1, 2, 3), "planar", True)
+    ]  # fmt: skip
+
+
+def test_parallel_screws_of_two_pitches_are_not_a_planar_system() -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 2, 0]])
+    robot = built(*(helical(Z, p, h) for p, h in zip(points, (0.2, 0.2, 0.2, 0.5), strict=True)), *other(2))
+    assert [(s.numbers, s.kind, s.permanent) for s in systems_at(robot, np.zeros(6))] == [
+        ((1, 2, 3, 4), "Schönflies", False)
+    ]
+
+
 def test_all_kinds_are_planted() -> None:
     assert len({(kind, dimension) for _, _, kind, dimension in PLANTED}) == 9
 

@@ -55,7 +55,9 @@ def away_from_singularity(robot: Robot, q: ArrayLike, task: Task | str | None = 
     """
     resolved = resolve_task(task, robot)
     found = block(robot, q, resolved, generic_rank(robot, resolved) - 1)
-    return np.asarray(found.d[..., 0, 0, :] * joint_scale(robot, resolved) ** 2)
+    left, _, right = np.linalg.svd(found.f)  # u_r and v_r in the bases of the block
+    gradient = np.einsum("...a,...abj,...b->...j", left[..., :, 0], found.d, right[..., 0, :])
+    return np.asarray(gradient * joint_scale(robot, resolved) ** 2)
 
 
 def towards(robot: Robot, q: ArrayLike, preferred: ArrayLike) -> Array:

@@ -1,0 +1,169 @@
+"""Analytical Jacobians equal differences of the coordinates; their singularities are not the arm's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import inf, pi
+
+import numpy as np
+import pytest
+from reference import arms
+from reference.measure import central_differences
+
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.block import sample
+from rankdrop.local.representation import (
+    NAMES,
+    analytical_jacobian,
+    orientation_coordinates,
+    rate_matrix,
+    representation_at,
+)
+from rankdrop.robot.model import Array, Joint, JointKind, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+H = pi / 2
+
+
+def about(axis: str, angle: float) -> Array:
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    turn = np.eye(3)
+    turn[i, i] = turn[j, j] = np.cos(angle)
+    turn[i, j], turn[j, i] = -np.sin(angle), np.sin(angle)
+    return turn
+
+
+def rebuilt(c: Array, name: str) -> Array:
+    """The rotation that the coordinates stand for, from their definition."""
+    if name == "zyz":
+        return about("z", c[0]) @ about("y", c[1]) @ about("z", c[2])
+    if name == "rpy":
+        return about("z", c[2]) @ about("y", c[1]) @ about("x", c[0])
+    if name == "rotvec":
+        angle = float(np.linalg.norm(c))
+        w, v = np.cos(angle / 2), c / 2 * np.sinc(angle / (2 * pi))
+    else:
+        w, v = c[0], c[1:]
+    hat = np.cross(np.eye(3), v)
+    return np.eye(3) + 2 * w * hat + 2 * hat @ hat
+
+
+def orientations() -> list[Array]:
+    """Random ones, exact singularities of every representation, and the close neighbourhood of these."""
+    rng = np.random.default_rng(1)
+    found = [arms.rigid(rng)[:3, :3] for _ in range(40)]
+    exact = [np.eye(3), *(about(axis, angle) for axis in "xyz" for angle in (H, pi, -H))]
+    exact += [about("z", a) @ about("y", b) @ about("x", 0.7) for a in (0.3, -2.0) for b in (H, -H)]
+    near = [turn @ about(axis, off) for turn in exact for axis in "xyz" for off in (1e-3, 1e-7, 1e-12)]
+    return found + exact + near
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_coordinates_stand_for_the_orientation_everywhere(name: str) -> None:
+    every = orientations()
+    batch = orientation_coordinates(np.array(every), name)
+    assert batch.shape == (len(every), len(NAMES[name]))
+    for turn, coordinates in zip(every, batch, strict=True):
+        # near a gimbal lock of 1e-12 one of the angles is left out, and its sine with it
+        assert np.abs(rebuilt(coordinates, name) - turn).max() < 2e-9
+    exact = [np.abs(rebuilt(c, name) - t).max() for c, t in zip(batch[:40], every[:40], strict=True)]
+    assert max(exact) < 1e-14
+
+
+@pytest.mark.parametrize("robot_name", ["panda", "pa10", "ur5", "scara"])
+@pytest.mark.parametrize("name", NAMES)
+def test_analytical_jacobian_equals_differences(name: str, robot_name: str) -> None:
+    robot = open_robot(robot_name)
+    compared = 0
+    for q in sample(robot, resolve_task("pose", robot), 20, 3):
+        here = getattr(representation_at(robot, q), name)
+        if here.singular or here.jump < 1e-9:  # SCARA's tool points down: half a turn, where coordinates jump
+            continue
+        h = min(1e-3, here.angle / 50, here.jump / 50)
+
+        def coordinates(x: Array, centre: Array | None = None) -> Array:
+            t = pose(robot, x)
+            value = orientation_coordinates(t[:3, :3], name)
+            if centre is not None and name in ("zyz", "rpy"):
+                value -= 2 * pi * np.round((value - centre) / (2 * pi))
+            return np.concatenate([t[:3, 3], value])
+
+        centre = coordinates(q)[3:]
+        want = central_differences(partial(coordinates, centre=centre), q, h)
+        assert np.abs(analytical_jacobian(robot, q, name) - want).max() < 1e-11 / h / min(1.0, here.angle) ** 2
+        compared += 1
+    assert compared == (20 if robot_name != "scara" or name == "rpy" else 0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_determinant_and_sigma_are_those_of_the_matrix(name: str) -> None:
+    robot = open_robot("panda")
+    for q in sample(robot, resolve_task(None, robot), 20, 4):
+        part = getattr(representation_at(robot, q), name)
+        matrix = rate_matrix(part.coordinates, name)
+        assert part.sigma_min == pytest.approx(np.linalg.svd(matrix, compute_uv=False)[-1])
+        if name == "quaternion":
+            assert part.sigma_min == pytest.approx(2.0)
+            assert part.angle == inf
+        else:
+            assert part.determinant == pytest.approx(np.linalg.det(matrix), abs=1e-14)
+        if name == "rotvec":
+            assert part.sigma_min >= 2 / pi - 1e-12, "inside ‖φ‖ ≤ π it never gets smaller"
+            assert part.angle >= pi
+
+
+@pytest.mark.parametrize(("name", "axis"), [("zyz", "y"), ("rpy", "y")])
+@pytest.mark.parametrize("off", [0.0, 1e-10, 1e-6, 1e-2, 0.3])
+def test_angle_is_the_turn_that_is_missing(name: str, axis: str, off: float) -> None:
+    """One joint turning about Y through the singular orientation."""
+    base = 0.0 if name == "zyz" else H
+    robot = revolute_about_y()
+    part = getattr(representation_at(robot, [base + off]), name)
+    assert part.angle == pytest.approx(off, abs=1e-15)
+    assert part.singular == (off <= 1e-10)
+    assert part.near == (1e-10 < off <= 0.1)
+
+
+def revolute_about_y() -> Robot:
+    return Robot("pan", (Joint("turn", JointKind.REVOLUTE, np.array([0, 0, 0, 0, 1.0, 0])),))
+
+
+def test_only_the_coordinates_only_the_arm_both_and_neither() -> None:
+    robot = open_robot("pa10")
+    regular = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]
+    neither = representation_at(robot, regular)
+    assert (neither.arm.corank, neither.zyz.singular, neither.rpy.singular) == (0, False, False)
+    only_arm = representation_at(robot, [0.3, 0.4, 0.5, 0.0, 0.7, 0.8, 0.9])
+    assert only_arm.arm.corank == 1
+    assert not any(getattr(only_arm, name).singular for name in NAMES)
+    both = representation_at(robot, [0.0] * 7)
+    assert both.arm.corank == 3
+    assert both.zyz.singular
+    # the tip of a regular arm, seen from a base that is turned so that its z axes agree
+    turn = np.eye(4)
+    turn[:3, :3] = pose(robot, regular)[:3, :3].T
+    turned = replace(robot, home=robot.home @ turn)
+    only_coordinates = representation_at(turned, regular)
+    assert only_coordinates.arm.corank == 0
+    assert only_coordinates.zyz.singular
+    assert "only the coordinates zyz" in only_coordinates.words
+    assert np.linalg.matrix_rank(analytical_jacobian(turned, regular, "rpy")) == 6
+    assert np.linalg.matrix_rank(analytical_jacobian(turned, regular, "quaternion")) == 6
+    with pytest.raises(ConfigurationError, match="zyz coordinates are singular"):
+        analytical_jacobian(turned, regular, "zyz")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_batches_and_wrong_names(name: str) -> None:
+    robot = open_robot("ur5")
+    q = sample(robot, resolve_task(None, robot), 6, 2).reshape(2, 3, 6)
+    found = analytical_jacobian(robot, q, name)
+    assert found.shape == (2, 3, 7 if name == "quaternion" else 6, 6)
+    assert np.abs(found[1, 1] - analytical_jacobian(robot, q[1, 1], name)).max() < 1e-12
+    assert np.abs(found[..., :3, :] - jacobian(robot, q)[..., :3, :]).max() == 0.0
+    assert analytical_jacobian(robot, np.zeros((0, 6)), name).shape[0] == 0
+    with pytest.raises(OptionError, match="no such representation"):
+        analytical_jacobian(robot, q, "euler")

@@ -10,6 +10,9 @@ exterior powers. A turning joint has the weights 0, 0, ±1, ±1 (i times), so mi
 degree 2: five coefficients, and one that vanishes to order 5 is zero for ever. A slide is unipotent: polynomials of
 degree 2. A helical joint gives e^{±2it}, e^{±it}(1, t), 1, t, t²: nine functions, order 8. Other motions (mimic joints,
 several joints, tasks that pick single rows) have no such small bound; 8 is where the product stops, and says so.
+
+Near a second family the small singular values of T_p are products of small numbers and its rank hangs on the cut. Then
+the series is summed up at a finite t instead, and the gain is what exceeds the cut there.
 """
 
 from __future__ import annotations
@@ -17,70 +20,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rankdrop.local.block import singular_values
+from rankdrop.local.place import Place, judge_steps
 from rankdrop.local.taylor import taylor
-from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task
+from rankdrop.robot.model import Array, JointKind
 
 HIGHEST = 8
 """Largest order looked for along any motion."""
 _WHOLE = ((0, 1, 2), (3, 4, 5), (0, 1, 2, 3, 4, 5))
+_LONG = 12  # terms after which the series is exact to 1e-11 for the longest of them
+_DOUBT = 100.0  # a singular value of T_p nearer to the cut than this factor, either way, is in doubt
 _NEAR = 0.02  # finite motion that measures a rate of order 3 and more: t⁴ is still far above rounding [rad]
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A configuration, its singular value decomposition split at its rank, and what counts as zero there.
-
-    Attributes:
-        robot, q, task: what and where; q is (n,).
-        rank, generic: rank at q, and almost everywhere.
-        sigma: (min(m, n),) singular values at q.
-        u, v: (m, m), (n, n) singular vectors as columns; the first `rank` belong to what is kept.
-        scale: (n,) what one unit of joint motion is measured by [rad, m].
-        floor: a singular value at or below it is not a rank regained.
-    """
-
-    robot: Robot
-    q: Array
-    task: Task
-    rank: int
-    generic: int
-    sigma: Array
-    u: Array
-    v: Array
-    scale: Array
-    floor: float
-
-    @property
-    def corank(self) -> int:
-        """Task freedoms lost at q."""
-        return self.generic - self.rank
-
-    @property
-    def u2(self) -> Array:
-        """(m, m − rank) lost directions of the task."""
-        return self.u[:, self.rank :]
-
-    @property
-    def v2(self) -> Array:
-        """(n, n − rank) null space of the Jacobian."""
-        return self.v[:, self.rank :]
-
-    def kept(self) -> Array:
-        """(m, n) the Jacobian without the singular values that count as zero."""
-        r = self.rank
-        return np.asarray((self.u[:, :r] * self.sigma[:r]) @ self.v[:, :r].T)
-
-    def inverse(self) -> Array:
-        """(n, m) its pseudo-inverse J⁺."""
-        r = self.rank
-        return np.asarray((self.v[:, :r] / self.sigma[:r]) @ self.u[:, :r].T)
-
-    def last(self, configurations: Array) -> Array:
-        """(...) σ_r at other configurations (..., n), r the generic rank."""
-        return singular_values(self.robot, configurations, self.task)[..., self.generic - 1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,14 +68,19 @@ def departures(place: Place, directions: Array) -> tuple[Departure, ...]:
     highest = np.array([_highest(place, direction) for direction in directions])
     series = taylor(place.robot, place.q, place.task, directions * place.scale, int(highest.max(initial=2)))
     series[0] = place.kept()
-    cut = 3 * place.floor
-    counts = _counts(series, highest, place, cut)
+    counts, doubtful = _counts(series, highest, place)
+    gained = counts[:, -1] - place.rank
+    if doubtful.any():
+        gained[doubtful] = _summed(place, directions[doubtful])
     first = place.u2.T @ series[1] @ place.v2
     schur = place.u2.T @ (series[2] - series[1] @ place.inverse() @ series[1]) @ place.v2
     out = []
     for d, direction in enumerate(directions):
         gains = counts[d] - place.rank
-        order = next((p for p, gain in enumerate(gains) if gain >= place.corank), None)
+        order = None
+        if gained[d] >= place.corank:
+            order = next((p for p, gain in enumerate(gains) if gain >= place.corank), None)
+            order = _slope(place, direction) if order is None else order
         sigma = np.linalg.svd(first[d], compute_uv=False)[: place.corank]
         rate = 0.0
         if order == 1:
@@ -133,7 +89,7 @@ def departures(place: Place, directions: Array) -> tuple[Departure, ...]:
             rate = _second(first[d], schur[d], int(gains[1]), place.corank)
         elif order is not None:
             rate = _finite(place, direction, order)
-        out.append(Departure(int(gains[-1]), order, rate, tuple(float(s) for s in sigma)))
+        out.append(Departure(int(gained[d]), order, rate, tuple(float(s) for s in sigma)))
     return tuple(out)
 
 
@@ -150,22 +106,45 @@ def _highest(place: Place, direction: Array) -> int:
     return 4
 
 
-def _counts(series: Array, highest: Array, place: Place, cut: float) -> Array:
-    """(d, P + 1) number of singular values whose order is at most p, from the ranks of T_p."""
+def _counts(series: Array, highest: Array, place: Place) -> tuple[Array, NDArray[np.bool_]]:
+    """(d, P + 1) number of singular values whose order is at most p, from the ranks of T_p; and (d,) whether one of
+    those ranks hangs on where exactly the cut is."""
     powers, count = len(series), series.shape[1]
     numbers = np.full((count, powers), place.rank)
     before = np.full(count, place.rank)
-    open_ = np.arange(count)
+    doubtful = np.full(count, bool(_close(place.sigma[: place.rank], place.floor).any()))
+    left = np.arange(count)
     for p in range(1, powers):
-        open_ = open_[(highest[open_] >= p) & (numbers[open_, p - 1] < place.generic)]
-        if not len(open_):
+        left = left[(highest[left] >= p) & (numbers[left, p - 1] < place.generic)]
+        if not len(left):
             break
-        ranks = (np.linalg.svd(_toeplitz(series[:, open_], p), compute_uv=False) > cut).sum(axis=-1)
+        sigma = np.linalg.svd(_toeplitz(series[:, left], p), compute_uv=False)
+        ranks = (sigma > place.floor).sum(axis=-1)
+        doubtful[left] |= _close(sigma, place.floor).any(axis=-1)
         # the count never falls with p, nor is it above the generic rank: what a cut makes of rounding is put right
-        found = np.clip(ranks - before[open_], numbers[open_, p - 1], place.generic)
-        before[open_] = ranks
-        numbers[open_, p:] = found[:, None]
-    return numbers
+        numbers[left, p:] = np.clip(ranks - before[left], numbers[left, p - 1], place.generic)[:, None]
+        before[left] = ranks
+    return numbers, doubtful
+
+
+def _close(sigma: Array, floor: float) -> NDArray[np.bool_]:
+    return (sigma > floor / _DOUBT) & (sigma < floor * _DOUBT)
+
+
+def _summed(place: Place, directions: Array) -> NDArray[np.intp]:
+    """(d,) rank regained, from the Taylor series summed up at a finite t: what counts there is the size of σ."""
+    series = taylor(place.robot, place.q, place.task, directions * place.scale, _LONG)
+    powers = judge_steps(place, directions)[..., None] ** np.arange(_LONG + 1)
+    moved = np.einsum("tdp,pdmn->tdmn", powers, series)
+    ranks = (np.linalg.svd(moved, compute_uv=False) > place.floor).sum(axis=-1).max(axis=0)
+    return np.asarray(np.clip(ranks, place.rank, place.generic) - place.rank)
+
+
+def _slope(place: Place, direction: Array) -> int:
+    """The order as a finite motion shows it, where the series cannot tell."""
+    steps = _NEAR * np.array([1.0, -1.0, 2.0, -2.0])
+    near, far = place.last(place.q + steps[:, None] * direction * place.scale).reshape(2, 2).mean(axis=1)
+    return int(np.clip(round(np.log2(max(far, 1e-300) / max(near, 1e-300))), 1, HIGHEST))
 
 
 def _toeplitz(series: Array, p: int) -> Array:

@@ -17,7 +17,8 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.kinematics import jacobian
 from rankdrop.local import motion
 from rankdrop.local.block import decompose, joint_scale
-from rankdrop.local.departure import Departure, Place, departures
+from rankdrop.local.departure import Departure, departures
+from rankdrop.local.place import LEAST, Place, room
 from rankdrop.local.second_order import LostMotion, boundary, lost_motions, null_basis
 from rankdrop.local.still import Stillness, find_still
 from rankdrop.local.taylor import brackets, taylor, unlocked
@@ -216,7 +217,7 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
     gains = motion.measured_gains(place, units)
     steps, sigma = motion.single_motions(place, step)
     receives = _receptors(place)
-    down, up = motion.room(place)
+    down, up = room(place)
     out = []
     for j, joint in enumerate(place.robot.variables):
         made, unit = found[j], float(place.scale[j])
@@ -232,7 +233,7 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
                 measured_gain=int(gains[j]),
                 step=float(steps[j]) * unit,
                 sigma_after=float(sigma[j]),
-                within_limits=bool(max(down[j], up[j]) >= motion.LEAST),
+                within_limits=bool(max(down[j], up[j]) >= LEAST),
                 agrees=bool(gains[j] == made.gain),
             )
         )
@@ -262,7 +263,7 @@ def _several(place: Place, step: float, seed: int, single: tuple[JointEscape, ..
 def _described(place: Place, motions: Array, step: float, seed: int) -> list[Direction]:
     """Directions with their order and rate. A motion that the limits leave no room for is shown without them."""
     lengths = np.linalg.norm(motions, axis=1)
-    inside = lengths >= motion.LEAST
+    inside = lengths >= LEAST
     units = np.where(inside[:, None], motions / np.maximum(lengths, 1e-300)[:, None], 0.0)
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)

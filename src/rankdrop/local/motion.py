@@ -9,39 +9,19 @@ import numpy as np
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.local.block import decompose, singular_values
-from rankdrop.local.departure import Place
+from rankdrop.local.place import Place, judge_steps, room
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
 
-LEAST = 1e-3
-"""A motion shorter than this is no motion: the joint stands at its limits [rad, or length scales]."""
-_JUDGES = (0.3, -0.3, 0.7, -0.7)  # finite motions that judge a predicted gain: far from small, and unrelated [rad]
-_ROOM = 0.1  # with less room than this inside the limits the judge looks past them [rad]
 _ANGLES = 16  # directions tried per pair, then refined
 _CLIMBS = 6  # steps of the climb towards the best direction
 _RANDOM = 24  # random starts of it
 
 
-def room(place: Place) -> tuple[Array, Array]:
-    """How far each joint can go down and up, (n,) each ≥ 0, in scaled coordinates; from outside only the way back."""
-    down = np.maximum(place.q - place.robot.lower, 0.0) / place.scale
-    up = np.maximum(place.robot.upper - place.q, 0.0) / place.scale
-    return down, up
-
-
 def measured_gains(place: Place, directions: Array) -> Array:
-    """(d,) rank after a finite motion along each direction, minus the rank before: the largest of several steps.
-
-    Steps are kept inside the limits where there is room, else the limits are not looked at: the judge asks about the
-    arm's geometry.
-    """
-    steps = np.array(_JUDGES)
-    motions = steps[:, None, None] * directions  # (4, d, n)
-    down, up = room(place)
-    inside = np.clip(motions, -down, up)
-    far = np.abs(inside).max(axis=-1) >= _ROOM * np.abs(directions).max(axis=-1)
-    used = np.where(far[..., None], inside, np.where(far.any(axis=0)[:, None], 0.0, motions))
-    sigma = singular_values(place.robot, place.q + used * place.scale, place.task)
+    """(d,) rank after a finite motion along each direction (d, n), minus the rank before: the largest of several."""
+    motions = judge_steps(place, directions)[..., None] * directions  # (4, d, n)
+    sigma = singular_values(place.robot, place.q + motions * place.scale, place.task)
     ranks = np.minimum((sigma > place.floor).sum(axis=-1), place.generic)
     return np.asarray(ranks.max(axis=0) - place.rank)
 

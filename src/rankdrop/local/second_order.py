@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.local.departure import Place
+from rankdrop.local.place import Place
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array

@@ -16,7 +16,7 @@ import numpy as np
 from rankdrop.frames import BASE, TIP, WORLD_ALIGNED
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.local.departure import Place
+from rankdrop.local.place import Place
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.local.departure import Place
-from rankdrop.local.motion import room
+from rankdrop.local.place import Place, room
 from rankdrop.local.second_order import FLAT, definite, forms, vanishing
 from rankdrop.local.selfmotion import Trace, followed, trace
 from rankdrop.local.taylor import taylor

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop._handles import check_robot
-from rankdrop.atlas.distance import FamilyDistance, family_distances
+from rankdrop.atlas.distance import agreement, family_distances
 from rankdrop.atlas.family import Family
 from rankdrop.atlas.on_the_spot import name_on_the_spot
 from rankdrop.atlas.search import Outcome, refine
@@ -209,7 +209,7 @@ def _verdict(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]
     lost = f"rank {rank.rank} of {r}"
     if rank.corank:
         times = "task freedom is" if rank.corank == 1 else "task freedoms are"
-        return "singular", f"{lost}: {rank.corank} {times} lost"
+        return "singular", f"{lost}: {rank.corank} {times} lost{_nearly(rank, small)}"
     if rank.always_singular:
         return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
     if far.near_miss is not None:
@@ -222,6 +222,12 @@ def _verdict(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]
     if far.nearest is None:
         return "regular", f"{lost}; no singular configuration was found nearby, which is not a proof"
     return "regular", f"{lost}; the nearest singular configuration found is {_angle(far.nearest.distance)} away"
+
+
+def _nearly(rank: Rank, small: float) -> str:
+    """What is small beside what is zero: Gen3's offsets of 12 mm keep σ above zero where it would vanish without."""
+    kept = rank.sigma[: rank.rank]
+    return f", and σ{rank.rank} = {kept[-1]:.3g} is nearly zero" if len(kept) and kept[-1] <= small else ""
 
 
 def _angle(distance: float) -> str:
@@ -293,8 +299,7 @@ def _disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
     nearest, certificate = far.nearest, far.certificate
     if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
         yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
-    closest: FamilyDistance | None = min(far.families, key=lambda one: one.distance, default=None)
-    if nearest is not None and closest is not None and closest.distance < nearest.distance * (1 - 1e-6) - 1e-9:
-        yield f"family {closest.family.id} is {closest.distance:.6g} away, the search found nothing nearer than " + (
-            f"{nearest.distance:.6g}"
-        )
+    if nearest is not None and far.families and all(one.family.named for one in far.families):
+        same = agreement(far.families, nearest)
+        if not same.agree:
+            yield same.words

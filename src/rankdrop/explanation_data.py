@@ -164,6 +164,12 @@ class ExplanationData:
     representations: Representations
     disagreements: tuple[str, ...] = ()
 
+    @property
+    def nearly_lost(self) -> int:
+        """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
+        kept = self.rank.sigma[: self.rank.rank]
+        return int((kept <= self.settings.small).sum())
+
     @cached_property
     def certified_radius(self) -> float | None:
         """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""

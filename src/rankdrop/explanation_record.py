@@ -23,6 +23,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         "verdict": found.verdict,
         "reason": found.reason,
         **plain(rank),
+        "nearly_lost": found.nearly_lost,
         "focus": found.focus.tolist(),
         "family": met_to_dict(found.met[0]) if found.met else None,
         "families": [met_to_dict(one) for one in found.met],
@@ -61,7 +62,7 @@ def met_to_dict(met: Met) -> Record:
     conditions = [str(equation) for equation in getattr(family, "equations", ())]
     return {
         **{key: record.get(key) for key in keys},
-        "conditions": conditions or list(getattr(family, "conditions", ())),
+        "conditions": conditions or list(getattr(family, "words", ())),
         "equations": [equation.text() for equation in getattr(family, "equations", ())],
         "residual": met.residual,
         "source": met.source,

@@ -7,12 +7,14 @@ from math import degrees, inf, isinf
 
 import numpy as np
 
+from rankdrop.atlas.which import Met
 from rankdrop.explanation_data import ExplanationData
 from rankdrop.local.escape import Direction, JointEscape
 from rankdrop.local.screws import Screw
 from rankdrop.sections import Section
 
 _SHOWN = 5
+_LONG = 160  # characters of an equation that is printed
 
 
 def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
@@ -50,15 +52,14 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     if not found.met and not found.relations:
         return
     where = "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
+    own = [met for met in found.met if met.family.corank == found.met[0].family.corank]
+    others = [met.family.name for met in found.met if met not in own]
     lines = []
-    for met in found.met:
-        family = met.family
-        conditions = "; ".join(f"{equation} = 0" for equation in getattr(family, "equations", ())) or "; ".join(
-            getattr(family, "conditions", ())
-        )
-        lines.append(f"{family.name}  (corank {family.corank}, dimension {family.dimension}; {met.source})")
-        if conditions:
-            lines.append(f"    {conditions}")
+    for met in own:
+        lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
+        lines.append(f"    {_conditions(met)}")
+    if others:
+        lines.append(f"lies on: {'; '.join(others)}")
     special = [relation.words for relation in found.relations if not relation.structural]
     always = [relation.words for relation in found.relations if relation.structural]
     notes = []
@@ -290,6 +291,14 @@ def _fixed(value: float) -> str:
 
 def _short(value: float) -> str:
     return "0" if value == 0 else f"{value:.4g}".replace("-", "−")
+
+
+def _conditions(met: Met) -> str:
+    """What has to hold, one after the other; long equations by their number of terms."""
+    family = met.family
+    told = [f"{one} = 0" for one in family.equations] or list(getattr(family, "words", ()))
+    short = [text if len(text) <= _LONG else f"a condition of {text.count('θ')} angles (--json)" for text in told]
+    return "; ".join(short)
 
 
 def _index(value: float) -> str:

@@ -12,7 +12,7 @@ from rankdrop.task import Task
 
 
 def members(robot: Robot, task: Task, family: Family, count: int, seed: int = 0, starts: int = 400) -> Array:
-    """(≤ count, n) solutions of the equations from random starts, of exactly the family's corank and not next to more."""
+    """(≤ count, n) solutions of the equations from random starts, of exactly the family's corank."""
     q, solved = System(family.equations).solve(sample(robot, task, starts, seed), iterations=60)
     sigma = singular_values(robot, q, task)
     rank = generic_rank(robot, task) - family.corank

@@ -175,3 +175,38 @@ def test_options_are_refused() -> None:
         damped_inverse(robot, [0.0, 0.0], damping=-1.0)
     with pytest.raises(ConfigurationError):
         pseudo_inverse(robot, [0.0, np.nan])
+
+
+def test_nothing_is_damped_at_or_above_the_threshold() -> None:
+    robot = open_robot("pa10")
+    q = [0.3, 0.5, 0.2, 0.05, 0.2, 0.7, 1.0]
+    sigma = float(decompose(robot, q, resolve_task(None, robot)).sigma[-1])
+    exact = pseudo_inverse(robot, q)
+    for inverse in (
+        selective_inverse(robot, q, threshold=sigma * (1 - 1e-9)),
+        damped_inverse(robot, q, threshold=sigma * (1 - 1e-9)),
+    ):
+        assert np.abs(inverse - exact).max() < 1e-12 * np.abs(exact).max()
+
+
+def test_rows_that_never_move_do_not_damp_for_ever() -> None:
+    """Planar arm, all three translations: rank 2 of min(3, 3) everywhere."""
+    robot = open_robot("planar3r")
+    q = [0.3, 1.2, 0.4]
+    found = damped_inverse(robot, q, "position", damping=0.05, threshold=0.01)
+    assert np.abs(found - pseudo_inverse(robot, q, "position")).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", ["pa10", "puma", "scara", "planar3r"])
+def test_pseudo_inverse_stays_small_at_exactly_singular_configurations(name: str) -> None:
+    """Singular values that are rounding are not inverted: the norm is one over the smallest that is none."""
+    robot, q = arms.singular_configurations(name, np.random.default_rng(8), 60)
+    task = resolve_task(None, robot)
+    parts = factor(robot, q, task)
+    sigma = decompose(robot, q, task).sigma
+    assert (sigma[:, -1] < 1e-12).all()
+    smallest = np.where(sigma > 1e-9, sigma, np.inf).min(axis=1)
+    norm = np.linalg.norm(pseudo_inverse(robot, q) / parts.joints[:, None] / parts.rows, 2, axis=(1, 2))
+    if (parts.joints == 1.0).all():
+        assert np.abs(norm * smallest - 1).max() < 1e-9
+    assert norm.max() < 1e4

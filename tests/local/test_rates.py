@@ -166,3 +166,11 @@ def test_against_scipy() -> None:
                 assert part.speed == pytest.approx(want, rel=1e-6, abs=1e-6)
                 compared += 1
     assert compared > 100
+
+
+@pytest.mark.parametrize(("tilt", "possible"), [(0.0, True), (1e-10, True), (1e-8, False), (1e-3, False)])
+def test_an_axis_that_is_nearly_in_the_range_is_not_in_it(tilt: float, possible: bool) -> None:
+    """A stretched planar arm moves across itself only; tilted by 1e-8, the Y axis is no longer that direction."""
+    along_y = joint_rates(open_robot("planar2r"), [tilt, 0.0]).axes[1]
+    assert along_y.possible == possible
+    assert (along_y.speed == 0.0) == (not possible)

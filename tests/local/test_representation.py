@@ -167,3 +167,12 @@ def test_batches_and_wrong_names(name: str) -> None:
     assert analytical_jacobian(robot, np.zeros((0, 6)), name).shape[0] == 0
     with pytest.raises(OptionError, match="no such representation"):
         analytical_jacobian(robot, q, "euler")
+
+
+def test_at_a_gimbal_lock_one_angle_is_zero_by_convention() -> None:
+    lock = about("z", 0.3) @ about("y", H) @ about("x", 0.7)
+    roll, pitch, yaw = orientation_coordinates(lock, "rpy")
+    assert (roll, pitch) == (0.0, pytest.approx(H))
+    assert yaw == pytest.approx(0.3 - 0.7)
+    alpha, beta, gamma = orientation_coordinates(about("z", 0.3) @ about("z", 0.4), "zyz")
+    assert (alpha, beta, gamma) == (pytest.approx(0.7), 0.0, 0.0)

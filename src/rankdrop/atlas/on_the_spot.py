@@ -22,12 +22,12 @@ from rankdrop.atlas.linear import Linear, Values, canonical, wrap
 from rankdrop.atlas.local_family import LocalFamily, condition_words, relation_words
 from rankdrop.atlas.naming import name_family
 from rankdrop.atlas.recognise import recognised
-from rankdrop.atlas.residual import residual_equations
+from rankdrop.atlas.residual import circuit_equations
 from rankdrop.atlas.row import Row
 from rankdrop.atlas.sampling import Setting, Supply, smooth
 from rankdrop.atlas.search import refine
 from rankdrop.atlas.signature import Inspection, Signature
-from rankdrop.errors import ConfigurationError
+from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
@@ -41,7 +41,9 @@ CLOSE = 0.1  # so near the set is its tangent, within a tenth [rad, length scale
 BACK = 3.0  # what comes back farther away than so many steps is another place of the set
 HELD = 1e-5  # a value of q and one of the neighbourhood that differ by less are the same [rad, length scales]
 NAMED = 12  # points that a name is taken from
-FIT_WORK = 1.5e8  # of one fit: some 50 ms
+SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
+FIT_WORK = 2e7  # of one fit, in floating-point operations
+FIT_JOINTS = 3  # equations of more coupled joints take seconds and belong into an atlas
 Found = list[tuple[Signature, NDArray[np.int64]]]
 
 
@@ -66,11 +68,12 @@ def name_on_the_spot(
         task: from `resolve_task`.
         corank: k, as `rank_at` says.
         seed: of the random steps.
-        fit: also fit the equation of coupled joints, where it is within reach of a small budget.
+        fit: also fit the equations of up to three coupled joints, with a small budget: some 0.1 s.
         tolerances: thresholds.
 
     Raises:
-        ConfigurationError: q is not one configuration of this arm, or is not singular.
+        ConfigurationError: q is not one configuration of this arm, or does not have this corank.
+        OptionError: k is not in 1 … generic rank.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -81,10 +84,13 @@ def name_on_the_spot(
         (6, ('θ4 = 0',))
     """
     configuration = one_configuration(robot, q)
-    rank = generic_rank(robot, task) - corank
+    generic = generic_rank(robot, task)
+    if not 1 <= corank <= generic:
+        raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
+    rank = generic - corank
     setting = Setting(robot, task, corank, rank, tolerances)
     at = setting.inspect(configuration[None])
-    if corank < 1 or at.sigma[0, rank] > max(tolerances.singular, 1e-6):
+    if at.sigma[0, rank] > max(tolerances.singular, 1e-6):
         raise ConfigurationError(
             "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
             mend="take the corank that rank_at gives",
@@ -124,7 +130,7 @@ def _neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Ins
 
 def _rank_of(at: Inspection) -> int:
     """Rank of D at the first point."""
-    return at.q.shape[1] - round(float(np.trace(at.tangent[0])))
+    return int(at.q.shape[1]) - round(float(np.trace(at.tangent[0])))
 
 
 def _usual_rank(around: Inspection) -> int:
@@ -191,7 +197,7 @@ def _described(
     values = _values(linear, around.q[members])
     equations: tuple[Equation, ...] = linear.equations([(v,) for v in values])
     if signature.residual:
-        rest = _fitted(setting, around, signature, linear, values, members, seed) if fit else None
+        rest = _fitted(setting, around, linear, values, members, seed) if fit else None
         equations = () if rest is None else equations + rest
     return _family(
         setting, around.q[members], signature, values, equations,
@@ -247,16 +253,22 @@ def _values(linear: Linear, points: Array) -> Values:
 def _fitted(
     setting: Setting,
     around: Inspection,
-    signature: Signature,
     linear: Linear,
     values: Values,
     members: NDArray[np.int64],
     seed: int,
 ) -> tuple[Equation, ...] | None:
-    """Equations of the coupled joints, or None where a small budget does not find them."""
+    """Equations of the coupled joints, or None where they are long or a small budget does not find them."""
     rng = np.random.default_rng([seed, 1])
+    met = [signature for i in members if (signature := around.signatures[i]) is not None]
+    signature = max(met, key=met.count)  # the sets of joints bound together included
     supply = Supply(setting, signature, linear, values, around.q[members], around.tangent[members], rng)
-    return residual_equations(supply, Budget(FIT_WORK), thorough=False)
+    if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
+        return None
+    supply(SPREAD)
+    order = rng.permutation(len(supply.q))  # a fit takes the first ones, and they have to be spread over the family
+    supply.q, supply.tangent = supply.q[order], supply.tangent[order]
+    return circuit_equations(supply, Budget(FIT_WORK))
 
 
 def _from_shared_values(setting: Setting, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:

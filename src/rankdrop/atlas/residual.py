@@ -34,14 +34,7 @@ def residual_equations(supply: Supply, budget: Budget, *, thorough: bool) -> tup
     Returns:
         The equations, or None where they are out of reach.
     """
-    setting = supply.setting
-    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
-    kinds = tuple(
-        Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
-        for joint, periodic in zip(setting.robot.variables, setting.robot.periodic, strict=True)
-    )
-    highest = 4 if setting.task.m == 6 else 6
-    ground = Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances)
+    ground, joints = _ground(supply, budget)
     chosen, spare = _from_circuits(supply, ground, joints)
     reached = _rank(supply, chosen)
     if reached > supply.signature.residual:  # more than the signature promises: families meet here
@@ -51,6 +44,28 @@ def residual_equations(supply: Supply, budget: Budget, *, thorough: bool) -> tup
         if equations is not None:
             return equations
     return _from_ideal(supply, ground, joints) if thorough and len(joints) > 1 else None
+
+
+def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | None:
+    """The quick part of `residual_equations`: equations of single circuits where they are sound as they are."""
+    ground, joints = _ground(supply, budget)
+    chosen, _ = _from_circuits(supply, ground, joints)
+    if _rank(supply, chosen) != supply.signature.residual:
+        return None
+    tested, strangers = _strangers(supply, chosen)
+    return tuple(chosen) if tested and not len(strangers) else None
+
+
+def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
+    """What fits of a family stand on, and the joints (from 0) they bind."""
+    setting = supply.setting
+    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
+    kinds = tuple(
+        Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
+        for joint, periodic in zip(setting.robot.variables, setting.robot.periodic, strict=True)
+    )
+    highest = 4 if setting.task.m == 6 else 6
+    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances), joints
 
 
 def _from_circuits(

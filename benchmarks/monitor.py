@@ -1,0 +1,48 @@
+"""Verdict, singular values, family, lost directions and first-order distance: one configuration, and many at once."""
+
+from __future__ import annotations
+
+import measure  # first: sets the number of threads
+import numpy as np
+
+from rankdrop.atlas.monitor import Monitor
+from rankdrop.known import shipped
+
+ONE, MANY = 50.0, 5.0  # targets [us]
+
+
+def main() -> None:
+    """Random configurations, every second one on a family; one thread. A ratio is the time over its target."""
+    count = 2_000 if measure.quick() else 20_000
+    rows = []
+    for name in ("puma560", "pa10", "canadarm2", "sawyer"):
+        found = shipped(name)
+        monitor = Monitor(found.robot, found.task, found.families)
+        q = np.random.default_rng(0).uniform(-3.0, 3.0, (count, found.robot.n))
+        witnesses = np.array([family.witness for family in found.families])
+        q[::2] = witnesses[np.arange(len(q[::2])) % len(witnesses)]
+        if (monitor.look(q).family[::2] < 0).any():
+            raise SystemExit(f"{name}: a witness was not attributed")
+        single = list(q[:2_000])
+
+        def one(monitor: Monitor = monitor, single: list[np.ndarray] = single) -> None:
+            for row in single:
+                monitor.look_one(row)
+
+        def many(monitor: Monitor = monitor, q: np.ndarray = q) -> None:
+            monitor.look(q, threads=1)
+
+        alone = 1e6 * measure.best_of(5, one) / len(single)
+        batched = 1e6 * measure.best_of(5, many) / len(q)
+        rows.append({
+            "arm": name, "families": len(found.families), "one us": alone, "batched us": batched,
+            "of the target": max(alone / ONE, batched / MANY),
+        })  # fmt: skip
+    measure.report(
+        f"monitor: one configuration from Python under {ONE:g} us, batched under {MANY:g} us each on one thread",
+        rows, ratio="of the target", target=1.0, at_most=True,
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

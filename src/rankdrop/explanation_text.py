@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from math import degrees, inf, isinf
+from math import ceil, degrees, inf, isinf, log10
 
 import numpy as np
 
@@ -31,9 +31,9 @@ def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[s
 def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     r = rank.generic_rank
-    sigma = ", ".join(_short(value) for value in rank.sigma)
+    sigma = ", ".join(_short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
     lines = [
-        f"σ = {sigma}  (each ± {rank.sigma_error:.1g}; zero at or below {rank.tolerance:g}; task {found.task.name}, "
+        f"σ = {sigma}  (each ± {_power(rank.sigma_error)}; zero at or below {rank.tolerance:g}; task {found.task.name}, "
         f"translation divided by {found.settings.length_scale:.4g} m)",
         f"task freedoms lost: {rank.corank} of {r}; {robot.n} joints, {rank.nullity} "
         f"independent joint {_plural('motion', rank.nullity)} without effect on the task",
@@ -167,7 +167,7 @@ def _far(found: ExplanationData, full: bool) -> Iterator[Section]:
         name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
         lines.append(
             f"nearest singular configuration found: {_angle(far.nearest.distance)} away{name}; {far.nearest.agreeing} "
-            f"of {far.nearest.starts} starts agree; σ there {far.nearest.sigma:.1g}"
+            f"of {far.nearest.starts} starts agree; σ there at most {_power(far.nearest.sigma)}"
         )
         rows.append(("nearest", *(_signed(d, u) for d, u in zip(far.nearest.delta, _units(found), strict=True))))
     radius = found.certified_radius
@@ -229,8 +229,8 @@ def _redundancy(found: ExplanationData, full: bool) -> Iterator[Section]:
     lines = [
         f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
         + ("holds" if spare.check.holds else "DOES NOT HOLD"),
-        f"projector I − J⁺J: ‖PP − P‖ {spare.idempotent:.1g}, ‖JP‖ {spare.annihilates:.1g}; "
-        f"Jin's I − Jᵀ(JJᵀ)†J differs by {spare.difference:.1g}",
+        f"projector I − J⁺J: ‖PP − P‖ ≤ {_power(spare.idempotent)}, ‖JP‖ ≤ {_power(spare.annihilates)}; "
+        f"Jin's I − Jᵀ(JJᵀ)†J differs by at most {_power(spare.difference)}",
     ]
     rows = tuple(tuple(_fixed(value) for value in row) for row in spare.null_basis)
     columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(found.robot.variables, start=1))
@@ -287,6 +287,11 @@ def _deg(value: float, unit: str) -> str:
 
 def _fixed(value: float) -> str:
     return f"{round(float(value), 4) + 0.0:.4f}".replace("-", "−")
+
+
+def _power(value: float) -> str:
+    """The power of ten at or above a rounding error: its digits are noise."""
+    return "0" if value == 0 else f"1e{ceil(log10(value))}"
 
 
 def _short(value: float) -> str:

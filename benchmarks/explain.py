@@ -1,0 +1,36 @@
+"""A full explanation of one configuration: verdict, family, lost motions, circuits, ways out, distance, proof."""
+
+from __future__ import annotations
+
+import measure  # first: sets the number of threads
+import numpy as np
+
+from rankdrop.explain import explain
+from rankdrop.known import shipped
+from rankdrop.local.block import sample
+
+TARGET = 50.0  # [ms]
+
+
+def main() -> None:
+    """Median over configurations, half of them singular, of the shortest of three calls."""
+    count = 4 if measure.quick() else 20
+    rows = []
+    for name in ("puma560", "ur5", "pa10", "panda"):
+        found = shipped(name)
+        arm, task = found.robot, found.task
+        regular = sample(arm, task, count, seed=1)
+        singular = np.array([found.families[i % len(found.families)].witness for i in range(count)])
+
+        def spent(rows: np.ndarray, arm=arm, task=task) -> float:  # type: ignore[no-untyped-def,type-arg]
+            return 1e3 * float(np.median([measure.best_of(3, lambda q=q: explain(arm, q, task)) for q in rows]))  # type: ignore[misc]
+
+        both = spent(regular), spent(singular)
+        rows.append({"arm": name, "regular ms": both[0], "singular ms": both[1], "of the target": max(both) / TARGET})
+    measure.report(
+        f"explain: median under {TARGET:g} ms from Python", rows, ratio="of the target", target=1.0, at_most=True
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -10,8 +10,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
-from rankdrop.kinematics import jacobian
-from rankdrop.local.directions import frame_name, lost_directions, lost_in_sparsest_frame, lost_over_family
+from rankdrop.kinematics import jacobian, link_poses
+from rankdrop.local.directions import Sight, frame_name, lost_directions, lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.words import words
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
@@ -84,6 +84,31 @@ def test_the_chosen_frame_has_no_more_entries_and_the_directions_are_lost_in_it(
     assert np.abs(chosen.directions @ jacobian(pa10, np.array(q), chosen.frame)).max() < 1e-12
     own = lost_directions(pa10, q, task, corank)
     assert (np.abs(chosen.directions) > 1e-6).sum() <= (np.abs(own) > 1e-6).sum()
+
+
+@pytest.mark.parametrize("frame", [BODY, SPACE, Frame(3, 2, (0.1, 0.0, -0.2)), Frame(4, 4)])
+@pytest.mark.parametrize(("q", "corank"), SINGULAR)
+def test_from_whatever_frame_the_task_has_the_chosen_frame_is_right(
+    pa10: Robot, q: list[float], corank: int, frame: Frame
+) -> None:
+    joints = np.array(q) + 0.0
+    chosen = lost_in_sparsest_frame(pa10, joints, resolve_task("pose", pa10, frame=frame), corank)
+    assert np.abs(chosen.directions @ jacobian(pa10, joints, chosen.frame)).max() < 1e-12
+    points = np.stack([joints, joints + [0.7, 0, 0, 0, 0, 0, 0], joints + [0, 0, 0, 0, 0, 0, -0.4]])
+    steady = lost_over_family(pa10, points, resolve_task("pose", pa10, frame=frame), corank)
+    if steady is not None:
+        for point in points:
+            assert np.abs(steady.directions @ jacobian(pa10, point, steady.frame)).max() < 1e-12
+
+
+@pytest.mark.parametrize("own", [BODY, SPACE, WORLD_ALIGNED, Frame(3, 2, (0.1, 0.0, -0.2))])
+def test_what_is_blocked_is_blocked_in_every_frame_it_is_rewritten_in(pa10: Robot, own: Frame) -> None:
+    q = np.array(SINGULAR[4][0])
+    lost = lost_directions(pa10, q, resolve_task("pose", pa10, frame=own), 2)
+    frames = [own, *(Frame(axes, origin) for axes in (*range(8), TIP) for origin in (*range(8), TIP))]
+    seen = Sight(link_poses(pa10, q), own, frames)(lost)
+    for rows, frame in zip(seen, frames, strict=True):
+        assert np.abs(rows @ jacobian(pa10, q, frame)).max() < 1e-12
 
 
 def test_an_elbow_blocks_a_force_along_the_stretched_arm(pa10: Robot) -> None:

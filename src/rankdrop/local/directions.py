@@ -82,7 +82,7 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     configuration = _one(robot, q)
     blocked, always = _blocked(robot, configuration, task, corank)
     frames = _candidates(task.frame, len(robot.joints))
-    see = _Sight(link_poses(robot, configuration), task.frame, frames)
+    see = Sight(link_poses(robot, configuration), task.frame, frames)
     found = _readable(see(blocked), see(always), corank)
     best = _sparsest(found)
     return FramedDirections(found[best], frames[best], frame_name(frames[best]))
@@ -114,7 +114,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, _one(robot, q), task, corank)
         own = _readable(blocked[None], always[None], corank)[0]
-        bases.append(_orthonormal(_Sight(link_poses(robot, q), task.frame, frames)(own)))
+        bases.append(_orthonormal(Sight(link_poses(robot, q), task.frame, frames)(own)))
     if not bases:
         return None
     projectors = np.stack([basis @ basis.swapaxes(1, 2) for basis in bases])  # (P, F, 6, 6)
@@ -134,8 +134,14 @@ def _every_frame(own: Frame, joints: int) -> list[Frame]:
     return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
 
 
-class _Sight:
-    """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration."""
+class Sight:
+    """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration.
+
+    Args:
+        links: (N + 2, 4, 4) from `link_poses`.
+        own: the frame they are written in.
+        frames: the F frames they are wanted in.
+    """
 
     def __init__(self, links: Array, own: Frame, frames: list[Frame]) -> None:
         joints = len(links) - 2

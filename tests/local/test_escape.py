@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from reference import arms
 
+from rankdrop.atlas.search import search
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.local.block import singular_values
 from rankdrop.local.escape import Escape, escape
@@ -245,13 +246,22 @@ def test_the_reversed_chain_has_the_same_gains_and_orders(name: str, q: list[flo
         assert one[number][:2] == other[n + 1 - number][:2]
 
 
-def test_a_slide_is_measured_in_metres() -> None:
-    """A planar arm slide–turn: the rate per metre does not change when the same slide is written in other units."""
-    robot = arms.standard_dh("prp", [(0, HALF, 0, 0, 1), (0.4, HALF, 0, 0), (0, 0, 0.3, 0, 1)], task="planar-position")
-    assert robot.variables[0].kind is JointKind.PRISMATIC
-    for length in (0.2, 1.0, 5.0):
-        found = escape(robot, [0.0, 0.3, 0.2], resolve_task("vx,vz", robot, length_scale=length))
-        assert len(found.single) == 3
+@pytest.mark.parametrize("length", [0.5, 2.0])
+def test_rates_are_per_radian_and_per_metre(length: float, rng: np.random.Generator) -> None:
+    robot = arms.random_chain(rng, "rpphrrr")
+    task = resolve_task(None, robot, length_scale=length)
+    points = search(robot, 1, task=task, starts=20, seed=1).converged
+    assert len(points) >= 10
+    sliding = 0
+    for q in points:
+        for joint in escape(robot, q, task).single:
+            if joint.order is None:
+                continue
+            sliding += robot.variables[joint.number - 1].kind is JointKind.PRISMATIC
+            t = 1e-6
+            after = singular_values(robot, q + t * np.eye(7)[joint.number - 1], task)[5]
+            assert after / t**joint.order == pytest.approx(joint.rate, rel=1e-2, abs=1e-6)
+    assert sliding > 5
 
 
 def test_same_seed_same_answer() -> None:

@@ -12,15 +12,13 @@ from rankdrop.local.taylor import brackets, taylor
 from rankdrop.task import resolve_task
 
 FRAMES = (WORLD_ALIGNED, SPACE, BODY, Frame(1, 2, (0.1, 0.2, -0.3)), Frame(2, -1), Frame(0, 1))
-KINDS = ("r", "rpr", "rhr", "rrrrrr", "hrprhr", "rrmrrrr", "mrrhpmr", "rrrrrrrr")
+KINDS = ("rpr", "rhr", "rrrrrr", "hrprhr", "rrmrrrr", "mrrhpmr", "rrrrrrrr")
 
 
 @pytest.mark.parametrize("kinds", KINDS)
 @pytest.mark.parametrize("frame", FRAMES, ids=str)
 def test_the_series_sums_up_to_the_moved_jacobian(kinds: str, frame: Frame, rng: np.random.Generator) -> None:
     robot = arms.random_chain(rng, kinds)
-    if max(frame.axes, frame.origin) > len(robot.joints):
-        pytest.skip("the chain is shorter than the frame's link")
     task = resolve_task("pose", robot, frame=frame)
     q = rng.uniform(-np.pi, np.pi, robot.n)
     directions = np.concatenate([np.eye(robot.n), rng.normal(size=(3, robot.n))])

@@ -120,7 +120,7 @@ def _counts(series: Array, highest: Array, place: Place) -> tuple[Array, NDArray
             break
         sigma = np.linalg.svd(_toeplitz(series[:, left], p), compute_uv=False)
         ranks = (sigma > place.floor).sum(axis=-1)
-        doubtful[left] |= _close(sigma, place.floor).any(axis=-1)
+        doubtful[left] |= _close(np.asarray(sigma, dtype=np.float64), place.floor).any(axis=-1)
         # the count never falls with p, nor is it above the generic rank: what a cut makes of rounding is put right
         numbers[left, p:] = np.clip(ranks - before[left], numbers[left, p - 1], place.generic)[:, None]
         before[left] = ranks

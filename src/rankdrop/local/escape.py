@@ -8,27 +8,24 @@ translation rows over the length scale, so rates depend on that scale, while ran
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import OptionError, TaskError
-from rankdrop.kinematics import jacobian
+from rankdrop.errors import OptionError
 from rankdrop.local import motion
-from rankdrop.local.block import decompose, joint_scale
 from rankdrop.local.departure import Departure, departures
-from rankdrop.local.place import LEAST, Place, room
+from rankdrop.local.place import LEAST, Place, place_at, room
+from rankdrop.local.receptors import receptors
 from rankdrop.local.second_order import LostMotion, boundary, lost_motions, null_basis
 from rankdrop.local.still import Stillness, find_still
-from rankdrop.local.taylor import brackets, taylor, unlocked
-from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 _ENTRY = 1e-6  # entries of unit vectors below this do not count as entries
-_NOISE = 10.0  # a singular value has to leave q's own by this factor to count as regained, where q's is not quite zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,39 +181,13 @@ def escape(
     )
 
 
-def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, corank: int | None = None) -> Place:
-    """The configuration with its singular value decomposition split at its rank.
-
-    Raises:
-        ConfigurationError: q is not one configuration of this arm.
-        OptionError: there is no such corank.
-        TaskError: the arm does not move in this task at all.
-    """
-    configuration = one_configuration(robot, q)
-    task = replace(task, length_scale=task.scale(robot))  # the reach is worked out once
-    verdict = rank_at(robot, configuration, task, tolerances)
-    generic = verdict.generic_rank
-    if not generic:
-        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
-    lost = verdict.corank if corank is None else corank
-    if not 0 <= lost <= generic:
-        raise OptionError("there is no such corank", got=corank, allowed=f"0 … {generic}")
-    rank = generic - lost
-    parts = decompose(robot, configuration, task)
-    noise = float(parts.sigma[rank]) if lost else 0.0
-    return Place(
-        robot, configuration, task, rank, generic, parts.sigma, parts.u, parts.v, joint_scale(robot, task),
-        floor=max(tolerances.singular, _NOISE * noise),
-    )  # fmt: skip
-
-
 def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
     found = departures(place, units) if place.corank else _slopes(place, units)
     gains = motion.measured_gains(place, units)
     steps, sigma = motion.single_motions(place, step)
-    receives = _receptors(place)
+    receives = receptors(place)
     down, up = room(place)
     out = []
     for j, joint in enumerate(place.robot.variables):
@@ -246,7 +217,9 @@ def _standing(joint: JointEscape, corank: int) -> tuple[float, ...]:
     return (not restores, 0 if restores else -joint.gain, -joint.sigma_after, joint.number)
 
 
-def _several(place: Place, step: float, seed: int, single: tuple[JointEscape, ...]) -> tuple[Direction | None, Direction]:
+def _several(
+    place: Place, step: float, seed: int, single: tuple[JointEscape, ...]
+) -> tuple[Direction | None, Direction]:
     """The best pair and the best direction; the second starts from the first and from the single joints."""
     moves = np.zeros((len(single), len(place.q)))
     for row, joint in enumerate(single):
@@ -256,11 +229,11 @@ def _several(place: Place, step: float, seed: int, single: tuple[JointEscape, ..
     known = moves if pair is None else np.concatenate([pair[None], moves])
     whole = motion.best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
-    described = _described(place, motions, step, seed)
+    described = _described(place, motions)
     return (described[1] if pair is not None else None), described[0]
 
 
-def _described(place: Place, motions: Array, step: float, seed: int) -> list[Direction]:
+def _described(place: Place, motions: Array) -> list[Direction]:
     """Directions with their order and rate. A motion that the limits leave no room for is shown without them."""
     lengths = np.linalg.norm(motions, axis=1)
     inside = lengths >= LEAST
@@ -311,22 +284,3 @@ def _still_direction(place: Place, found: Stillness) -> Direction | None:
         within_limits=found.within_limits,
         measured_gain=found.gain,
     )
-
-
-def _receptors(place: Place) -> tuple[tuple[int, ...], ...]:
-    """GR: per actuator a, the joints i whose change leaves the span of all screws, and that are dependent at q.
-
-    For the whole pose the change is [S_a, S_i], i > a. Tasks with fewer rows take the change of the task Jacobian's
-    column, which is also there for joints before a when the reference point moves.
-    """
-    if not place.corank:
-        return ((),) * len(place.q)
-    chain, values, share = unlocked(place.robot, place.q)
-    if place.task.m == 6 and chain is place.robot:
-        change = brackets(jacobian(chain, values, place.task.frame))
-        change[:, :3] /= place.task.scale(place.robot)
-    else:
-        change = taylor(place.robot, place.q, place.task, np.eye(len(place.q)), 1)[1]
-    leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > _ENTRY
-    depends = np.linalg.norm(place.v2, axis=1) > _ENTRY
-    return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
@@ -12,6 +13,8 @@ from rankdrop.local.block import decompose, singular_values
 from rankdrop.local.place import Place, judge_steps, room
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
+
+_Indices = NDArray[np.intp]
 
 _ANGLES = 16  # directions tried per pair, then refined
 _CLIMBS = 6  # steps of the climb towards the best direction
@@ -43,7 +46,7 @@ def single_motions(place: Place, step: float) -> tuple[Array, Array]:
 def fitted(place: Place, motions: Array) -> Array:
     """Motions (..., n) in scaled coordinates, cut off at the limits."""
     down, up = room(place)
-    return np.clip(motions, -down, up)
+    return np.asarray(np.clip(motions, -down, up))
 
 
 def best_pair(place: Place, step: float) -> Array:
@@ -91,7 +94,7 @@ def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
     for width in (0.3, 0.1, 0.03):  # ridges, where singular values tie and the gradient jumps
         around = _unit(_unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
         best = _better(place, best, fitted(place, step * around))
-    return best
+    return np.asarray(best)
 
 
 def scores(place: Place, motions: Array) -> Array:
@@ -102,7 +105,7 @@ def scores(place: Place, motions: Array) -> Array:
     return np.stack([ranks, held], axis=-1)
 
 
-def _order(place: Place, motions: Array) -> Array:
+def _order(place: Place, motions: Array) -> _Indices:
     reached = scores(place, motions)
     return np.lexsort((-reached[:, 1], -reached[:, 0]))
 
@@ -112,7 +115,7 @@ def _better(place: Place, best: Array, motions: Array) -> Array:
     return np.asarray(every[_order(place, every)[0]])
 
 
-def _best_of_each(place: Place, motions: Array) -> tuple[Array, Array]:
+def _best_of_each(place: Place, motions: Array) -> tuple[_Indices, _Indices]:
     """Of motions (p, a, n): the best a of each p, and the p from the best to the worst."""
     reached = scores(place, motions)
     value = reached[..., 0] * 1e6 + reached[..., 1]  # σ of scaled Jacobians is far below 1e6
@@ -120,7 +123,7 @@ def _best_of_each(place: Place, motions: Array) -> tuple[Array, Array]:
     return best, np.argsort(-value[np.arange(len(best)), best], kind="stable")
 
 
-def _on_circle(place: Place, pairs: Array, angles: Array, step: float) -> Array:
+def _on_circle(place: Place, pairs: _Indices, angles: Array, step: float) -> Array:
     motions = np.zeros((*angles.shape, len(place.q)))
     every = np.broadcast_to(pairs, (*angles.shape, 2))
     np.put_along_axis(motions, every[..., :1], step * np.cos(angles)[..., None], axis=-1)

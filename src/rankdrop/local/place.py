@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rankdrop.local.block import singular_values
+from rankdrop.errors import OptionError, TaskError
+from rankdrop.local.block import decompose, joint_scale, singular_values
+from rankdrop.local.verdict import one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
 
 LEAST = 1e-3
 """A motion shorter than this is no motion: the joint stands at its limits [rad, or length scales]."""
 _FINITE = (0.3, -0.3, 0.7, -0.7)  # finite motions that judge a predicted gain: far from small, and unrelated [rad]
+_NOISE = 10.0  # near a singularity a singular value counts as regained once it is so much larger than it was
 _ROOM = 0.1  # with less room than this inside the limits the judge looks past them [rad]
 
 
@@ -68,6 +73,32 @@ class Place:
     def last(self, configurations: Array) -> Array:
         """(...) σ_r at other configurations (..., n), r the generic rank."""
         return singular_values(self.robot, configurations, self.task)[..., self.generic - 1]
+
+
+def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, corank: int | None = None) -> Place:
+    """The configuration with its singular value decomposition split at its rank.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        OptionError: there is no such corank, or more is lost at q.
+        TaskError: the arm does not move in this task at all.
+    """
+    configuration = one_configuration(robot, q)
+    task = replace(task, length_scale=task.scale(robot))  # the reach is worked out once
+    verdict = rank_at(robot, configuration, task, tolerances)
+    generic = verdict.generic_rank
+    if not generic:
+        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
+    lost = verdict.corank if corank is None else corank
+    if not verdict.corank <= lost <= generic:
+        raise OptionError("q has no such corank", got=corank, allowed=f"{verdict.corank} (what is lost) … {generic}")
+    rank = generic - lost
+    parts = decompose(robot, configuration, task)
+    noise = float(parts.sigma[rank]) if lost else 0.0
+    return Place(
+        robot, configuration, task, rank, generic, parts.sigma, parts.u, parts.v, joint_scale(robot, task),
+        floor=max(tolerances.singular, _NOISE * noise),
+    )  # fmt: skip
 
 
 def room(place: Place) -> tuple[Array, Array]:

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.local.place import Place
 from rankdrop.local.directions import lost_directions
+from rankdrop.local.place import Place
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
 

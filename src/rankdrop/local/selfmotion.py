@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.frames import BASE, TIP, WORLD_ALIGNED
 from rankdrop.kinematics import pose, task_jacobian
@@ -42,10 +43,10 @@ class Trace:
 
     q: Array
     sigma: Array
-    ranks: Array
+    ranks: NDArray[np.intp]
     error: Array
     length: Array
-    valid: Array
+    valid: NDArray[np.bool_]
 
 
 def followed(task: Task) -> Task | None:

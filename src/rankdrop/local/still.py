@@ -114,9 +114,9 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     """The best of the traces that stood still."""
     down, up = room(place)
     moved = (traced.q - place.q) / place.scale
-    inside = ((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2))
+    inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
     least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
-    leaves = traced.valid & (traced.sigma[:, -1] > least)
+    leaves = np.asarray(traced.valid & (traced.sigma[:, -1] > least))
     if not leaves.any():
         return _stays(place, each, traced, complete)
     value = np.where(leaves, traced.sigma[:, -1] + 1e3 * inside, -1.0)

@@ -1,0 +1,111 @@
+"""The law of escape: the gain predicted from q alone is the gain that a finite motion measures, joint by joint."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from reference import arms
+
+from rankdrop.atlas.search import search
+from rankdrop.errors import OptionError
+from rankdrop.local.block import singular_values
+from rankdrop.local.departure import departures
+from rankdrop.local.motion import measured_gains
+from rankdrop.local.place import place_at
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.tolerances import DEFAULT
+
+SPECIAL = ("pa10", "canadarm2", "iiwa14", "ur5", "puma560", "anthropomorphic", "stanford", "scara", "gen3", "fetch8")
+CHAINS = ("rrrrrrr", "rrrrrrrr", "rrprrr", "hrprhr", "rrmrrrr", "mrrhpmr")
+
+
+def every_arm() -> dict[str, Robot]:
+    rng = np.random.default_rng(3)
+    return {name: open_robot(name) for name in SPECIAL} | {kinds: arms.random_chain(rng, kinds) for kinds in CHAINS}
+
+
+def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[str]]:
+    """Every joint at `count` random singular configurations per arm and corank: what came out, and what disagreed."""
+    seen: Counter[str] = Counter()
+    wrong: list[str] = []
+    for name, robot in robots.items():
+        task = resolve_task(None, robot)
+        for corank in (1, 2, 3):
+            try:
+                points = search(robot, corank, starts=2 * count, seed=5).converged[:count]
+            except OptionError:  # this arm has no such corank
+                continue
+            seen[f"corank {corank}"] += len(points)
+            for q in points:
+                place = place_at(robot, q, task, DEFAULT)
+                measured = measured_gains(place, np.eye(robot.n))
+                for number, (made, gain) in enumerate(zip(departures(place, np.eye(robot.n)), measured, strict=True), 1):
+                    seen[f"order {made.order}"] += 1
+                    seen[f"gain {made.gain}"] += 1
+                    if made.gain != gain:
+                        wrong.append(f"{name} joint {number} predicted {made.gain} measured {gain} at {q.tolist()}")
+    return seen, wrong
+
+
+def test_predicted_gain_is_measured_gain() -> None:
+    chosen = ("pa10", "ur5", "stanford", "canadarm2", "scara", "rrrrrrr", "hrprhr", "mrrhpmr")
+    seen, wrong = compare({name: robot for name, robot in every_arm().items() if name in chosen}, 25)
+    assert wrong == []
+    assert seen["corank 1"] >= 150
+    assert min(seen["corank 2"], seen["corank 3"]) >= 25
+    assert min(seen["order 1"], seen["gain 1"], seen["gain 2"]) > 100
+
+
+@pytest.mark.slow
+def test_predicted_gain_is_measured_gain_at_thousands_of_configurations() -> None:
+    """About a minute: `pytest -m slow tests/local/test_escape_gains.py`."""
+    seen, wrong = compare(every_arm(), 200)
+    assert wrong == []
+    assert sum(seen[f"corank {corank}"] for corank in (1, 2, 3)) >= 2000
+    assert min(seen[f"corank {corank}"] for corank in (1, 2, 3)) >= 500
+    assert seen["order 2"] >= 5  # met at random: where two families cross
+
+
+ORDERS = [
+    ("pa10", [0.1, 0, 0.7, 0, 0.9, 0.4, 0.2]),  # two families cross
+    ("pa10", [0.1, 0, 0.7, 0.5, 0.9, 0, 0.2]),
+    ("pa10", [0.1, 0.4, 0.7, 0, 0.9, 0, 0.2]),
+    ("stanford", [0.1, 0, 0.6, 0.3, 0, 0.4]),
+    ("puma560", [0.1, 0.5, 0.7, 0.3, 0, 0.4]),
+    ("anthropomorphic", [0.1, 0.5, 0, 0.3, 0, 0.4]),
+]
+
+
+@pytest.mark.parametrize(("name", "q"), ORDERS)
+def test_orders_and_rates_are_those_of_a_short_motion(name: str, q: list[float]) -> None:
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    rng = np.random.default_rng(2)
+    directions = np.concatenate([np.eye(robot.n), np.linalg.qr(rng.normal(size=(robot.n, robot.n)))[0]])
+    place = place_at(robot, q, task, DEFAULT)
+    assert place.corank
+    for made, direction in zip(departures(place, directions), directions, strict=True):
+        t = np.array([2e-3, 1e-3])
+        sigma = singular_values(robot, place.q + t[:, None] * direction * place.scale, task)[:, place.generic - 1]
+        if made.order is None:
+            assert sigma.max() < 1e-12
+        else:
+            assert np.log2(sigma[0] / sigma[1]) == pytest.approx(made.order, abs=0.05)
+            assert sigma[1] / t[1] ** made.order == pytest.approx(made.rate, rel=0.05)
+
+
+def test_second_order_cases_are_among_the_known_ones() -> None:
+    orders: Counter[int | None] = Counter()
+    for name, q in ORDERS:
+        robot = open_robot(name)
+        place = place_at(robot, q, resolve_task(None, robot), DEFAULT)
+        measured = measured_gains(place, np.eye(robot.n))
+        for made, gain in zip(departures(place, np.eye(robot.n)), measured, strict=True):
+            assert made.gain == gain
+            orders[made.order] += 1
+    assert orders[2] >= 2
+    assert orders[1] >= 2

@@ -243,7 +243,9 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, int r
         };
         // lanes are refilled within a chunk: large chunks keep them full, several per thread keep the threads busy
         const std::int64_t chunk = method == 0 ? std::clamp<std::int64_t>((std::int64_t)rows / 16, 64, 1024) : 4;
-        parallel_rows((std::int64_t)rows, chunk, threads, &stop, work, [&] {
+        if (method == 0 && threads == 1 && (std::int64_t)rows <= kChunk)
+            work(0, (std::int64_t)rows);  // some milliseconds: not worth a thread
+        else parallel_rows((std::int64_t)rows, chunk, threads, &stop, work, [&] {
             nb::gil_scoped_acquire acquire;
             if (PyErr_CheckSignals() != 0) {
                 PyErr_Clear();

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.atlas.system import REACHED, System
@@ -28,7 +28,8 @@ from rankdrop.tolerances import DEFAULT, Tolerances
 AGREE = 1e-6  # distances that differ by less are the same: σ that vanishes to second order leaves half the digits [rad]
 STARTS = 24
 _RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
-_ITERATIONS = 40
+_ITERATIONS = 25
+_STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
 _DIFFERENCE = 1e-5  # of the gradients [rad, or length scales]
 _RANK = 1e-7  # singular values of A below this share of the largest are zero
@@ -210,6 +211,7 @@ class _Coupled:
         self.moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:
             self.moves[[number - 1 for number in equation.joints]] = True
+        self.columns = np.flatnonzero(self.moves)
         self.scale = scale
         self.target = centre
         self.rng = np.random.default_rng(seed)
@@ -246,12 +248,14 @@ class _Coupled:
             length = np.linalg.norm(step, axis=1)
             step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
             q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
-            active = active[length > 1e-13]
+            active = active[length > _STILL]
             if not len(active):
                 break
         q = self._brought_near(q)
         for _ in range(3):
-            q = np.clip(q + self._normal_step(q) * self.scale, self.box[0], self.box[1])
+            f, slopes = self.system.linear(q)
+            back = (_inverse(slopes * self.scale)[0] @ f[..., None])[..., 0]
+            q = np.clip(q - back * self.scale, self.box[0], self.box[1])
         return q
 
     def _brought_near(self, q: Array) -> Array:
@@ -261,52 +265,58 @@ class _Coupled:
 
     def _step(self, q: Array) -> Array:
         """(N, n) Newton's step in scaled variables; joints at a limit that would cross it are held."""
-        free = np.repeat(self.moves[None], len(q), axis=0)
-        f, a = self.system.linear(q)
+        at = self.columns
+        f, slopes = self.system.linear(q)
+        a = slopes[:, :, at] * self.scale[at]
+        x = ((q - self.target) / self.scale)[:, at]
         hessians = self._hessians(q)
-        step = self._newton(q, f, a * self.scale, hessians, free)
-        for _ in range(len(self.box[0]) if np.isfinite(self.box).any() else 0):
-            held = free & (((q <= self.box[0]) & (step < 0)) | ((q >= self.box[1]) & (step > 0)))
+        free = np.ones(x.shape, dtype=np.bool_)
+        part = _newton(x, f, a, hessians)
+        bounded = np.isfinite(self.box[:, at]).any()
+        for _ in range(len(at) if bounded else 0):
+            low, high = q[:, at] <= self.box[0, at], q[:, at] >= self.box[1, at]
+            held = free & ((low & (part < 0)) | (high & (part > 0)))
             if not held.any():
                 break
             free &= ~held
-            step = self._newton(q, f, a * self.scale, hessians, free)
+            part = _newton(x * free, f, a * free[:, None], hessians * free[:, None, :, None] * free[:, None, None]) * free
+        step = np.zeros_like(q)
+        step[:, at] = part
         return step
 
-    def _newton(self, q: Array, f: Array, a: Array, hessians: Array, free: NDArray[np.bool_]) -> Array:
-        x = (q - self.target) / self.scale * free
-        u, s, vt = np.linalg.svd(a * free[:, None], full_matrices=False)
-        keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
-        inverse = np.where(keep, 1 / np.where(keep, s, 1.0), 0.0)
-        vt = vt * keep[..., None]
-        normal = -np.einsum("nrj,nr,ner,ne->nj", vt, inverse, u, f)
-        multipliers = np.einsum("ner,nr,nrj,nj->ne", u, inverse, vt, x)
-        across = np.einsum("nri,nrj->nij", vt, vt)
-        along = np.eye(len(self.scale)) - across
-        curved = np.eye(len(self.scale)) - np.einsum("ne,neij->nij", multipliers, hessians)
-        curved = curved * free[:, None, :] * free[:, :, None]
-        slope = np.einsum("nij,nj->ni", along, x + np.einsum("nij,nj->ni", curved, normal))
-        size, axes = np.linalg.eigh(along @ curved @ along + across)
-        size = np.maximum(np.abs(size), _FLATTEST)
-        tangent = -np.einsum("nij,nj,nkj,nk->ni", axes, 1 / size, axes, slope)
-        return np.asarray((np.einsum("nij,nj->ni", along, tangent) + normal) * free)
-
-    def _normal_step(self, q: Array) -> Array:
-        """−A⁺f in scaled variables."""
-        f, a = self.system.linear(q)
-        u, s, vt = np.linalg.svd(a * self.scale, full_matrices=False)
-        keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
-        inverse = np.where(keep, 1 / np.where(keep, s, 1.0), 0.0)
-        return np.asarray(-np.einsum("nrj,nr,ner,ne->nj", vt, inverse, u, f))
-
     def _hessians(self, q: Array) -> Array:
-        """(N, e, n, n) second derivatives in scaled variables, by central differences of the gradients."""
-        moves = np.flatnonzero(self.moves)
-        shifts = np.zeros((2, len(moves), 1, len(self.scale)))
-        shifts[0, np.arange(len(moves)), 0, moves] = _DIFFERENCE * self.scale[moves]
+        """(N, e, c, c) second derivatives by the joints that matter, in scaled variables, by differences of gradients."""
+        at = self.columns
+        shifts = np.zeros((2, len(at), 1, len(self.scale)))
+        shifts[0, np.arange(len(at)), 0, at] = _DIFFERENCE * self.scale[at]
         shifts[1] = -shifts[0]
-        rows = (q + shifts).reshape(-1, len(self.scale))
-        slopes = self.system.jacobian(rows).reshape(2, len(moves), len(q), -1, len(self.scale)) * self.scale
-        hessians = np.zeros((len(q), slopes.shape[3], len(self.scale), len(self.scale)))
-        hessians[..., moves] = np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1)
-        return hessians
+        slopes = self.system.jacobian((q + shifts).reshape(-1, len(self.scale)))[:, :, at] * self.scale[at]
+        slopes = slopes.reshape(2, len(at), len(q), -1, len(at))
+        return np.asarray(np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1))
+
+
+def _inverse(a: Array) -> tuple[Array, Array]:
+    """A⁺ (N, c, e), and the projector A⁺A (N, c, c) on the row space; small singular values are left out."""
+    u, s, vt = np.linalg.svd(a, full_matrices=False)
+    keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
+    v = vt.swapaxes(1, 2) * keep[:, None]
+    inverse = (v / np.where(keep, s, 1.0)[:, None]) @ u.swapaxes(1, 2)
+    return inverse, v @ v.swapaxes(1, 2)
+
+
+def _newton(x: Array, f: Array, a: Array, hessians: Array) -> Array:
+    """(N, c) the step: −A⁺f across the family, and along it to the nearest point of the quadratic model.
+
+    With λ = (A⁺)ᵀx the Lagrangian ½‖x‖² − λ·f has the second derivative H = 1 − Σ λ_i ∇²f_i. Directions in which it is
+    not convex are turned round, so that every step goes down.
+    """
+    inverse, across = _inverse(a)
+    normal = -(inverse @ f[..., None])  # (N, c, 1)
+    multipliers = x[:, None] @ inverse  # (N, 1, e)
+    one = np.eye(x.shape[1])
+    curved = one - (multipliers[:, 0, :, None, None] * hessians).sum(axis=1)
+    along = one - across
+    size, axes = np.linalg.eigh(along @ curved @ along + across)
+    slope = along @ (x[..., None] + curved @ normal)
+    tangent = along @ (axes @ ((axes.swapaxes(1, 2) @ slope) / np.maximum(np.abs(size), _FLATTEST)[..., None]))
+    return np.asarray((normal - tangent)[..., 0])

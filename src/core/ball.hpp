@@ -33,21 +33,23 @@ class Ball {
     BallResult run(Poll poll) {
         push(std::vector<double>(n_, 0.0), root());
         BallResult out;
-        const int batch = kernels().width;
+        const std::int64_t batch = 8;  // whatever the width of the lanes: the order of the boxes is the same everywhere
         std::vector<double> q(batch * n_), half(batch * n_);
         std::vector<std::int8_t> free(batch);
         std::vector<std::int32_t> split(batch);
         while (!heap_.empty() && out.evaluations < budget_) {
             std::vector<Box> taken;
-            while (!heap_.empty() && (int)taken.size() < batch) taken.push_back(pop());
-            if (widest(taken.front()) < smallest_) {  // the singular set is here, or too near to tell
+            while (!heap_.empty() && (std::int64_t)taken.size() < std::min(batch, budget_ - out.evaluations)) taken.push_back(pop());
+            if (out.evaluations > 0 && widest(taken.front()) < smallest_) {  // the singular set is here, or too near to tell
                 for (Box& box : taken) put(std::move(box));
                 break;
             }
             for (std::size_t b = 0; b < taken.size(); ++b)
                 for (int i = 0; i < n_; ++i) {
-                    q[b * n_ + i] = q0_[i] + taken[b].centre[i] * set_.scale[i];
-                    half[b * n_ + i] = taken[b].half[i] > 0.0 ? taken[b].half[i] * (1.0 + 1e-12) + 1e-15 : 0.0;  // corners are rounded
+                    const double centre = q0_[i] + taken[b].centre[i] * set_.scale[i], wide = taken[b].half[i];
+                    const double rounded = 1e-15 * (1.0 + std::fabs(centre) / set_.scale[i]);  // of centre and corners
+                    q[b * n_ + i] = centre;
+                    half[b * n_ + i] = wide > 0.0 ? wide * (1.0 + 1e-12) + rounded : 0.0;
                 }
             EnclosureOutput found;
             found.free = free.data(), found.split = split.data();
@@ -92,8 +94,8 @@ class Ball {
             const double gap = std::fmax(0.0, std::fabs(centre[i]) - half[i]), end = std::fabs(centre[i]) + half[i];
             near += gap * gap, far += end * end;
         }
-        const double distance = std::sqrt(near) * (1.0 - 1e-15);
-        if (distance < radius_ && std::sqrt(far) * (1.0 + 1e-15) > inner_) put({std::move(centre), std::move(half), distance});
+        const double distance = std::fmax(0.0, std::sqrt(near) * (1.0 - 1e-14) - 1e-15);  // corners are rounded
+        if (distance < radius_ && std::sqrt(far) * (1.0 + 1e-14) + 1e-15 > inner_) put({std::move(centre), std::move(half), distance});
     }
 
     void put(Box box) {

@@ -5,8 +5,8 @@
 //
 //     U1^T J(q + d) V1 = Sigma + E,   |E_ij| <= B_ij = sum_k |g_ijk| d_k + 1/2 sum_kl |H_ijkl| d_k d_l + T_j
 //
-// g and H from the bracket at the centre, T the third-order remainder: every derivative of column i, of any order, is
-// bounded by M_i = sqrt(1 + (reach_i / l)^2). Where the matrix with |Sigma_ii| - B_ii on the diagonal and -B_ij beside it
+// g and H from the bracket at the centre, T the third-order remainder: every derivative of column i by turns, up to the
+// third, is bounded by M_i = sqrt(1 + (reach_i / l)^2), one by a slide by 1 / l, and two slides leave nothing. Where the matrix with |Sigma_ii| - B_ii on the diagonal and -B_ij beside it
 // is an M-matrix, Sigma + E is regular for every such E, and the rank is at least r in the whole box.
 #pragma once
 
@@ -63,7 +63,8 @@ class Enclosure {
     }
 
   private:
-    static constexpr double kSlack = 1e-12;  // rounding: of U1^T J V1 beside Sigma, and of every product; per unit of M
+    static constexpr double kSlack = 1e-12, kFar = 1e-13, kTurned = 1e-15;  // see allow()
+    static constexpr double kMixed = 1.1547005383792517;  // 3 max t^2 s over t^2 + s^2 = 1, that is 2 / sqrt(3), and up
 
     void see_screws() {
         const double factor[6] = {set_.inverse_length, set_.inverse_length, set_.inverse_length, 1, 1, 1};
@@ -86,33 +87,57 @@ class Enclosure {
                 set(half_[i], lane, half[(lane < count ? lane : count - 1) * n_ + chain_.joints[i].variable]);
     }
 
-    // M_i times |multiplier|: bound on every derivative of column i in the box. A slide between i and the link lengthens
-    // the reach; a helical joint adds its travel, and its pitch as often as it is differentiated (three times).
+    // M_i times |multiplier|: bound on every derivative of column i by turning joints, in the box. A slide between i and the
+    // link lengthens the reach; a helical joint adds its travel, and its pitch as often as it is differentiated (thrice).
     void arms() {
         const double l = set_.inverse_length;
         const auto along = [&](int from, int to, int step) {
             Pack extra = fill(0.0);
-            double least = 0.0;
             for (int i = from; i != to; i += step) {
                 const JointConstants& joint = chain_.joints[i];
                 const double pitch = joint.w[0] * joint.v[0] + joint.w[1] * joint.v[1] + joint.w[2] * joint.v[2];
                 const double size = std::fabs(joint.multiplier);
-                const Pack travel = abs(q_[joint.variable] * joint.multiplier + joint.offset) +
-                                    half_[i] * (size * set_.scale[joint.variable]);
+                const Pack travel = abs(value(i)) + half_[i] * (size * set_.scale[joint.variable]);
                 if (joint.turns) {
                     const Pack reach = (fill(set_.arm[i] + std::fabs(pitch)) + extra) * l;
-                    arm_[i] = fill(set_.turns) + reach * reach * set_.slides;
-                    arm_[i] = max(sqrt(arm_[i]), fill(least * set_.slides)) * size;
+                    arm_[i] = sqrt(fill(set_.turns) + reach * reach * set_.slides) * size;
                     if (pitch != 0.0) extra = extra + (travel + fill(3.0)) * std::fabs(pitch);
                 } else {
                     arm_[i] = fill(l * set_.slides * size);
                     extra = extra + travel;
-                    least = std::fmax(least, size * set_.scale[joint.variable] * l);
                 }
             }
         };
         along(set_.link, joints_, 1);
         along(set_.link - 1, -1, -1);
+    }
+
+    Pack value(int i) const {
+        const JointConstants& joint = chain_.joints[i];
+        return q_[joint.variable] * joint.multiplier + joint.offset;
+    }
+
+    // How far joint i goes for one unit of its variable: radians, or lengths of the view.
+    double unit(int i) const {
+        const JointConstants& joint = chain_.joints[i];
+        const double step = std::fabs(joint.multiplier) * set_.scale[joint.variable];
+        return joint.turns ? step : step * set_.inverse_length;
+    }
+
+    // What rounding may do to an entry: of U1^T J V1 beside Sigma and of the sums, per unit of M; of the screws before
+    // they are brought to the link, per unit of their size in base coordinates; of large joint values.
+    void allow() {
+        const double l = set_.inverse_length;
+        Pack size = fill(0.0), far = size, turned = size, point = size;
+        for (int c = 0; c < 3; ++c) point = point + abs(ws_.at.p[c]);
+        for (int i = 0; i < joints_; ++i) {
+            const JointConstants& joint = chain_.joints[i];
+            size = size + arm_[i];
+            for (int c = 0; c < 3; ++c) far = far + abs(ws_.at.screws[i].v[c]);
+            if (joint.turns) far = far + point * std::fabs(joint.multiplier);
+            turned = turned + abs(value(i)) * (joint.turns ? 1.0 : l);
+        }
+        slack_ = fill(kSlack) * (fill(2.0) + size) + far * (kFar * l * set_.slides) + size * turned * kTurned;
     }
 
     Pack along_row(const Pack* row, const Pack* twist) const {
@@ -143,10 +168,9 @@ class Enclosure {
         const Pack zero = fill(0.0);
         for (int e = 0; e < 36; ++e) first_[e] = second_[e] = bound_[e] = zero;
         for (int k = 0; k < joints_; ++k) score_[k] = zero;
-        Pack weight[6], size = zero;
+        Pack weight[6];
         for (int a = 0; a < r_; ++a) weight[a] = fill(1.0) / sqrt(max(ws_.sigma[a], ws_.sigma[0] * fill(1e-6)));
-        for (int i = 0; i < joints_; ++i) size = size + arm_[i];
-        slack_ = fill(kSlack) * (fill(2.0) + size);
+        allow();
         for (int j = 0; j < r_; ++j) {
             const Pack* x = ws_.v + j * n_;
             walk(x, [&](int l, const Pack* twist) {
@@ -193,25 +217,28 @@ class Enclosure {
         }
     }
 
-    // T_j = 1/6 sum_i |x_i| M_i (sum of the half-widths between i and the link)^3; in a ball the factor of radius^3
+    // T_j = 1/6 sum_i |x_i| (M_i t^3 + 3 m_i t^2 s), t and s the turns and slides between i and the link, m_i the
+    // multiplier of a turning joint; in a ball the factor of radius^3, where t^2 s is largest for s^2 = t^2 / 2.
     Pack remainder(const Pack* x, bool box, Pack weight) {
         Pack total = fill(0.0);
         for (int side = 0; side < 2; ++side) {
             const int from = side ? set_.link - 1 : set_.link, to = side ? -1 : joints_, step = side ? -1 : 1;
-            Pack between = fill(0.0);
+            Pack turns = fill(0.0), slides = turns;  // in a ball: sums of squares
             for (int i = from; i != to; i += step) {
-                const Pack part = abs(x[chain_.joints[i].variable]) * arm_[i] * fill(1.0 / 6.0);
-                const double size = std::fabs(chain_.joints[i].multiplier);
+                const JointConstants& joint = chain_.joints[i];
+                const Pack part = abs(x[joint.variable]) * fill(1.0 / 6.0);
+                const double lever = joint.turns ? set_.slides * std::fabs(joint.multiplier) : 0.0;
                 if (box) {
-                    total = total + part * between * between * between;
+                    const Pack cubic = part * arm_[i], mixed = part * (3.0 * lever), square = turns * turns;
+                    total = total + cubic * square * turns + mixed * square * slides;
                     for (int k = from; k != i; k += step)
-                        score_[k] = score_[k] + weight * part * between * between * half_[k] *
-                                                    std::fabs(chain_.joints[k].multiplier);
-                    between = between + half_[i] * size;
+                        score_[k] = score_[k] + weight * square * half_[k] * unit(k) *
+                                                    (chain_.joints[k].turns ? cubic : mixed);
                 } else {
-                    total = total + part * between * sqrt(between);  // between: sum of squares of multipliers
-                    between = between + fill(size * size);
+                    total = total + part * turns * (arm_[i] * sqrt(turns) + sqrt(slides) * (kMixed * lever));
                 }
+                const Pack moved = box ? half_[i] * unit(i) : fill(unit(i) * unit(i));
+                (joint.turns ? turns : slides) = (joint.turns ? turns : slides) + moved;
             }
         }
         return total;

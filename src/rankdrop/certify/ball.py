@@ -17,6 +17,7 @@ from rankdrop import _core
 from rankdrop._handles import chain_of
 from rankdrop.certify.setting import Setting, enclose, settings_for
 from rankdrop.errors import OptionError
+from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Array, Robot
@@ -25,6 +26,7 @@ from rankdrop.version import VERSION
 
 LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
 _SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
+_MOST = 100_000_000  # evaluations; more is a slip of the hand
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,7 @@ class Certificate:
         model: fingerprint of the arm.
         complete: False where it was interrupted; the radius holds all the same.
         version: of rankdrop.
+        rows, frame: of the task.
     """
 
     radius: float
@@ -59,6 +62,8 @@ class Certificate:
     model: str
     complete: bool = True
     version: str = VERSION
+    rows: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+    frame: Frame = WORLD_ALIGNED
 
 
 _settings: dict[tuple[int, Task], tuple[Setting, ...]] = {}
@@ -84,9 +89,10 @@ def certified_radius(
     """A radius around q within which no configuration is singular: a proof up to the rounding allowance it states.
 
     U₁ᵀ J(q + δ) V₁ = Σ + E with |E_ij| ≤ Σ_k |g_ijk| |δ_k| + ½ Σ_kl |H_ijkl| |δ_k| |δ_l| + T_j, g and H exact at the
-    centre of the box, T_j = ⅙ Σ_i |v_ij| M_i (Σ_k |δ_k|)³, M_i = √(1 + (reach_i/ℓ)²) a bound on every derivative of
-    column i. If Σ − |E| bounds an M-matrix, Σ + E is regular. Floating-point error is allowed for by 1e-12 · Σ M_i in
-    every entry. Limits of the joints play no part.
+    centre of the box, T_j = ⅙ Σ_i |v_ij| (M_i t³ + 3 t² s), t and s the sums of |δ_k| over the turning joints and of
+    |δ_k|/ℓ over the slides between joint i and the link, M_i = √(1 + (reach_i/ℓ)²) a bound on every derivative of
+    column i by turns. Where the matrix Σ_ii − |E_ii|, −|E_ij| is an M-matrix, Σ + E is regular. Floating-point error is
+    allowed for by 1e-12 · Σ M_i in every entry. Limits of the joints play no part.
 
     Args:
         robot: the arm.
@@ -109,8 +115,8 @@ def certified_radius(
     centre = one_configuration(robot, q)
     if not 0.0 < at_most <= LARGEST:
         raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
-    if evaluations < 0:
-        raise OptionError("a budget is not negative", where="evaluations", got=evaluations)
+    if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
+        raise OptionError("no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}")
     resolved = resolve_task(task, robot)
     settings = _settings_of(robot, resolved)
     row = centre[None, :]
@@ -120,13 +126,14 @@ def certified_radius(
     radius, used, complete, boxes = single, len(settings), True, None
     if (evaluations and single < at_most) or keep_boxes:
         inner = 0.0 if keep_boxes else single
+        smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
         radius, count, stopped, middle, half = _core.ball(
             chain_of(robot), setting.view(), centre, setting.matters, setting.rank, setting.length, setting.scale,
-            setting.arm, at_most, inner, setting.repeats, _SMALLEST, evaluations, keep_boxes,
+            setting.arm, at_most, inner, setting.repeats, smallest, int(evaluations), keep_boxes,
         )  # fmt: skip
         used, complete = used + count, not stopped
         boxes = (middle, half) if keep_boxes else None
     return Certificate(
         float(radius), single, at_most, centre, resolved.name, setting.rank, setting, used, boxes, fingerprint(robot),
-        complete,
+        complete, rows=resolved.rows, frame=resolved.frame,
     )  # fmt: skip

@@ -24,6 +24,7 @@ from rankdrop.task import Task
 
 _ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
 _LENGTHS = (0.15, 0.3, 0.6)  # lengths tried for the translation rows, in reaches
+_MOST_JOINTS = 32  # what the core keeps room for
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +65,12 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
 
     Raises:
         OptionError: the task takes only some rows of translation or rotation, and the others do not vanish for this
-            arm: then its rank depends on the axes, and nothing is certified.
+            arm: then its rank depends on the axes, and nothing is certified. Or the arm does not move for this task
+            at all, has too many joints, or a link frame that is no rigid transform.
     """
     rows = _whole_rows(robot, task)
     rank = generic_rank(robot, task)
+    _check(robot, task, rank)
     found = []
     for link, home in _viewpoints(robot, task, rows):
         frame = robot.home if link == len(robot.joints) + 1 else _frames(robot)[link]
@@ -82,6 +85,20 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
                 )
             )  # fmt: skip
     return tuple(found)
+
+
+def _check(robot: Robot, task: Task, rank: int) -> None:
+    if rank == 0:
+        raise OptionError("no joint moves anything this task takes: there is no rank to lose", got=task.name)
+    if len(robot.joints) > _MOST_JOINTS:
+        raise OptionError("too many joints for a certificate", got=len(robot.joints), allowed=f"at most {_MOST_JOINTS}")
+    for joint in robot.joints:  # the derivatives hold in axes at right angles only
+        turn = joint.frame[:3, :3]
+        if np.abs(turn.T @ turn - np.eye(3)).max() > 1e-12:
+            raise OptionError(
+                "the frame of a link is not a rigid transform", where=f"joint {joint.name!r}", got=turn.tolist(),
+                mend="make its rotation orthonormal",
+            )  # fmt: skip
 
 
 def _whole_rows(robot: Robot, task: Task) -> tuple[int, ...]:
@@ -161,7 +178,8 @@ def _arms(robot: Robot, link: int, home: Array) -> Array:
             line = _line(robot, i)
             if line is not None:
                 point = line[0] + line[1] * (line[1] @ (at - line[0]))
-                total += float(np.linalg.norm(point - at)) * (1 + 1e-12) + 1e-14
+                size = float(np.linalg.norm(point) + np.linalg.norm(at))  # rounding is of this size, not of the length
+                total += float(np.linalg.norm(point - at)) * (1 + 1e-12) + 1e-14 * size
                 at = point
             arm[i] = total
     return arm

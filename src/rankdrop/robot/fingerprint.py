@@ -20,6 +20,7 @@ def fingerprint(robot: Robot) -> str:
     for joint in robot.joints:
         parts.update(joint.kind.encode())
         parts.update((np.asarray(joint.screw) + 0.0).astype("<f8").tobytes())
+        parts.update(b"." if joint.mimic is None else b"=")
         if joint.mimic is not None:
             follows = np.array([index[joint.mimic.leader], joint.mimic.multiplier, joint.mimic.offset])
             parts.update((follows + 0.0).astype("<f8").tobytes())

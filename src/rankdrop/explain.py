@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop._handles import check_robot
-from rankdrop.atlas.distance import agreement, family_distances
+from rankdrop.atlas.distance import FamilyDistance, agreement, family_distances
 from rankdrop.atlas.family import Family
 from rankdrop.atlas.on_the_spot import name_on_the_spot
 from rankdrop.atlas.search import Outcome, refine
@@ -167,7 +167,7 @@ def _far(
 ) -> Far:  # fmt: skip
     away = tuple(
         one for one in family_distances(families, robot, q, task, limits=limits, seed=seed)
-        if one.distance > tolerances.explained or not rank.corank
+        if np.isfinite(one.distance) and (one.distance > tolerances.explained or not rank.corank)
     )  # fmt: skip
     if rank.corank:
         return Far(None, None, away, None, "the configuration is singular")
@@ -179,11 +179,20 @@ def _far(
     certificate, reason = _certificate(robot, q, task, nearest, limits, evaluations)
     sigma = float(rank.sigma[rank.generic_rank - 1])
     miss = _near_miss(robot, q, task, seed, tolerances) if sigma <= small else None
-    there = None
-    if nearest is not None:
-        at = np.array(nearest.q)
-        there = _met(robot, at, task, nearest.corank, families, source, seed, tolerances)[0]
-    return Far(nearest, there, away, certificate, reason, miss)
+    if nearest is None:
+        return Far(None, None, away, certificate, reason, miss)
+    there = _met(robot, np.array(nearest.q), task, nearest.corank, families, source, seed, tolerances)
+    closer = [_no_farther(one, nearest, there) for one in away]
+    closer.sort(key=lambda one: one.distance)
+    return Far(nearest, there[0], tuple(closer), certificate, reason, miss)
+
+
+def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Met]) -> FamilyDistance:
+    """A family through the point that the search found is no farther away than that point."""
+    through = any(met.family is record.family for met in there)
+    if not through or record.distance <= nearest.distance:
+        return record
+    return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
 
 
 def _certificate(

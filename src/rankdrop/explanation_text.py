@@ -33,8 +33,8 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     r = rank.generic_rank
     sigma = ", ".join(_short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
     lines = [
-        f"σ = {sigma}  (each ± {_power(rank.sigma_error)}; zero at or below {rank.tolerance:g}; task {found.task.name}, "
-        f"translation divided by {found.settings.length_scale:.4g} m)",
+        f"σ = {sigma}  (each ± {_power(rank.sigma_error)}; zero at or below {rank.tolerance:g}; task "
+        f"{found.task.name}, translation divided by {found.settings.length_scale:.4g} m)",
         f"task freedoms lost: {rank.corank} of {r}; {robot.n} joints, {rank.nullity} "
         f"independent joint {_plural('motion', rank.nullity)} without effect on the task",
     ]

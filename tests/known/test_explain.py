@@ -155,7 +155,8 @@ def test_an_unknown_arm_is_named_on_the_spot() -> None:
     """PUMA with other lengths is in no atlas."""
     from rankdrop.robot.dh import from_dh
 
-    rows = [(0, np.pi / 2, 0), (0.5, 0, 0.1), (0.02, -np.pi / 2, 0), (0, np.pi / 2, 0.45), (0, -np.pi / 2, 0), (0, 0, 0)]
+    right = np.pi / 2
+    rows = [(0, right, 0), (0.5, 0, 0.1), (0.02, -right, 0), (0, right, 0.45), (0, -right, 0), (0, 0, 0)]
     arm = from_dh([{"a": a, "alpha": alpha, "d": d} for a, alpha, d in rows], convention="standard", name="mine")
     found = explain(arm, [0.3, 0.5, 0.4, 0.2, 0.0, 0.6])
     assert found.met[0].source == "on the spot"

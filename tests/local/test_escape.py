@@ -58,7 +58,10 @@ def test_puma_wrist_leaves_by_joint_5() -> None:
     numbers = by_number(found)
     assert numbers[5][:2] == (1, 1)
     assert {number for number, (gain, _, _) in numbers.items() if gain} == {5}
-    assert next(joint for joint in found.single if joint.number == 5).receptors == (6,)
+    receptors = {joint.number: joint.receptors for joint in found.single}
+    assert receptors[5] == (6,)
+    assert receptors[1] == (4, 6)  # joints 2, 3 and 5 take part in no dependency
+    assert receptors[4] == receptors[6] == ()
 
 
 def test_no_single_joint_frees_the_zero_pose_of_pa10_but_joints_4_and_6_do() -> None:
@@ -86,7 +89,8 @@ def test_no_single_joint_frees_the_zero_pose_of_pa10_but_joints_4_and_6_do() -> 
     ("name", "q"),
     [
         ("pa10", [0.1, 0.5, 0.7, 0, 0.9, 0.4, 0.2]), ("pa10", [0.0] * 7), ("pa10", [0.1, 0.3, 0.2, 0.8, 0.9, 0.4, 0.2]),
-        ("puma560", [0.1, 0.5, 0.7, 0.3, 0, 0.4]), ("scara", [0.1, 0, 0.1, 0.2]), ("canadarm2", [0.1, 0, HALF, 0.2, HALF, 0, 0.3]),
+        ("puma560", [0.1, 0.5, 0.7, 0.3, 0, 0.4]), ("scara", [0.1, 0, 0.1, 0.2]),
+        ("canadarm2", [0.1, 0, HALF, 0.2, HALF, 0, 0.3]),
     ],
 )  # fmt: skip
 def test_nothing_that_dense_search_finds_beats_the_best_direction(name: str, q: list[float]) -> None:
@@ -105,6 +109,19 @@ def test_nothing_that_dense_search_finds_beats_the_best_direction(name: str, q: 
     after = np.asarray(q) + found.step * np.array(found.delta)
     assert singular_values(robot, after, task)[rank - 1] == pytest.approx(found.sigma_after, rel=1e-9)
     assert np.linalg.norm(np.array(found.delta) / scale) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "corank"), [("ur5", 2), ("ur5", 3), ("canadarm2", 2), ("canadarm2", 3)])
+def test_the_best_direction_is_found_where_singular_values_tie(name: str, corank: int) -> None:
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    random = np.random.default_rng(5).normal(size=(20_000, robot.n))
+    random *= 0.1 / np.linalg.norm(random, axis=1, keepdims=True)
+    points = search(robot, corank, starts=30, seed=1).converged[:12]
+    assert len(points) == 12
+    for q in points:
+        dense = singular_values(robot, np.clip(q + random, robot.lower, robot.upper), task)[:, 5].max()
+        assert escape(robot, q).best_direction.sigma_after >= 0.965 * dense
 
 
 def test_motions_stay_inside_the_limits() -> None:
@@ -228,7 +245,7 @@ def test_the_sign_of_a_joint_only_turns_its_motion_round(name: str, q: list[floa
     sign = np.where(np.arange(robot.n) % 2, -1.0, 1.0)
     one, other = escape(robot, q), escape(replace(robot, joints=tuple(joints)), sign * np.array(q))
     assert told(other) == told(one)
-    rates = [dict((joint.number, joint.rate) for joint in found.single) for found in (one, other)]
+    rates = [{joint.number: joint.rate for joint in found.single} for found in (one, other)]
     assert rates[0] == pytest.approx(rates[1], abs=1e-9)
 
 

@@ -43,7 +43,8 @@ def compare(robots: dict[str, Robot], count: int) -> tuple[Counter[str], list[st
             for q in points:
                 place = place_at(robot, q, task, DEFAULT)
                 measured = measured_gains(place, np.eye(robot.n))
-                for number, (made, gain) in enumerate(zip(departures(place, np.eye(robot.n)), measured, strict=True), 1):
+                found = departures(place, np.eye(robot.n))
+                for number, (made, gain) in enumerate(zip(found, measured, strict=True), 1):
                     seen[f"order {made.order}"] += 1
                     seen[f"gain {made.gain}"] += 1
                     if made.gain != gain:

@@ -118,6 +118,19 @@ def test_at_a_boundary_one_side_is_out_of_reach(name: str, q: Array, expected: b
         assert sides[0] == (found.types[0].form[-1] > 1e-6)
 
 
+def test_the_form_is_twice_the_second_order_displacement() -> None:
+    """u · e(q + tΔ) = ½ t² u · dJ(Δ)Δ, for the null motion Δ of a non-redundant arm."""
+    robot = open_robot("anthropomorphic")
+    q, task = np.array([0.1, 0.5, 0, 0.3, 0.4, 0.4]), resolve_task(None, robot)
+    lost = escape(robot, q).types[0]
+    delta = null_basis(place_at(robot, q, task, DEFAULT))[:, 0]
+    u = np.array(lost.direction) * np.r_[np.full(3, task.scale(robot)), np.ones(3)]
+    u /= np.linalg.norm(u)
+    t = 1e-3
+    ahead, back = task_error(robot, task, pose(robot, q), q + np.array([[t], [-t]]) * delta) @ u
+    assert (ahead + back) / t**2 == pytest.approx(lost.form[0], rel=1e-4)
+
+
 def test_pa10_wrist_and_elbow_differ_in_what_a_self_motion_can_do() -> None:
     robot = open_robot("pa10")
     avoided = escape(robot, [0.1, 0, HALF, 0.8, 0.9, 0.4, 0.2])

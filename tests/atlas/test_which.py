@@ -7,7 +7,7 @@ import pytest
 from known.members import members
 
 from rankdrop.atlas.monitor import Monitor
-from rankdrop.atlas.which import families_at, families_near, place_words
+from rankdrop.atlas.which import Met, families_at, families_near, place_words
 from rankdrop.errors import ConfigurationError
 from rankdrop.known import shipped
 from rankdrop.local.block import singular_values
@@ -74,9 +74,17 @@ def test_a_meeting_point_of_families_is_called_so():
     text = place_words(met, corank)
     assert text.startswith("on “shoulder")
     assert "elbow" in text
-    q = np.array([0.0, 0.0, np.pi / 2, 0.7, np.pi / 2, 0.0, 0.0])  # shoulder with 2 ⟂ 4 and wrist with 4 ⟂ 6
-    met = families_at(found.families, found.robot, q, found.task)
-    assert place_words(met, 1 if met[0].family.corank == 1 else 2)
+
+
+def test_words_tell_one_family_a_meeting_point_and_a_special_point_apart():
+    found = shipped("pa10")
+    elbow, *others = [Met(family, 0.0, "analysis") for family in found.of_corank(1)]
+    assert place_words([], 1) == "on no known family"
+    assert place_words([elbow], 1) == "on “elbow: arm stretched or folded”"
+    assert place_words([elbow], 2).startswith("a special point of the corank-1 family")
+    assert place_words([elbow, others[0]], 2).startswith("meeting point of families: elbow: arm stretched or folded; ")
+    twins = [one for one in others if one.family.dimension == others[0].family.dimension][:2]
+    assert place_words(twins, 1).startswith("meeting point of families: ")
 
 
 def test_what_is_near_comes_first_and_its_distance_is_right_to_first_order():

@@ -94,7 +94,8 @@ def test_from_whatever_frame_the_task_has_the_chosen_frame_is_right(
     joints = np.array(q) + 0.0
     chosen = lost_in_sparsest_frame(pa10, joints, resolve_task("pose", pa10, frame=frame), corank)
     assert np.abs(chosen.directions @ jacobian(pa10, joints, chosen.frame)).max() < 1e-12
-    points = np.stack([joints, joints + [0.7, 0, 0, 0, 0, 0, 0], joints + [0, 0, 0, 0, 0, 0, -0.4]])
+    points = np.tile(joints, (3, 1))
+    points[1, 0], points[2, 6] = 1.0, 0.6
     steady = lost_over_family(pa10, points, resolve_task("pose", pa10, frame=frame), corank)
     if steady is not None:
         for point in points:

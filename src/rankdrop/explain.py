@@ -20,7 +20,7 @@ from rankdrop.explanation import Explanation
 from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
 from rankdrop.known import geometry, known_analysis
 from rankdrop.local.block import decompose
-from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at
+from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.ellipsoids import ellipsoids
 from rankdrop.local.escape import JointEscape, escape
@@ -131,7 +131,7 @@ def explain(
         source=source,
         relations=relations_at(robot, focus),
         lost=_lost(robot, configuration, focus, resolved, rank, corank or (1 if far.near_miss is not None else 0)),
-        blame=_blame(robot, focus, resolved, corank),
+        blame=_blame(robot, focus, resolved, corank, rank.generic_rank),
         escape=way_out,
         rates=joint_rates(robot, configuration, resolved),
         far=far,
@@ -285,11 +285,12 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
     return readable_basis(rows.T).T
 
 
-def _blame(robot: Robot, q: Array, task: Task, corank: int) -> Blame:
+def _blame(robot: Robot, q: Array, task: Task, corank: int, generic_rank: int) -> Blame:
     few = robot.n <= LARGEST_CHAIN
+    circuits = circuits_at(robot, q, task) if few else ()
     return Blame(
-        circuits=circuits_at(robot, q, task) if few else (),
-        smallest=blame(robot, q, task) if corank and few else (),
+        circuits=circuits,
+        smallest=make_all(circuits, robot.n, robot.n - generic_rank + corank) if corank else (),
         ordered=ordered_subsets(robot, q, task),
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),

@@ -46,6 +46,9 @@ NEAR = 0.05
 SMALL = 1e-3
 """… or where σ_r is below this [1]: unit end-effector speed then needs joint rates of a thousand times the usual."""
 
+LARGEST_TOLERANCE = 1e-3
+"""A singular value above this is not zero by any measure of rounding [1]."""
+
 
 def explain(
     robot: Robot,
@@ -101,9 +104,12 @@ def explain(
     check_robot(robot)
     configuration = one_configuration(robot, q)
     configuration.flags.writeable = False
-    for name, value in (("near", near), ("small", small), ("evaluations", evaluations)):
-        if not 0.0 <= value < np.inf:
-            raise OptionError("this is a finite number from 0 up", where=name, got=value)
+    _check_options(near=near, small=small, evaluations=evaluations, seed=seed)
+    if not 0.0 < tolerances.singular <= LARGEST_TOLERANCE:
+        raise OptionError(
+            "this is no tolerance for singular values", where="tolerance", got=tolerances.singular,
+            allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to be told of small ones, raise `near` or `small`",
+        )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
     families, source = _families(robot, resolved, analysis, tolerances)
@@ -140,6 +146,13 @@ def explain(
         representations=representation_at(robot, configuration, tolerances=tolerances),
         disagreements=tuple(_disagreements(far, way_out.single)),
     )
+
+
+def _check_options(**options: float) -> None:
+    """Raises OptionError for a number below zero or not finite."""
+    for name, value in options.items():
+        if not 0.0 <= value < np.inf:
+            raise OptionError("this is a finite number from 0 up", where=name, got=value)
 
 
 def _families(

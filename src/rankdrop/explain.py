@@ -18,6 +18,7 @@ from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
 from rankdrop.explanation import Explanation
 from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
+from rankdrop.explanation_words import angle, angle_below, short
 from rankdrop.known import geometry, known_analysis
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
@@ -235,25 +236,22 @@ def _verdict(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]
     if rank.always_singular:
         return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
     if far.near_miss is not None:
-        least = f"σ{r} = {sigma:.3g} is small, but a descent from here ends at σ{r} = {far.near_miss:.3g}"
+        least = f"σ{r} = {short(sigma, 3)} is small, but a descent from here ends at σ{r} = {short(far.near_miss, 3)}"
         return "near", f"{lost}; near miss: {least}, not at zero"
     if far.nearest is not None and far.nearest.distance <= near:
-        return "near", f"{lost}, but a singular configuration is {_angle(far.nearest.distance)} away"
+        return "near", f"{lost}, but a singular configuration is {angle(far.nearest.distance)} away"
     if sigma <= small:
-        return "near", f"{lost}, but σ{r} = {sigma:.3g} is at most {small:g}"
+        return "near", f"{lost}, but σ{r} = {short(sigma, 3)} is at most {short(small)}"
     if far.nearest is None:
-        return "regular", f"{lost}; no singular configuration was found nearby, which is not a proof"
-    return "regular", f"{lost}; the nearest singular configuration found is {_angle(far.nearest.distance)} away"
+        proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
+        return "regular", f"{lost}; no singular configuration was found, and {proven}"
+    return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
 
 
 def _nearly(rank: Rank, small: float) -> str:
     """What is small beside what is zero: Gen3's offsets of 12 mm keep σ above zero where it would vanish without."""
     kept = rank.sigma[: rank.rank]
-    return f", and σ{rank.rank} = {kept[-1]:.3g} is nearly zero" if len(kept) and kept[-1] <= small else ""
-
-
-def _angle(distance: float) -> str:
-    return f"{distance:.4g} rad ({np.degrees(distance):.3g}°)"
+    return f", and σ{rank.rank} = {short(kept[-1], 3)} is nearly zero" if len(kept) and kept[-1] <= small else ""
 
 
 def _met(

@@ -16,11 +16,15 @@ from rankdrop.sections import Section
 _SHOWN = 5  # ways out and families
 _SHARE = 0.02  # a joint that moves less than this share of the fastest is left out of a direction
 _IDLE = 0.01  # away from a singularity: a joint whose rate is below this share of the best does not help
+_NONE = 1e-12  # a rate below it is rounding
 
 
 def escape_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
-    yield _out(found, full) if found.rank.corank else _away(found, full)
+    if found.rank.corank:
+        yield _out(found, full)
+    elif full or any(abs(one.rate) > _NONE for one in found.escape.single):
+        yield _away(found, full)
 
 
 def _out(found: ExplanationData, full: bool) -> Section:
@@ -34,7 +38,8 @@ def _out(found: ExplanationData, full: bool) -> Section:
     after.append(f"with the end effector still: {out.avoidable_words}")
     for words in dict.fromkeys(one.words for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
-        after.append(f"along lost {plural('direction', len(which))} {numbers(which)}: {words}")
+        told = words if len(which) == 1 else words.replace("along it", "along them")
+        after.append(f"along lost {plural('direction', len(which))} {numbers(which)}: {told}")
     after.append(f"workspace: {out.boundary_words}")
     columns = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
     notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
@@ -45,7 +50,7 @@ def _out(found: ExplanationData, full: bool) -> Section:
 def _away(found: ExplanationData, full: bool) -> Section:
     out, r = found.escape, found.rank.generic_rank
     best = max((abs(one.rate) for one in out.single), default=0.0)
-    helpful = [one for one in out.single if one.order is not None and abs(one.rate) > max(_IDLE * best, 1e-12)]
+    helpful = [one for one in out.single if one.order is not None and abs(one.rate) > max(_IDLE * best, _NONE)]
     rows = tuple(
         (f"{one.number} {one.joint}", *_rate_and_step(found, one)) for one in (out.single if full else helpful[:_SHOWN])
     )
@@ -67,7 +72,7 @@ def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, 
         return "0", "", ""
     unit = found.robot.variables[one.number - 1].unit
     per = unit if one.order == 1 else f"{unit}{'²³⁴'[one.order - 2]}"
-    rate = f"{short(one.rate) if abs(one.rate) > 1e-12 else '0'} per {per}"
+    rate = f"{short(one.rate) if abs(one.rate) > _NONE else '0'} per {per}"
     if not one.within_limits:
         return rate, "outside the limits", ""
     return rate, motion(one.step, unit), short(one.sigma_after)
@@ -76,7 +81,8 @@ def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, 
 def _direction(found: ExplanationData, one: Direction) -> str:
     """The joints that matter, in words, and what they reach."""
     joints = found.robot.variables
-    size = np.abs(np.array(one.delta)) / np.where([joint.unit == "m" for joint in joints], found.settings.length_scale, 1)
+    scale = np.where([joint.unit == "m" for joint in joints], found.settings.length_scale, 1.0)
+    size = np.abs(np.array(one.delta)) / scale
     large = [number for number in one.numbers if size[number - 1] >= _SHARE * size.max()]
     parts = [f"joint {number} {motion(one.delta[number - 1] * one.step, joints[number - 1].unit)}" for number in large]
     rest = ", the others far less" if len(large) < sum(size > 1e-9) else ""
@@ -100,7 +106,9 @@ def far_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         if not any(one.distance <= far.nearest.distance * (1 + 1e-9) for one in far.families):
             rows.append((f"{angle(far.nearest.distance)}  the nearest", *_deltas(far.nearest.delta, units)))
     radius = found.certified_radius
-    if far.certificate is not None and radius is not None:
+    if found.rank.always_singular:
+        pass  # every configuration is deficient: nothing to certify
+    elif far.certificate is not None and radius is not None:
         lines.append(
             f"certified: no singularity within {angle_below(radius)} (proven; {far.certificate.evaluations:,} "
             "enclosures)"
@@ -133,12 +141,9 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         each = tuple(short(round(rate, 6)) for rate in one.joint_rates) if full else ()
         rows.append((one.name, short(one.norm), "" if one.worst is None else f"{one.worst} {one.worst_joint}",
                      _largest(one), *each))  # fmt: skip
-    columns = ("unit speed", "joint rates", "most of", "at most")
-    notes = [
-        "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]; at most: within the velocity limits"
-        if any(not isinf(limit) for limit in rates.limits)
-        else "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]; no velocity limits are known"
-    ]
+    unlimited = [number for number, limit in enumerate(rates.limits, start=1) if isinf(limit)]
+    columns = ("unit speed", "joint rates", "held back by" if len(unlimited) < found.robot.n else "fastest", "at most")
+    notes = ["joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]", _limits_in_words(unlimited, found)]
     if rates.weakest is not None:
         kept = f"σ{found.rank.rank}"
         notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "
@@ -147,10 +152,17 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     yield Section("What motion costs", "", (), (*columns, *per_joint), tuple(rows), (0, 2, 3), notes=tuple(notes))
 
 
+def _limits_in_words(unlimited: list[int], found: ExplanationData) -> str:
+    if len(unlimited) == found.robot.n:
+        return "no velocity limits are known"
+    none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+    return f"at most: the largest speed within the velocity limits{none}"
+
+
 def _largest(one: DirectionRates) -> str:
     """The largest speed with its unit; of a direction that mixes both, its two parts."""
     if isinf(one.speed):
-        return "no limits known"
+        return "no limit"
     if one.unit != "1":
         return f"{short(one.speed, 3)} {one.unit}"
     parts = [(float(np.linalg.norm(part)) * one.speed, unit)

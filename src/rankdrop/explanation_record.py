@@ -116,7 +116,10 @@ def way_out_to_dict(found: ExplanationData, procedure: Any) -> Record:
 
 def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
     whole = explanation_to_dict(found)
-    always = ("robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank", "nullity", "sigma")
+    always = (
+        "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
+        "nullity", "sigma",
+    )  # fmt: skip
     return {"schema": schema, **{name: whole[name] for name in (*always, *names, "disagreements")}}
 
 

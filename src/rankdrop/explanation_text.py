@@ -18,6 +18,8 @@ from rankdrop.sections import Section
 
 _LONG = 160  # characters of an equation that is printed
 _TURNS = 4 * pi  # a joint angle beyond it was hardly meant in rad
+_FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
+_HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
 
 def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
@@ -35,13 +37,10 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
-    lost = f"{rank.corank} of {r}" if rank.corank else "none"
     lines = [
         *_warnings(found),
-        f"corank {rank.corank}: {lost} of the task freedoms lost" if rank.corank else f"corank 0: none of {r} task "
-        f"{plural('freedom', r)} lost",
-        f"nullity {rank.nullity}: {rank.nullity or 'no'} independent joint {plural('motion', rank.nullity or 2)} "
-        "without effect on the task",
+        f"corank {rank.corank}: task freedoms lost, of {r}",
+        f"nullity {rank.nullity}: independent joint motions without effect on the task",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
     ]
@@ -53,12 +52,15 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
         rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(found.q, joints, strict=True))))
     yield Section(
         f"{robot.name}: {found.verdict.upper()}", found.reason, tuple(lines),
-        ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows),
+        ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
     )  # fmt: skip
 
 
 def _warnings(found: ExplanationData) -> Iterator[str]:
-    """Values that the arm cannot have."""
+    """Values that the arm cannot have, or that nobody means."""
+    reach = found.settings.length_scale
+    if reach > _HUGE:
+        yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
     for number, (joint, value) in enumerate(zip(found.robot.variables, found.q, strict=True), start=1):
         where = f"joint {number} at {short(value)} {joint.unit}"
         degrees_meant = joint.unit == "rad" and abs(value) > _TURNS
@@ -122,9 +124,9 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
         where = _focus(found)
         yield Section(title, f"{where}; {_seen(found)}" if where else _seen(found), tuple(lines))
     if len(lost.never):
-        rows = tuple(tuple(fixed(value) for value in row) for row in lost.never)
+        rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)
         yield Section("Never possible", "twists that this arm makes nowhere around here",
-                      columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=())  # fmt: skip
+                      columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
 
 
 def _seen(found: ExplanationData) -> str:

@@ -46,8 +46,10 @@ def explained() -> dict[str, dict[str, Any]]:
     records = {}
     for place, (name, q, task) in PLACES.items():
         found = explain(open_robot(name), q, task, coranks=6)
-        written = {"explanation": found.to_dict(), "escape": way_out_to_dict(found, None), "nearest": far_to_dict(found)}
-        records |= {f"{kind} {place}": json.loads(json_text(record)) for kind, record in written.items()}
+        for kind, record in (
+            ("explanation", found.to_dict()), ("escape", way_out_to_dict(found, None)), ("nearest", far_to_dict(found))
+        ):  # fmt: skip
+            records[f"{kind} {place}"] = json.loads(json_text(record))
     return records
 
 

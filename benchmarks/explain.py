@@ -16,7 +16,7 @@ def main() -> None:
     """Median over configurations, half of them singular, of the shortest of three calls."""
     count = 4 if measure.quick() else 20
     rows = []
-    for name in ("puma560", "ur5", "pa10", "panda"):
+    for name in ("puma560", "ur5", "pa10", "panda", "canadarm2", "gen3", "sawyer"):
         found = shipped(name)
         arm, task = found.robot, found.task
         regular = sample(arm, task, count, seed=1)

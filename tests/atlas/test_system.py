@@ -9,6 +9,7 @@ import numpy as np
 from rankdrop.atlas.equation import Equation, Term
 from rankdrop.atlas.system import System
 from rankdrop.atlas.vanishing import vanishing_on
+from rankdrop.known import shipped
 
 ZERO = (0, 0, 0)
 CURVED = Equation((Term(1.0, "cos", (2, 0, 0), ZERO), Term(-0.5, "cos", (0, 2, 0), ZERO)))
@@ -21,6 +22,23 @@ def test_solutions_solve(rng):
     assert solved.mean() > 0.95
     np.testing.assert_allclose(system.values(q[solved]), 0, atol=1e-12)
     assert (system.rank(q[solved]) == 2).mean() > 0.95
+
+
+def test_second_derivatives_are_those_of_the_first(rng):
+    """Of the longest conditions in the catalogue (Gen3's), against central differences."""
+    families = [family for family in shipped("gen3").families if family.coupled and family.equations]
+    assert families
+    for family in families:
+        system, q = System(family.equations), rng.uniform(-pi, pi, (4, 7))
+        f, first, second = system.quadratic(q)
+        value, slope = system.linear(q)
+        np.testing.assert_allclose(f, value, atol=1e-12)
+        np.testing.assert_allclose(first, slope, atol=1e-12)
+        h = 1e-5
+        steps = [(system.jacobian(q + h * e) - system.jacobian(q - h * e)) / (2 * h) for e in np.eye(7)]
+        np.testing.assert_allclose(second, np.stack(steps, axis=-1), atol=1e-8)
+    slide = Equation((Term(1.0, "cos", (2, 0), (0, 1)),))  # q2 cos θ1: left to differences
+    assert System((slide,)).quadratic(np.zeros((1, 2))) is None
 
 
 def test_distance_of_points_moved_off_the_set(rng):

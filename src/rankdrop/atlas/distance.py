@@ -266,10 +266,14 @@ class _Coupled:
     def _step(self, q: Array) -> Array:
         """(N, n) Newton's step in scaled variables; joints at a limit that would cross it are held."""
         at = self.columns
-        f, slopes = self.system.linear(q)
+        exact = self.system.quadratic(q)
+        if exact is None:
+            (f, slopes), hessians = self.system.linear(q), self._hessians(q)
+        else:
+            f, slopes, second = exact
+            hessians = second[:, :, at[:, None], at] * np.outer(self.scale[at], self.scale[at])
         a = slopes[:, :, at] * self.scale[at]
         x = ((q - self.target) / self.scale)[:, at]
-        hessians = self._hessians(q)
         free = np.ones(x.shape, dtype=np.bool_)
         part = _newton(x, f, a, hessians)
         bounded = np.isfinite(self.box[:, at]).any()

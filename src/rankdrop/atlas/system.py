@@ -41,6 +41,24 @@ class System:
         both = [equation.with_gradient(q) for equation in self.equations]
         return np.stack([f for f, _ in both], axis=-1), np.stack([g for _, g in both], axis=-2)
 
+    def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
+        """(N, e) values, (N, e, n) first, (N, e, n, n) second derivatives at q (N, n); None where slides enter as powers.
+
+        f = Σ a cos φ + b sin φ with φ = m·q − shift has ∇f = Σ (b cos φ − a sin φ) m, ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
+        """
+        if any(equation.tables[-1] for equation in self.equations):
+            return None
+        parts = []
+        for equation in self.equations:
+            m, shift, a, b, _, _ = equation.tables
+            angle = q @ m.T - shift
+            cos, sin = np.cos(angle), np.sin(angle)
+            wave = cos * a + sin * b
+            squares = (m[:, :, None] * m[:, None, :]).reshape(len(m), -1)
+            parts.append((wave.sum(axis=-1), (cos * b - sin * a) @ m, -(wave @ squares).reshape(*q.shape, q.shape[-1])))
+        f, first, second = zip(*parts, strict=True)
+        return np.stack(f, axis=-1), np.stack(first, axis=-2), np.stack(second, axis=-3)
+
     def rank(self, q: Array, tolerance: float = 1e-5) -> NDArray[np.int64]:
         """(N,) rank of the Jacobian: the codimension the equations give, at regular points."""
         if not self.equations:

@@ -42,9 +42,10 @@ class System:
         return np.stack([f for f, _ in both], axis=-1), np.stack([g for _, g in both], axis=-2)
 
     def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
-        """(N, e) values, (N, e, n) first, (N, e, n, n) second derivatives at q (N, n); None where slides enter as powers.
+        """(N, e) values, (N, e, n) first and (N, e, n, n) second derivatives at q (N, n), in one pass.
 
-        f = Σ a cos φ + b sin φ with φ = m·q − shift has ∇f = Σ (b cos φ − a sin φ) m, ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
+        f = Σ a cos φ + b sin φ, φ = m·q − shift:  ∇f = Σ (b cos φ − a sin φ) m,  ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
+        None where a slide enters as a power.
         """
         if any(equation.tables[-1] for equation in self.equations):
             return None

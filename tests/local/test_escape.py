@@ -177,6 +177,9 @@ def test_near_a_singularity_the_given_corank_is_taken() -> None:
     found = escape(robot, q, corank=1)
     assert {joint.number for joint in found.single if joint.gain} == {4}
     assert all(joint.agrees for joint in found.single)
+    assert found.boundary is None  # q itself is regular
+    assert found.avoidable is not False
+    assert "only near" in found.avoidable_words
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from reference import arms
 
 from rankdrop.atlas.search import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
+from rankdrop.local import still
 from rankdrop.local.block import singular_values
 from rankdrop.local.escape import Escape, escape
 from rankdrop.local.place import place_at
@@ -198,3 +199,12 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
         assert np.abs(pose(robot, path.q)[..., :3, 3] - pose(robot, q)[:3, 3]).max() < 1e-9
     if words == "orientation":
         assert np.abs(pose(robot, path.q)[..., :3, :3] - pose(robot, q)[:3, :3]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("diagonals", "few"),
+    [([[1.0]], True), ([[1.0, -1.0]], True), ([[1, 1, 0]], True), ([[1, 0, 0]], False), ([[1, 1, -1]], False),
+     ([[1.0, 0, -1], [0, 1.0, 0]], False)],
+)  # fmt: skip
+def test_when_all_tangents_of_self_motions_are_known(diagonals: list[list[float]], few: bool) -> None:
+    assert still._few(np.array([np.diag(row) for row in diagonals], dtype=float)) is few

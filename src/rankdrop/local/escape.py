@@ -25,6 +25,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
+_NEARBY = "q is only near a singularity; if it were one"
 _ENTRY = 1e-6  # entries of unit vectors below this do not count as entries
 
 
@@ -36,7 +37,8 @@ class JointEscape:
         number, joint: of the variable, from 1, and its name.
         gain: rank regained by this joint alone for small motions, predicted from the Taylor series of J.
         order: power of its motion at which σ_r leaves zero, r the generic rank; None where it alone never restores it
-            (looked for up to order 4 for a turning or sliding joint, which is proof; up to 8 for other ones).
+            (looked for up to order 4 for a turning or sliding joint and whole poses, positions or orientations: more
+            cannot be; up to 8 else).
         rate: σ_r ≈ rate · |t|^order [1/rad^order or 1/m^order]; 0.0 where order is None. At a regular configuration
             the slope dσ_r/dt with its sign, and order is 1.
         first_order: singular values of D(e_j), descending, as many as the corank [1/rad or 1/m].
@@ -165,15 +167,19 @@ def escape(
     single = _single(place, step)
     stillness = find_still(place, basis, step, seed)
     pair, best = _several(place, step, seed, single)
+    avoidable, words = stillness.avoidable, stillness.words
     edge, edge_words = boundary(place, stillness.forms)
+    if place.corank and place.sigma[place.rank] > tolerances.singular:  # q itself is regular: denials hold elsewhere
+        avoidable, edge = avoidable or None, None
+        words, edge_words = f"{_NEARBY}: {words}", f"{_NEARBY}: {edge_words}"
     return Escape(
         corank=place.corank,
         single=single,
         best_pair=pair,
         best_direction=best,
         still=_still_direction(place, stillness),
-        avoidable=stillness.avoidable,
-        avoidable_words=stillness.words,
+        avoidable=avoidable,
+        avoidable_words=words,
         types=lost_motions(place, basis),
         boundary=edge,
         boundary_words=edge_words,

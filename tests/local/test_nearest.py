@@ -1,4 +1,4 @@
-"""The nearest singularity: singular, a local minimum of the distance, and right where the answer is known by construction."""
+"""The nearest singularity: singular, a local minimum of the distance, and right where it is known by construction."""
 
 from __future__ import annotations
 

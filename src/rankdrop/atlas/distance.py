@@ -1,8 +1,7 @@
 """How far to each family: the nearest point that satisfies a family's equations, and whether the search agrees.
 
 A family of pinned joints only is nearest where each of them turns to its nearest value: closed form. The others are
-walked (`coupled`). A point
-counts where |f| ≤ 1e-9 and σ vanishes in the Jacobian itself.
+walked (`coupled`). A point counts where |f| ≤ 1e-9 and σ vanishes in the Jacobian itself.
 """
 
 from __future__ import annotations

@@ -85,10 +85,8 @@ def test_brackets_are_the_derivatives():
         return central_differences(lambda y: region.columns(robot, y, setting), x)
 
     unit = np.array([setting.length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.joints])
-    want = [
-        np.sort(np.linalg.norm(first(q) * unit, axis=1).ravel()),
-        np.sort(np.linalg.norm(central_differences(first, q) * unit[:, None] * unit, axis=1)[:, *np.triu_indices(6)].ravel()),
-    ]
+    second = np.linalg.norm(central_differences(first, q) * unit[:, None] * unit, axis=1)
+    want = [np.sort(np.linalg.norm(first(q) * unit, axis=1).ravel()), np.sort(second[:, *np.triu_indices(6)].ravel())]
     got = [np.sort([size for *_, size in order]) for order in region.derivatives(robot, q, setting)]
     for one, other in zip(got, want, strict=False):
         np.testing.assert_allclose(one, other[-len(one) :], atol=1e-8)  # what is left over are zeros

@@ -1,4 +1,4 @@
-"""|E_ij| ≤ B_ij in boxes and balls, for every joint kind; and each of the three orders as large as it says, no larger."""
+"""|E_ij| ≤ B_ij in boxes and balls, for every joint kind; and each of the three orders as large as it says."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def coefficients(robot, setting, q, pattern, h=1e-3):
 
 @pytest.mark.parametrize("name", ["puma560", "panda", "random slides", "random screws", "almarkhi4"])
 def test_first_and_second_order_are_those_of_the_arm_and_no_more(name):
-    # one joint alone, then two: each entry of the bound is the absolute slope, half the absolute curvature, the cross term
+    # one joint alone, then two: entries of the bound are the slope, half the curvature, the cross term, in absolute value
     seen, h = 0, 1e-3
     for robot, setting, q in cases(name, count=2):
         unit = np.eye(robot.n)
@@ -203,13 +203,14 @@ def test_the_remainder_of_two_turns_and_a_slide_is_nearly_reached():
 
 
 def test_rounding_is_allowed_for():
-    # boxes of no width: what is left of the bound is what U₁ᵀ J V₁ is off from Σ, near singularities and far from the base
+    # boxes of no width: what is left of the bound covers U₁ᵀ J V₁ − Σ, near singularities and far from the base
     far = np.eye(4)
     for shift in (0.0, 1e3, 1e6):
         far[:3, 3] = shift
         for name in ("pa10", "puma560", "stanford"):
             robot = region.moved_base(open_robot(name), far)
-            q = np.random.default_rng(13).uniform(-1, 1, (60, robot.n)) * 10.0 ** np.arange(-10, 5)[np.arange(60) % 15, None]
+            sizes = 10.0 ** np.arange(-10, 5)[np.arange(60) % 15, None]
+            q = np.random.default_rng(13).uniform(-1, 1, (60, robot.n)) * sizes
             for setting in settings_for(robot, resolve_task(None, robot))[::9]:
                 _, _, bound, sigma, u, v, _ = enclose(robot, setting, q, np.zeros_like(q))
                 error = np.stack(

@@ -116,7 +116,9 @@ def certified_radius(
     if not 0.0 < at_most <= LARGEST:
         raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
     if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
-        raise OptionError("no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}")
+        raise OptionError(
+            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
+        )
     resolved = resolve_task(task, robot)
     settings = _settings_of(robot, resolved)
     row = centre[None, :]

@@ -220,7 +220,7 @@ def _moved(robot: Robot, link: int) -> tuple[NDArray[np.bool_], float]:
 
 
 def enclose(
-    robot: Robot, setting: Setting, q: Array, half: Array | None = None, *, radius: float = 3.2
+    robot: Robot, setting: Setting, q: Array, half: Array | None = None, *, radius: float = 3.2, threads: int = 0
 ) -> tuple[NDArray[np.int8], Array, Array, Array, Array, Array, Array]:
     """The core's enclosure of boxes (half (B, n) given, scaled) or balls around q (B, n).
 
@@ -229,5 +229,5 @@ def enclose(
     """
     return _core.enclose(
         chain_of(robot), setting.view(), q, half, setting.rank, setting.length, setting.scale, setting.arm, radius,
-        setting.repeats,
+        setting.repeats, threads,
     )  # fmt: skip

@@ -66,7 +66,7 @@ def test_the_bound_is_reached(name, order):
     robot = open_robot(name)
     best = np.zeros(robot.n)
     for setting in settings_for(robot, resolve_task("pose", robot))[::4]:
-        q = configurations(robot, 60, 3)[:60]
+        q = configurations(robot, 30, 3)[:30]
         arm = enclose(robot, setting, q, np.zeros_like(q))[6]
         for row, bounds in zip(q, arm, strict=True):
             for i, _, size in region.derivatives(robot, row, setting)[order]:

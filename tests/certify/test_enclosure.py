@@ -83,7 +83,7 @@ def coefficients(robot, setting, q, pattern, h=1e-3):
 
 @pytest.mark.parametrize("name", ["puma560", "panda", "random slides", "random screws", "almarkhi4"])
 def test_first_and_second_order_are_those_of_the_arm_and_no_more(name):
-    # one joint alone, then two: entries of the bound are the slope, half the curvature, the cross term, in absolute value
+    # one joint alone, then two: entries are the absolute slope, half the curvature, the cross term
     seen, h = 0, 1e-3
     for robot, setting, q in cases(name, count=2):
         unit = np.eye(robot.n)

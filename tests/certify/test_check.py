@@ -61,6 +61,16 @@ def test_honest_certificates_hold(name):
     assert verdict.boxes == len(found.boxes[0]) > 0
 
 
+@pytest.mark.parametrize("name", ["planar2r", "planar3r", "scara", "pa10"])
+def test_a_ball_just_as_large_as_one_enclosure_allows_holds(name):
+    robot = open_robot(name)
+    for q in np.random.default_rng(5).uniform(-1.5, 1.5, (5, robot.n)):
+        single = certified_radius(robot, q, evaluations=0).single
+        found = certified_radius(robot, q, at_most=single, keep_boxes=True)
+        assert found.radius == single
+        assert check(robot, found).holds
+
+
 @pytest.mark.parametrize("task", ["position", "orientation", "planar-position", "pose"])
 def test_every_task_that_can_be_certified_can_be_checked(task):
     robot = open_robot("planar3r" if task.startswith("planar") else "puma560")

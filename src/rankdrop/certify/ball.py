@@ -26,6 +26,7 @@ from rankdrop.version import VERSION
 
 LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
 _SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
+_MARGIN = 1e-9  # off the radius of one enclosure, so that a checker that rounds otherwise comes to the same
 _MOST = 100_000_000  # evaluations; more is a slip of the hand
 
 
@@ -125,6 +126,8 @@ def certified_radius(
     singles = [float(enclose(robot, setting, row, radius=at_most)[1][0]) for setting in settings]
     best = int(np.argmax(singles))
     setting, single = settings[best], singles[best]
+    if single < at_most:
+        single *= 1.0 - _MARGIN
     radius, used, complete, boxes = single, len(settings), True, None
     if (evaluations and single < at_most) or keep_boxes:
         inner = 0.0 if keep_boxes else single

@@ -14,6 +14,8 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.search import METHODS, Search, search
+from rankdrop.certify.ball import certified_radius
+from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.frames import BODY, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
 from rankdrop.known import shipped
@@ -69,6 +71,19 @@ def walked(kinds: str, rank: int, threads: int, limits: bool = False) -> tuple[A
 WALKS = [("rrrrrrr", 5, False), ("rrprrr", 5, True), ("mrrhpmr", 4, False), ("rrrrrrrr", 5, True), ("pa10", 3, True)]
 
 
+def certified() -> list[Array]:
+    """Enclosures of boxes and balls, 37 of them, and a ball by branch and bound with all its boxes."""
+    results: list[Array] = []
+    for kinds in ("rrrrrrr", "mrrhpmr", "rpr"):
+        robot = arms.random_chain(np.random.default_rng(1), kinds)
+        q = np.random.default_rng(2).uniform(-np.pi, np.pi, (37, robot.n))
+        setting = settings_for(robot, resolve_task("pose", robot))[1]
+        results += [*enclose(robot, setting, q, np.full_like(q, 0.05)), *enclose(robot, setting, q, radius=1.0)]
+        found = certified_radius(robot, q[0], evaluations=300, keep_boxes=True)
+        results += [np.array([found.radius, found.single, found.evaluations]), *(found.boxes or ())]
+    return results
+
+
 def same(a: Search, b: Search) -> None:
     """Two searches ended alike, to the last bit."""
     np.testing.assert_array_equal(a.q, b.q)
@@ -99,6 +114,26 @@ def test_every_set_gives_the_same_bits(name: str) -> None:
     _core.choose_instruction_set(name)
     for got, expected in zip(everything(), want, strict=True):
         np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_set_certifies_the_same(name: str) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = certified()
+    _core.choose_instruction_set(name)
+    for got, expected in zip(certified(), want, strict=True):
+        np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("threads", [0, 2, 3])
+def test_enclosures_are_the_same_on_any_number_of_threads(threads: int) -> None:
+    robot = arms.pa10()
+    setting = settings_for(robot, resolve_task("pose", robot))[4]
+    q = np.random.default_rng(2).uniform(-np.pi, np.pi, (333, 7))
+    for got, want in zip(
+        enclose(robot, setting, q, threads=threads), enclose(robot, setting, q, threads=1), strict=True
+    ):
+        np.testing.assert_array_equal(got, want)
 
 
 @pytest.mark.parametrize("method", METHODS)

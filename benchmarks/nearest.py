@@ -38,7 +38,7 @@ def families(name: str) -> measure.Row:
         measure.best_of(REPEATS, lambda one=one: family_distances(rows, robot, one, found.task)) * 1e3 for one in q
     ]
     return {
-        "question": f"each of {len(rows)} families of {name}",
+        "question": f"all {len(rows)} families of {name}",
         "median ms": float(np.median(times)),
         "worst ms": max(times),
         "claimed": False,

@@ -71,6 +71,14 @@ def test_a_ball_just_as_large_as_one_enclosure_allows_holds(name):
         assert check(robot, found).holds
 
 
+def test_a_radius_found_without_boxes_can_be_proven_again_with_them():
+    robot, q = open_robot("ur5"), np.array([0.3, -0.8, 1.2, 0.4, 0.3, 0.1])
+    first = certified_radius(robot, q, evaluations=2000)
+    again = certified_radius(robot, q, at_most=first.radius, evaluations=20_000, keep_boxes=True)
+    assert again.radius == first.radius > 1.2 * first.single
+    assert check(robot, again).holds
+
+
 @pytest.mark.parametrize("task", ["position", "orientation", "planar-position", "pose"])
 def test_every_task_that_can_be_certified_can_be_checked(task):
     robot = open_robot("planar3r" if task.startswith("planar") else "puma560")

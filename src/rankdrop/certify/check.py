@@ -128,9 +128,11 @@ def _free(arm: Arm, certificate: Certificate, centre: Array, half: Array) -> boo
     if not np.isfinite(bound).all() or sigma[-1] <= 0.0:
         return False
     share = bound / sigma[:, None]
-    values, vectors = np.linalg.eig(share)
-    vector = np.abs(vectors[:, np.argmax(values.real)]) + 1e-9  # any positive vector proves it; this one is the best
-    return bool((share @ vector / vector).max() < 1.0 - 1e-12)
+    try:
+        vector = np.linalg.solve(np.eye(len(share)) - share, np.ones(len(share)))  # any positive vector would do
+    except np.linalg.LinAlgError:
+        return False
+    return bool((vector > 0.0).all() and (share @ vector / vector).max() < 1.0 - 1e-13)
 
 
 def _covered(certificate: Certificate, moving: list[int], centre: Array, half: Array) -> bool:

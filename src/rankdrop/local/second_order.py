@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.place import Place
@@ -25,6 +26,7 @@ FLAT = 2e-6
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each
+_APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
 
 
@@ -113,6 +115,16 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
         x /= np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
     left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
     return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
+
+
+def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
+    """Indices of unit vectors (c, n) that differ by more than a sign, the first of each in the given order."""
+    kept: list[int] = []
+    for i in order:
+        away = np.minimum(*(np.linalg.norm(vectors[kept] + sign * vectors[i], axis=1) for sign in (1.0, -1.0)))
+        if (away > _APART).all():
+            kept.append(int(i))
+    return kept
 
 
 def boundary(place: Place, each: Array) -> tuple[bool | None, str]:

@@ -119,10 +119,10 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
 
 def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
     """Indices of unit vectors (c, n) that differ by more than a sign, the first of each in the given order."""
+    near = np.abs(vectors @ vectors.T) >= 1.0 - _APART**2 / 2
     kept: list[int] = []
     for i in order:
-        away = np.minimum(*(np.linalg.norm(vectors[kept] + sign * vectors[i], axis=1) for sign in (1.0, -1.0)))
-        if (away > _APART).all():
+        if not near[i, kept].any():
             kept.append(int(i))
     return kept
 

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.bracket import hat
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import resolve_task
@@ -152,15 +153,15 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         raise OptionError("wrong number of coordinates", got=c.shape, allowed=", ".join(NAMES[representation]))
     if representation == "quaternion":
         w, vector = c[..., :1, None], c[..., 1:]
-        return 2.0 * np.concatenate([-vector[..., :, None], w * np.eye(3) + _hat(vector)], axis=-1)
+        return 2.0 * np.concatenate([-vector[..., :, None], w * np.eye(3) + hat(vector)], axis=-1)
     if representation == "rotvec":
         angle = np.linalg.norm(c, axis=-1)[..., None, None]
         half = np.sinc(angle / (2 * pi))  # sin(θ/2)/(θ/2)
-        hat = _hat(c)
+        turned = hat(c)
         small = angle < 1e-2
         safe = np.where(small, 1.0, angle)
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
-        return np.asarray(np.eye(3) + 0.5 * half**2 * hat + cubic * (hat @ hat))
+        return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
     zero, one = np.zeros(c.shape[:-1]), np.ones(c.shape[:-1])
     if representation == "zyz":
         sa, ca, sb, cb = np.sin(c[..., 0]), np.cos(c[..., 0]), np.sin(c[..., 1]), np.cos(c[..., 1])
@@ -291,14 +292,6 @@ def _quaternion(r: Array) -> Array:
     column = np.take_along_axis(outer, largest[..., None, None], axis=-1)[..., 0]
     unit = column / np.linalg.norm(column, axis=-1, keepdims=True)
     return np.asarray(unit * np.where(unit[..., :1] < 0.0, -1.0, 1.0))
-
-
-def _hat(vector: Array) -> Array:
-    """[a] with [a] b = a × b."""
-    matrix = np.zeros((*vector.shape[:-1], 3, 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        matrix[..., k, j], matrix[..., j, k] = vector[..., i], -vector[..., i]
-    return matrix
 
 
 def _known(representation: str) -> None:

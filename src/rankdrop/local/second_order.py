@@ -21,8 +21,9 @@ from rankdrop.local.directions import lost_directions
 from rankdrop.local.place import Place
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
 
-FLAT = 2e-6
+FLAT = DEFAULT.block_rank
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each

@@ -23,28 +23,27 @@ HALF = np.pi / 2
 WRIST = [0.1, 0.5, 0.7, 0.3, 0, 0.4]
 
 
-def puma_shoulder() -> Array:
-    """Wrist centre above joint 1: the determinant changes sign in θ2."""
+def sign_change(low: Array, high: Array) -> Array:
+    """Between two configurations of the PUMA, where its determinant changes sign."""
     robot = open_robot("puma560")
-    low, high = (np.array([0.1, x, -0.6, 0.3, 0.8, 0.4]) for x in (0.9, 2.5))
     values = [np.linalg.det(jacobian(robot, q)) for q in (low, high)]
     assert values[0] * values[1] < 0
     for _ in range(100):
         middle = (low + high) / 2
         low, high = (middle, high) if np.linalg.det(jacobian(robot, middle)) * values[0] > 0 else (low, middle)
     return middle
+
+
+def puma_shoulder() -> Array:
+    """Wrist centre above joint 1: the determinant changes sign in θ2."""
+    low, high = (np.array([0.1, x, -0.6, 0.3, 0.8, 0.4]) for x in (0.9, 2.5))
+    return sign_change(low, high)
 
 
 def puma_elbow() -> Array:
     """tan θ3 = a3/d4 up to sign and half turns: the determinant changes sign in θ3."""
-    robot = open_robot("puma560")
     low, high = (np.array([0.1, 0.5, x, 0.3, 0.8, 0.4]) for x in (-1.9, -1.2))
-    values = [np.linalg.det(jacobian(robot, q)) for q in (low, high)]
-    assert values[0] * values[1] < 0
-    for _ in range(100):
-        middle = (low + high) / 2
-        low, high = (middle, high) if np.linalg.det(jacobian(robot, middle)) * values[0] > 0 else (low, middle)
-    return middle
+    return sign_change(low, high)
 
 
 def test_puma_types_and_boundary() -> None:

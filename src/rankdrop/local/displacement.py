@@ -17,7 +17,7 @@ from rankdrop.errors import TaskError
 from rankdrop.frames import BASE, TIP, Frame, link_index
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local.block import joint_scale, row_scale
-from rankdrop.local.representation import orientation_coordinates, rate_matrix
+from rankdrop.local.orientation import orientation_coordinates, rate_matrix
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 

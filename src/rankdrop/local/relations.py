@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.local.block import structural_sample
 from rankdrop.local.circuit_words import numbers
-from rankdrop.local.subgroups import Lines
+from rankdrop.local.lines import Lines
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Robot
 from rankdrop.task import resolve_task

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.circuit_words import numbers
-from rankdrop.local.subgroups import Lines, Member, closure, members
+from rankdrop.local.lines import Lines
+from rankdrop.local.subgroups import Member, closure, members
 from rankdrop.local.unlocked import unlocked
 from rankdrop.local.verdict import one_configuration
 from rankdrop.reach import reach

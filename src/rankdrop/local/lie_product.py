@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.local.bracket import hat
+from rankdrop.local.vectors import hat
 from rankdrop.robot.model import Array
 
 NO_TURN = 1e-12

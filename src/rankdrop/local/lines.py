@@ -9,8 +9,8 @@ import numpy as np
 
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
-from rankdrop.local.bracket import cross
 from rankdrop.local.unlocked import unlocked
+from rankdrop.local.vectors import cross
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.tolerances import ALIGNED

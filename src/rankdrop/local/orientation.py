@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.local.bracket import hat
+from rankdrop.local.vectors import hat
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 

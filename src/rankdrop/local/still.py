@@ -16,6 +16,7 @@ from rankdrop.local.displacement import Displacement, told_by_pose
 from rankdrop.local.place import Place, room
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, vanishing
 from rankdrop.local.taylor import taylor
+from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
 
 _MOST = 4  # tangents that are traced, both ways
@@ -117,8 +118,7 @@ def trace(place: Place, tangents: Array, length: float) -> Trace:
     ahead = tangents
     for _ in range(_STEPS):
         reached, arrived = where.back(path[-1] + ahead * (length / _STEPS) * place.scale)
-        ahead = (reached - path[-1]) / place.scale
-        ahead = ahead / np.maximum(np.linalg.norm(ahead, axis=-1, keepdims=True), 1e-300)
+        ahead = unit((reached - path[-1]) / place.scale)
         path.append(reached)
         valid &= arrived
     q = np.stack(path, axis=1)
@@ -151,7 +151,7 @@ def _few(each: Array) -> bool:
 
 def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
     """The most promising tangents, both ways, and the k-th singular value of D along each."""
-    tangents = tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = unit(tangents)
     series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
     if place.corank:
         first = place.u2.T @ series @ place.v2

@@ -19,8 +19,9 @@ from itertools import combinations
 
 import numpy as np
 
-from rankdrop.local.bracket import bracket, cross
+from rankdrop.local.bracket import bracket
 from rankdrop.local.lines import Lines
+from rankdrop.local.vectors import cross
 from rankdrop.robot.model import Array
 
 

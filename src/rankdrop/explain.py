@@ -18,7 +18,7 @@ from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
 from rankdrop.explanation import Explanation
 from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
-from rankdrop.known import geometry, known_analysis
+from rankdrop.known import known_analysis
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
@@ -36,6 +36,7 @@ from rankdrop.local.systems import always_singular_reason, systems_at
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.local.words import blocked_words, words
 from rankdrop.result import Analysis
+from rankdrop.robot.fingerprint import geometry
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

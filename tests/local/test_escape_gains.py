@@ -12,7 +12,7 @@ from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.local.departure import departures
-from rankdrop.local.motion import measured_gains
+from rankdrop.local.finite_motions import measured_gains
 from rankdrop.local.place import Place, place_at
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Robot

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.local import motion
+from rankdrop.local import finite_motions
 from rankdrop.local.departure import Departure, departures
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.receptors import receptors
@@ -23,10 +23,9 @@ from rankdrop.local.still import Stillness, find_still
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 
 _NEARBY = "q is only near a singularity; if it were one"
-_ENTRY = 1e-6  # entries of unit vectors below this do not count as entries
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,8 +190,8 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
     found = departures(place, units) if place.corank else _slopes(place, units)
-    gains = motion.measured_gains(place, units)
-    steps, sigma = motion.single_motions(place, step)
+    gains = finite_motions.measured_gains(place, units)
+    steps, sigma = finite_motions.single_motions(place, step)
     receives = receptors(place)
     down, up = room(place)
     out = []
@@ -231,9 +230,9 @@ def _several(
     for row, joint in enumerate(single):
         moves[row, joint.number - 1] = joint.step / place.scale[joint.number - 1]
     moves = moves[np.abs(moves).max(axis=1) > 0]
-    pair = motion.best_pair(place, step) if len(place.q) > 1 else None
+    pair = finite_motions.best_pair(place, step) if len(place.q) > 1 else None
     known = moves if pair is None else np.concatenate([pair[None], moves])
-    whole = motion.best_motion(place, step, seed, known)
+    whole = finite_motions.best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
     described = _described(place, motions)
     return (described[1] if pair is not None else None), described[0]
@@ -247,12 +246,12 @@ def _described(place: Place, motions: Array) -> list[Direction]:
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
     found = departures(place, units) if place.corank else _slopes(place, units)
-    reached = motion.scores(place, units * lengths[:, None])
+    reached = finite_motions.scores(place, units * lengths[:, None])
     sigma = place.last(place.q + units * lengths[:, None] * place.scale)
     return [
         Direction(
             delta=tuple(float(x) for x in units[i] * place.scale),
-            numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(units[i]) > _ENTRY)),
+            numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(units[i]) > ENTRY)),
             gain=made.gain,
             order=made.order,
             rate=made.rate,
@@ -280,7 +279,7 @@ def _still_direction(place: Place, found: Stillness) -> Direction | None:
         return None
     return Direction(
         delta=tuple(float(x) for x in found.tangent * place.scale),
-        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(found.tangent) > _ENTRY)),
+        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(found.tangent) > ENTRY)),
         gain=found.gain,
         order=found.order,
         rate=found.rate,

@@ -18,9 +18,10 @@ from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
 from rankdrop.explanation import Explanation
 from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
+from rankdrop.explanation_words import angle, angle_below, short
 from rankdrop.known import known_analysis
 from rankdrop.local.block import decompose
-from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at
+from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.ellipsoids import ellipsoids
 from rankdrop.local.escape import JointEscape, escape
@@ -46,6 +47,9 @@ NEAR = 0.05
 """A configuration is near a singularity within this distance in joint space [rad]: 2.9°."""
 SMALL = 1e-3
 """… or where σ_r is below this [1]: unit end-effector speed then needs joint rates of a thousand times the usual."""
+
+LARGEST_TOLERANCE = 1e-3
+"""A singular value above this is not zero by any measure of rounding [1]."""
 
 
 def explain(
@@ -102,9 +106,12 @@ def explain(
     check_robot(robot)
     configuration = one_configuration(robot, q)
     configuration.flags.writeable = False
-    for name, value in (("near", near), ("small", small), ("evaluations", evaluations)):
-        if not 0.0 <= value < np.inf:
-            raise OptionError("this is a finite number from 0 up", where=name, got=value)
+    _check_options(near=near, small=small, evaluations=evaluations, seed=seed)
+    if not 0.0 < tolerances.singular <= LARGEST_TOLERANCE:
+        raise OptionError(
+            "this is no tolerance for singular values", where="tolerance", got=tolerances.singular,
+            allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to be told of small ones, raise `near` or `small`",
+        )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
     families, source = _families(robot, resolved, analysis, tolerances)
@@ -132,7 +139,7 @@ def explain(
         source=source,
         relations=relations_at(robot, focus),
         lost=_lost(robot, configuration, focus, resolved, rank, corank or (1 if far.near_miss is not None else 0)),
-        blame=_blame(robot, focus, resolved, corank),
+        blame=_blame(robot, focus, resolved, corank, rank.generic_rank),
         escape=way_out,
         rates=joint_rates(robot, configuration, resolved),
         far=far,
@@ -141,6 +148,13 @@ def explain(
         representations=representation_at(robot, configuration, tolerances=tolerances),
         disagreements=tuple(_disagreements(far, way_out.single)),
     )
+
+
+def _check_options(**options: float) -> None:
+    """Raises OptionError for a number below zero or not finite."""
+    for name, value in options.items():
+        if not 0.0 <= value < np.inf:
+            raise OptionError("this is a finite number from 0 up", where=name, got=value)
 
 
 def _families(
@@ -223,25 +237,22 @@ def _verdict(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]
     if rank.always_singular:
         return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
     if far.near_miss is not None:
-        least = f"σ{r} = {sigma:.3g} is small, but a descent from here ends at σ{r} = {far.near_miss:.3g}"
+        least = f"σ{r} = {short(sigma, 3)} is small, but a descent from here ends at σ{r} = {short(far.near_miss, 3)}"
         return "near", f"{lost}; near miss: {least}, not at zero"
     if far.nearest is not None and far.nearest.distance <= near:
-        return "near", f"{lost}, but a singular configuration is {_angle(far.nearest.distance)} away"
+        return "near", f"{lost}, but a singular configuration is {angle(far.nearest.distance)} away"
     if sigma <= small:
-        return "near", f"{lost}, but σ{r} = {sigma:.3g} is at most {small:g}"
+        return "near", f"{lost}, but σ{r} = {short(sigma, 3)} is at most {short(small)}"
     if far.nearest is None:
-        return "regular", f"{lost}; no singular configuration was found nearby, which is not a proof"
-    return "regular", f"{lost}; the nearest singular configuration found is {_angle(far.nearest.distance)} away"
+        proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
+        return "regular", f"{lost}; no singular configuration was found, and {proven}"
+    return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
 
 
 def _nearly(rank: Rank, small: float) -> str:
     """What is small beside what is zero: Gen3's offsets of 12 mm keep σ above zero where it would vanish without."""
     kept = rank.sigma[: rank.rank]
-    return f", and σ{rank.rank} = {kept[-1]:.3g} is nearly zero" if len(kept) and kept[-1] <= small else ""
-
-
-def _angle(distance: float) -> str:
-    return f"{distance:.4g} rad ({np.degrees(distance):.3g}°)"
+    return f", and σ{rank.rank} = {short(kept[-1], 3)} is nearly zero" if len(kept) and kept[-1] <= small else ""
 
 
 def _met(
@@ -286,11 +297,12 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
     return readable_basis(rows.T).T
 
 
-def _blame(robot: Robot, q: Array, task: Task, corank: int) -> Blame:
+def _blame(robot: Robot, q: Array, task: Task, corank: int, generic_rank: int) -> Blame:
     few = robot.n <= LARGEST_CHAIN
+    circuits = circuits_at(robot, q, task) if few else ()
     return Blame(
-        circuits=circuits_at(robot, q, task) if few else (),
-        smallest=blame(robot, q, task) if corank and few else (),
+        circuits=circuits,
+        smallest=make_all(circuits, robot.n, robot.n - generic_rank + corank) if corank else (),
         ordered=ordered_subsets(robot, q, task),
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),

@@ -9,7 +9,7 @@ from pathlib import Path
 from rankdrop.errors import ResultFileError
 from rankdrop.explanation_data import ExplanationData
 from rankdrop.explanation_record import explanation_to_dict
-from rankdrop.explanation_text import sections_of
+from rankdrop.explanation_text import DETAILS, PARTS, sections_of
 from rankdrop.record import Record, json_text
 from rankdrop.sections import Section, html
 
@@ -40,4 +40,4 @@ class Explanation(ExplanationData):
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        return html(self.sections())
+        return html(self.sections(parts=tuple(name for name in PARTS if name not in DETAILS | {"more"})))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from rankdrop.atlas.distance import FamilyDistance
 from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
@@ -24,6 +26,9 @@ from rankdrop.local.verdict import Rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
+
+AT_LIMIT = 1e-3
+"""A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +174,23 @@ class ExplanationData:
         """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
         kept = self.rank.sigma[: self.rank.rank]
         return int((kept <= self.settings.small).sum())
+
+    @property
+    def outside_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
+        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+
+    @property
+    def at_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) that stand at a limit, to within `AT_LIMIT`."""
+        gap = np.minimum(np.abs(self.q - self.robot.lower), np.abs(self.robot.upper - self.q)) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(gap <= AT_LIMIT))
+
+    @property
+    def _scale(self) -> Array:
+        turning = [joint.unit == "rad" for joint in self.robot.variables]
+        return np.where(turning, 1.0, self.settings.length_scale)
 
     @cached_property
     def certified_radius(self) -> float | None:

@@ -20,6 +20,8 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         "robot": robot_to_dict(found.robot, found.task, rank.generic_rank),
         "settings": plain(found.settings),
         "q": found.q.tolist(),
+        "outside_limits": list(found.outside_limits),
+        "at_limits": list(found.at_limits),
         "verdict": found.verdict,
         "reason": found.reason,
         **plain(rank),
@@ -114,7 +116,10 @@ def way_out_to_dict(found: ExplanationData, procedure: Any) -> Record:
 
 def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
     whole = explanation_to_dict(found)
-    always = ("robot", "settings", "q", "verdict", "reason", "rank", "generic_rank", "corank", "nullity", "sigma")
+    always = (
+        "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
+        "nullity", "sigma",
+    )  # fmt: skip
     return {"schema": schema, **{name: whole[name] for name in (*always, *names, "disagreements")}}
 
 

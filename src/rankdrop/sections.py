@@ -18,6 +18,7 @@ class Section:
         columns: headings of the table.
         rows: its cells.
         texts: indices of the columns that hold words; the others hold numbers.
+        after: sentences under the table.
         notes: smaller print below.
     """
 
@@ -27,6 +28,7 @@ class Section:
     columns: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
     texts: tuple[int, ...] = (0,)
+    after: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -36,11 +38,20 @@ def html(sections: Iterable[Section]) -> str:
 
 
 def _html(section: Section) -> str:
-    parts = [f"<p><b>{escape(section.title)}</b> {escape(section.summary)}</p>"]
-    parts += [f"<div>{escape(line)}</div>" for line in section.lines]
+    heading = f"<p><b>{escape(section.title)}</b> {escape(section.summary)}</p>"
+    parts = [heading] if section.title or section.summary else []
+    parts += [_line(line) for line in section.lines]
     if section.rows:
         head = "".join(f"<th>{escape(name)}</th>" for name in section.columns)
         body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in section.rows)
         parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+    parts += [_line(line) for line in section.after]
     parts += [f"<div><small>{escape(note)}</small></div>" for note in section.notes]
     return "".join(parts)
+
+
+def _line(text: str) -> str:
+    """A sentence; blanks before it are an indent."""
+    inset = len(text) - len(text.lstrip(" "))
+    style = f' style="margin-left:{inset / 2:g}em"' if inset else ""
+    return f"<div{style}>{escape(text.strip())}</div>"

@@ -93,7 +93,7 @@ def test_escape_prints_the_ways_out_and_the_procedure_of_gallardo_and_rico(run) 
                  "conclusion: actuate 3, 4", "Disagreements with the printed procedure"):  # fmt: skip
         assert part in text
     record = json.loads(run(*words, "--json", "-").out)
-    assert record["schema"] == "rankdrop/escape/1"
+    Draft202012Validator(load_schema("escape")).validate(record)
     assert record["lie"]["lost"] == 1
     assert record["escape"]["single"][0]["number"] == 4
 
@@ -104,7 +104,7 @@ def test_nearest_prints_a_distance_and_a_proof(run) -> None:
     assert "nearest singular configuration found: 0.4303 rad (24.7°) away" in ended.out
     assert "certified: no singularity within" in ended.out
     record = json.loads(run("nearest", *REGULAR, "--json", "-").out)
-    assert record["schema"] == "rankdrop/nearest/1"
+    Draft202012Validator(load_schema("nearest")).validate(record)
     assert 0.95 * record["nearest"]["distance"] < record["certified_radius"] <= record["nearest"]["distance"]
 
 

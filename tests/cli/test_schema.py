@@ -11,6 +11,8 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
+from rankdrop.explain import explain
+from rankdrop.explanation_record import far_to_dict, way_out_to_dict
 from rankdrop.findings import find_to_dict
 from rankdrop.record import json_text
 from rankdrop.result import Analysis
@@ -25,6 +27,85 @@ def validator(name: str) -> Draft202012Validator:
 @pytest.fixture(scope="module")
 def find_record() -> dict[str, Any]:
     return json.loads(json_text(find_to_dict(search(open_robot("stanford"), 1, starts=20))))
+
+
+PLACES = {
+    "regular": ("ur5", [0.0, -2.3, 0.8, 1.5, -1.5, 0.3], None),
+    "near": ("puma560", [0.1, 0.5, 0.4, 0.2, 0.01, 0.6], None),
+    "singular": ("pa10", [0.0] * 7, None),
+    "slides": ("fetch8", [0.1] * 8, None),
+    "few rows": ("scara", [0.3, 0.0, 0.1, 0.2], "position"),
+    "another length": ("rcrrrr", [0.0] * 7, None),
+    "beyond its limits": ("panda", [0.0, 0.3, 0.0, 1.0, 0.0, 1.9, 0.7], None),
+}
+
+
+@pytest.fixture(scope="module")
+def explained() -> dict[str, dict[str, Any]]:
+    """Records of explain, escape and nearest at each place, by "explanation regular" and so on."""
+    records = {}
+    for place, (name, q, task) in PLACES.items():
+        found = explain(open_robot(name), q, task, coranks=6)
+        written = {"explanation": found.to_dict(), "escape": way_out_to_dict(found, None), "nearest": far_to_dict(found)}
+        records |= {f"{kind} {place}": json.loads(json_text(record)) for kind, record in written.items()}
+    return records
+
+
+def test_explanations_are_valid_and_every_entry_is_described(explained: dict[str, dict[str, Any]]) -> None:
+    assert {record["verdict"] for record in explained.values()} == {"regular", "near", "singular"}
+    for name, record in explained.items():
+        Draft202012Validator(closed(load_schema(name.split()[0]))).validate(record)
+
+
+MOST = {
+    "verdict": "fine", "rank": -1, "generic_rank": 5.5, "corank": None, "nullity": "1", "sigma": [1.0, None],
+    "outside_limits": [0], "at_limits": 3, "q": ["0"], "reason": None, "settings": {}, "robot": {}, "disagreements": "",
+}  # fmt: skip
+DAMAGE: dict[str, tuple[tuple[Any, ...], Any]] = {
+    "escape: no order": (("escape", "single", 0, "order"), 0),
+    "escape: a joint counted from 0": (("escape", "single", 0, "number"), 0),
+    "escape: a rate as text": (("escape", "single", 0, "rate"), "2.07 per rad"),
+    "escape: limits as a number": (("escape", "single", 0, "within_limits"), 1),
+    "escape: avoidable in words": (("escape", "avoidable"), "yes"),
+    "escape: a direction without a motion": (("escape", "best_direction"), {}),
+    "escape: a third type": (("escape", "types", 0, "type"), 3),
+    "escape: an empty circuit": (("circuits", 0), []),
+    "escape: blame without circuits": (("blame",), {"smallest": []}),
+    "nearest: a distance below zero": (("nearest", "distance"), -0.1),
+    "nearest: no family": (("nearest", "family"), "wrist"),
+    "nearest: a radius below zero": (("certified_radius",), -1.0),
+    "explanation: five numbers lost": (("lost_directions", 0), [0.0] * 5),
+    "explanation: a source of its own": (("family", "source"), "guess"),
+    "explanation: a family of corank 0": (("family", "corank"), 0),
+    "explanation: a relation without words": (("relations", 0), {"structural": True}),
+    "explanation: a speed as text": (("joint_rates", "axes", 0, "speed"), "fast"),
+    "explanation: no projector": (("redundancy", "projector"), None),
+    "explanation: no quaternion": (("representations", "quaternion"), None),
+    "explanation: an ellipsoid without axes": (("ellipsoids", "unit_rates", "task", "velocity"), {"unit": "m/s"}),
+}
+
+
+@pytest.mark.parametrize("kind", ["explanation", "escape", "nearest"])
+def test_records_without_an_entry_or_with_a_wrong_one_are_refused(
+    explained: dict[str, dict[str, Any]], kind: str
+) -> None:
+    check, whole = validator(kind), explained[f"{kind} singular"]
+    assert check.is_valid(whole)
+    for name in whole:
+        assert not check.is_valid({key: value for key, value in whole.items() if key != name}), name
+    for name, value in MOST.items():
+        assert not check.is_valid(whole | {name: value}), name
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_a_broken_explanation_is_refused(explained: dict[str, dict[str, Any]], name: str) -> None:
+    kind, (path, value) = name.partition(":")[0], DAMAGE[name]
+    record = copy.deepcopy(explained[f"{kind} singular"])
+    place: Any = record
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    assert not validator(kind).is_valid(record)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -50,7 +131,9 @@ def closed(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     inner = {key: closed(part) for key, part in schema.items()}
-    return inner | {"additionalProperties": False} if schema.get("type") == "object" else inner
+    kind = schema.get("type")
+    closes = "properties" in schema and (kind == "object" or (isinstance(kind, list) and "object" in kind))
+    return inner | {"additionalProperties": False} if closes else inner
 
 
 BROKEN = {

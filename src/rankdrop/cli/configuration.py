@@ -11,20 +11,22 @@ from rankdrop.errors import ConfigurationError, RobotError
 if TYPE_CHECKING:
     from rankdrop.robot.model import Robot
 
-_SEPARATOR = re.compile(r"[,;\s]+")
+_SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
+_AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
 
 
 def parse_configuration(text: str, robot: Robot, *, deg: bool) -> list[float]:
     """The joint values that a text writes, one per joint, in rad and m.
 
     Numbers are separated by commas, semicolons or blanks; each is arithmetic with pi and sqrt, and may carry a unit
-    (deg, rad, m, mm …). A number without a unit is in rad, or in degrees with `deg`; slides are in m.
+    (deg, rad, m, mm …). A number without a unit is in rad, or in degrees with `deg`; slides are in m. The signs − and
+    π are understood: what was printed can be pasted.
 
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
-    body = text.strip().strip("[]()").strip()
-    words = [word for word in _SEPARATOR.split(body) if word]
+    body = _without_brackets(text.translate(_AS_TYPED).strip()).strip().rstrip(",;")
+    words = _SEPARATOR.split(body) if body else []
     joints = robot.variables
     if len(words) != len(joints):
         raise ConfigurationError(
@@ -33,6 +35,20 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool) -> list[float]:
             mend='write them as --q="0,0.5,…"',
         )  # fmt: skip
     return [_value(word, joint.name, joint.unit, deg=deg) for word, joint in zip(words, joints, strict=True)]
+
+
+def _without_brackets(text: str) -> str:
+    """[…] and (…) around the whole list, not those of the first and the last number."""
+    if text[:1] == "[" and text[-1:] == "]":
+        return text[1:-1]
+    if text[:1] != "(" or text[-1:] != ")":
+        return text
+    depth = 0
+    for place, letter in enumerate(text):
+        depth += (letter == "(") - (letter == ")")
+        if depth == 0:
+            return text[1:-1] if place == len(text) - 1 else text
+    return text
 
 
 def _unit(unit: str, *, deg: bool) -> str:

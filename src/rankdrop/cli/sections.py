@@ -10,6 +10,10 @@ if TYPE_CHECKING:
 
     from rankdrop.sections import Section
 
+_INDENT = 2
+_GAP = 2  # between columns
+_LABEL = 24  # a column of words is wrapped, but not narrower than this
+
 
 def print_sections(sections: Iterable[Section]) -> None:
     """Print to stdout: headings bold, notes dim, tables aligned."""
@@ -17,26 +21,72 @@ def print_sections(sections: Iterable[Section]) -> None:
 
     console = results()
     for number, section in enumerate(sections):
-        show(console, _parts(section, first=number == 0))
+        show(console, _parts(section, console.width, first=number == 0))
 
 
-def _parts(section: Section, *, first: bool) -> Iterable[RenderableType]:
-    from rich import box
+def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableType]:
     from rich.padding import Padding
-    from rich.table import Table
     from rich.text import Text
 
     if not first:
         yield ""
-    yield Text.assemble((section.title, "bold"), f"  {section.summary}" if section.summary else "")
+    if section.title or section.summary:
+        yield Text.assemble((section.title, "bold"), f"  {section.summary}" if section.summary else "")
     for line in section.lines:
-        yield Padding(Text(line), (0, 0, 0, 2))
-    if section.rows:
-        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-        for index, name in enumerate(section.columns):
-            table.add_column(name, justify="left" if index in section.texts else "right", overflow="fold")
-        for row in section.rows:
-            table.add_row(*row)
-        yield Padding(table, (0, 0, 0, 2))
+        yield _indented(line)
+    for columns in _pieces(section, width - _INDENT):
+        yield Padding(_table(section, columns), (0, 0, 0, _INDENT))
+    for line in section.after:
+        yield _indented(line)
     for note in section.notes:
-        yield Padding(Text(note, style="dim"), (0, 0, 0, 2))
+        yield Padding(Text(note, style="dim"), (0, 0, 0, _INDENT))
+
+
+def _indented(line: str) -> RenderableType:
+    """A sentence; blanks before it stay before its second line too."""
+    from rich.padding import Padding
+    from rich.text import Text
+
+    text = line.lstrip(" ")
+    return Padding(Text(text), (0, 0, 0, _INDENT + len(line) - len(text)))
+
+
+def _pieces(section: Section, width: int) -> list[list[int]]:
+    """The columns, in as many tables as their numbers need: no number is broken, the first column leads each."""
+    if not section.rows:
+        return []
+    widths = [_least(section, index) for index in range(len(section.columns))]
+    pieces: list[list[int]] = [[0]] if widths else []
+    for index in range(1, len(widths)):
+        used = sum(widths[i] + _GAP for i in pieces[-1])
+        if used + widths[index] > width and len(pieces[-1]) > 1:
+            pieces.append([0])
+        pieces[-1].append(index)
+    return pieces
+
+
+def _least(section: Section, index: int) -> int:
+    """Characters that a column needs: its longest cell, or the longest word of a column of words."""
+    from rich.cells import cell_len
+
+    cells = [section.columns[index], *(row[index] for row in section.rows)]
+    if index not in section.texts:
+        return max(map(cell_len, cells))
+    words = max(cell_len(word) for cell in cells for word in (cell.split() or [""]))
+    return max(words, min(_LABEL, max(map(cell_len, cells))))
+
+
+def _table(section: Section, columns: list[int]) -> RenderableType:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for index in columns:
+        words = index in section.texts
+        table.add_column(
+            section.columns[index], justify="left" if words else "right", overflow="fold", no_wrap=not words,
+            min_width=_least(section, index),
+        )  # fmt: skip
+    for row in section.rows:
+        table.add_row(*(row[index] for index in columns))
+    return table

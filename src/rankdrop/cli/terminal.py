@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import sys
+import unicodedata
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,8 @@ if TYPE_CHECKING:
 _ASCII = {
     "θ": "q", "π": "pi", "σ": "sigma", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-", "…": "...",
     "·": ".", "≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "Δ": "d", "’": "'", "∞": "inf", "→": "->", "₁": "1", "₂": "2",
-    "‖": "|",
+    "‖": "|", "ω": "w", "τ": "tau", "φ": "phi", "α": "alpha", "β": "beta", "γ": "gamma", "λ": "lambda", "Σ": "sum",
+    "∥": "||", "⟂": "perp", "√": "sqrt", "ᵀ": "^T", "⁺": "^+", "†": "^+", "ᵖ": "^p", "⁴": "^4", "\u0307": "'",
 }  # fmt: skip
 
 
@@ -38,7 +40,14 @@ def _spell_out(error: UnicodeError) -> tuple[str | bytes, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     bad = error.object[error.start : error.end]
-    return "".join(_ASCII.get(letter, "-" if "─" <= letter <= "╿" else "?") for letter in bad), error.end
+    return "".join(_ASCII.get(letter) or _plain(letter) for letter in bad), error.end
+
+
+def _plain(letter: str) -> str:
+    """A line for the lines of tables, the letter for one with an accent."""
+    if "─" <= letter <= "╿":
+        return "-"
+    return unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"
 
 
 def results() -> Console:

@@ -7,7 +7,7 @@ screws one by one, GR look at runs of neighbours only; the circuits are all of t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
@@ -110,13 +110,45 @@ def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) 
     Args, Raises: as `circuits_at`.
     """
     found = circuits_at(robot, q, task, tolerance)
-    columns = task_jacobian(robot, one_configuration(robot, q), task)
-    sigma = _core.svd(columns[None], False, 1)[0]
+    sigma = _core.svd(task_jacobian(robot, one_configuration(robot, q), task)[None], False, 1)[0]
     corank = generic_rank(robot, task) - int((sigma > tolerance).sum())
-    known = [_dependency(columns, _indices(circuit)) for circuit in found if circuit.generic]
+    return _smallest_of(found, robot.n, corank)
+
+
+def make_all(found: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
+    """The smallest circuits, special to this configuration, from which all its dependencies follow.
+
+    For an arm without redundancy these are the ones of `blame`. A redundant one has n − r dependencies everywhere, and
+    a single further set of dependent joints need not cost it any rank: only all of them together tell of the loss.
+
+    Args:
+        found: all circuits, from `circuits_at`.
+        n: number of joints.
+        nullity: independent dependencies, n − rank.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> found = circuits_at(arm, [0.0] * 7, resolve_task("pose", arm))
+        >>> [circuit.numbers for circuit in make_all(found, 7, 4)]  # rank 3
+        [(1, 3), (1, 5), (1, 7), (2, 4, 6)]
+    """
+    return _smallest_of(found, n, nullity)
+
+
+def _smallest_of(found: Sequence[Circuit], n: int, count: int) -> tuple[Circuit, ...]:
+    """The first special circuits, at most `count`, that bring new dependencies."""
+    known = [_vector(circuit, n) for circuit in found if circuit.generic]
     special = [circuit for circuit in found if not circuit.generic]
-    chosen = _independent(known, [_dependency(columns, _indices(circuit)) for circuit in special], corank)
-    return tuple(special[i] for i in chosen)
+    return tuple(special[i] for i in _independent(known, [_vector(circuit, n) for circuit in special], count))
+
+
+def _vector(circuit: Circuit, n: int) -> Array:
+    """(n,) its coefficients, zero at the other joints."""
+    result = np.zeros(n)
+    result[[number - 1 for number in circuit.numbers]] = circuit.coefficients
+    return result
 
 
 def circuits(columns: Array, generic: Array) -> Iterator[tuple[int, ...]]:
@@ -238,7 +270,3 @@ def _lengths(columns: Array) -> Array:
 def _unit(columns: Array) -> Array:
     """Columns of length 1; those shorter than rounding are left as they are."""
     return np.asarray(columns / _lengths(columns))
-
-
-def _indices(circuit: Circuit) -> tuple[int, ...]:
-    return tuple(number - 1 for number in circuit.numbers)

@@ -150,7 +150,7 @@ def escape(
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
-        OptionError: step or corank outside what is allowed.
+        OptionError: step, seed or corank outside what is allowed.
         TaskError: no such task, or one the arm does not move in at all.
 
     Example:
@@ -162,6 +162,8 @@ def escape(
     place = place_at(robot, q, resolve_task(task, robot), tolerances, corank)
     if not 1e-3 <= step <= 1.0:
         raise OptionError("the step is outside the range", got=step, allowed="1e-3 … 1 (rad, or length scales)")
+    if seed < 0:
+        raise OptionError("seed is outside the range", got=seed, allowed="a whole number from 0 up")
     basis = null_basis(place)
     single = _single(place, step)
     stillness = find_still(place, basis, step, seed)

@@ -90,8 +90,8 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
     if not basis.shape[1]:
         return _none(each, False, "the null space is empty: no joint motion keeps the end effector still")
     if place.corank and definite(each, seed):
-        words = "no self-motion goes through q: u · dJ(Δ)Δ is definite on the null space for a lost direction u"
-        return _none(each, False, words + " (second order)")
+        words = "no self-motion goes through q: at second order every null motion Δ moves the end effector"
+        return _none(each, False, words + " (u · dJ(Δ)Δ is definite for a lost direction u)")
     if not told_by_pose(place.task):
         return _none(each, None, "not looked for: self-motions are not traced for these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)

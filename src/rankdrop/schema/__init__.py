@@ -8,12 +8,16 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find", "explanation")
+NAMES = ("analysis", "find", "explanation", "escape", "nearest")
+"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
 
 
 def load_schema(name: str) -> dict[str, Any]:
-    """One schema: "analysis" (`rankdrop analyze --json`) or "find" (`rankdrop find --json`), "explanation"
-    (`rankdrop explain --json`).
+    """One schema.
+
+    Args:
+        name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape" or
+            "nearest".
 
     Raises:
         OptionError: there is no such schema.

@@ -1,0 +1,99 @@
+"""Numbers, motions and screws of an explanation as text: few digits, with units, no noise."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from math import ceil, degrees, floor, inf, isinf, log10
+
+from rankdrop.local.screws import Screw
+
+_ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
+_EXPONENT = re.compile(r"e([+-])0*(\d+)$")
+
+
+def short(value: float, digits: int = 4) -> str:
+    """A number with few digits: "0.1134", "2.6e−6", "∞".
+
+    Example:
+        >>> short(0.11340174), short(-2.5702e-6), short(0.0)
+        ('0.1134', '−2.57e−6', '0')
+    """
+    if isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return "0" if value == 0 else minus(_EXPONENT.sub(_exponent, f"{value:.{digits}g}"))
+
+
+def _exponent(match: re.Match[str]) -> str:
+    return f"e{'-' if match[1] == '-' else ''}{match[2]}"
+
+
+def minus(text: str) -> str:
+    """The sign − of the printed page for the hyphen of the machine."""
+    return text.replace("-", "−")
+
+
+def fixed(value: float, digits: int = 4) -> str:
+    """A number with so many decimals, for columns."""
+    return minus(f"{round(float(value), digits) + 0.0:.{digits}f}")
+
+
+def power(value: float) -> str:
+    """The power of ten at or above a rounding error: its digits are noise."""
+    return "0" if value == 0 else minus(f"1e{ceil(log10(value))}")
+
+
+def angle(distance: float) -> str:
+    """A distance in joint space in both units: "0.4303 rad (24.7°)"."""
+    return f"{short(distance)} rad ({short(degrees(distance), 3)}°)"
+
+
+def angle_below(distance: float) -> str:
+    """A proven distance, rounded down: what is printed is proven as well."""
+    return f"{short(_down(distance, 4))} rad ({short(_down(degrees(distance), 3), 3)}°)"
+
+
+def _down(value: float, digits: int) -> float:
+    if value <= 0.0:
+        return 0.0
+    unit = 10.0 ** (floor(log10(value)) + 1 - digits)
+    return floor(value / unit) * unit
+
+
+def motion(value: float, unit: str, digits: int = 3) -> str:
+    """A joint motion with its sign: "+5.73°", "−0.02 m"; "0" where there is none."""
+    if abs(value) < _ZERO:
+        return "0"
+    text = short(degrees(value) if unit == "rad" else value, digits)
+    return f"{'' if value < 0 else '+'}{text}{'°' if unit == 'rad' else ' m'}"
+
+
+def vector(values: Iterable[float]) -> str:
+    """Numbers in brackets, rounded to a millionth."""
+    return f"({', '.join(short(round(float(value), 6) + 0.0) for value in values)})"
+
+
+def pitch_text(pitch: float) -> str:
+    """What kind of motion a twist of this pitch is."""
+    if isinf(pitch):
+        return "pure translation" if pitch == inf else "pure"
+    return "pure rotation" if abs(pitch) < _ZERO else f"screw of pitch {short(pitch, 3)} m/rad"
+
+
+def wrench_text(screw: Screw) -> str:
+    """A wrench in words: its pitch is moment per force."""
+    along = vector(screw.direction)
+    if isinf(screw.pitch):
+        return f"a torque about {along}"
+    line = f"a force along {along} through {vector(screw.point)} m"
+    return line if abs(screw.pitch) < _ZERO else f"{line} with {short(screw.pitch)} N m about it per N"
+
+
+def numbers(members: Sequence[int]) -> str:
+    """Joint numbers: "1, 3, 5"."""
+    return ", ".join(map(str, members))
+
+
+def plural(word: str, count: int) -> str:
+    """ "motion" or "motions"."""
+    return word if count == 1 else f"{word}s"

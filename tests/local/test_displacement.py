@@ -13,6 +13,7 @@ from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.displacement import Displacement, told_by_pose
 from rankdrop.local.escape import escape
+from rankdrop.local.second_order import distinct
 from rankdrop.local.self_motion import REACHED, self_motion
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -57,6 +58,24 @@ def test_batches_are_what_each_of_their_members_is(words: str, rng: np.random.Ge
         if came:
             assert np.abs(alone - back[i, j]).max() < 1e-12
             assert np.linalg.norm(where.error(back[i, j])) <= 1e-11
+
+
+def test_those_that_come_back_do_not_mind_those_that_do_not(rng: np.random.Generator) -> None:
+    robot = arms.random_chain(rng, "rrprrr")
+    q = rng.uniform(-1, 1, 6)
+    where = Displacement(robot, q, resolve_task(None, robot))
+    far = q + rng.uniform(-20, 20, (300, 6))
+    back, arrived = where.back(np.concatenate([far, q + 1e-3 * rng.normal(size=(5, 6))]))
+    assert not arrived[:300].all()
+    assert arrived[300:].all()
+    assert np.abs(back[300:] - q).max() < 1e-9  # no redundancy: there is one way back
+    assert np.linalg.norm(where.error(back[arrived]), axis=-1).max() <= 1e-11
+
+
+def test_directions_that_differ_by_sign_or_rounding_are_one() -> None:
+    vectors = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [1e-3, -1.0], [0.6, 0.8]])
+    assert distinct(vectors, np.arange(5)) == [0, 2, 4]
+    assert distinct(vectors, np.arange(5)[::-1]) == [4, 3, 1]
 
 
 TOLD = [

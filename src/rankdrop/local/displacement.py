@@ -72,23 +72,15 @@ class Displacement:
     def error(self, q: Array) -> Array:
         """(..., m) displacement of the task's rows at configurations (..., n), without unit."""
         now = pose(self.robot, q)
-        shift = (now - self._home)[..., :3, :] @ self._point
-        both = np.concatenate([shift @ self._axes, self._turn(now) @ self._axes], axis=-1)
-        return np.asarray(both[..., self.rows] * self.row_scale)
+        return self._error(now, self._turn(now))
 
     def derivative(self, q: Array) -> Array:
         """(..., m, n) of the error by scaled joint coordinates."""
-        columns = jacobian(self.robot, q, self._frame) * self.joints
-        turning = np.linalg.solve(rate_matrix(self._turn(pose(self.robot, q)), "rotvec"), columns[..., 3:, :])
-        both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
-        return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])
+        return self._derivative(q, self._turn(pose(self.robot, q)))
 
     def split(self, q: Array) -> tuple[Array, Array, Array]:
         """U, σ, V of the derivative at configurations (..., n)."""
-        slopes = self.derivative(q)
-        batch = slopes.shape[:-2]
-        u, sigma, v = _core.svd(np.ascontiguousarray(slopes.reshape(-1, *slopes.shape[-2:])))
-        return u.reshape(batch + u.shape[1:]), sigma.reshape(batch + sigma.shape[1:]), v.reshape(batch + v.shape[1:])
+        return _split(self.derivative(q))
 
     def back(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The configurations without displacement nearest to q (..., n), by Gauss–Newton, and where it converged.
@@ -98,7 +90,9 @@ class Displacement:
         now = q.reshape(-1, q.shape[-1]).copy()
         arrived, size, left = np.zeros(len(now), dtype=bool), np.full(len(now), np.inf), np.arange(len(now))
         for _ in range(_ROUNDS):
-            error = self.error(now[left])
+            where = pose(self.robot, now[left])
+            turn = self._turn(where)
+            error = self._error(where, turn)
             last, new = size[left], np.linalg.norm(error, axis=-1)
             size[left] = new
             done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.5 * last))
@@ -107,7 +101,7 @@ class Displacement:
             left, error = left[going], error[going]
             if not left.size:
                 break
-            u, sigma, v = self.split(now[left])
+            u, sigma, v = _split(self._derivative(now[left], turn[going]))
             count = sigma.shape[-1]
             gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
             steps = gains * np.einsum("cm,cmk->ck", error, u[..., :count])
@@ -118,3 +112,20 @@ class Displacement:
 
     def _turn(self, now: Array) -> Array:
         return orientation_coordinates(now[..., :3, :3] @ self._home[:3, :3].T, "rotvec")
+
+    def _error(self, now: Array, turn: Array) -> Array:
+        shift = (now - self._home)[..., :3, :] @ self._point
+        both = np.concatenate([shift @ self._axes, turn @ self._axes], axis=-1)
+        return np.asarray(both[..., self.rows] * self.row_scale)
+
+    def _derivative(self, q: Array, turn: Array) -> Array:
+        columns = jacobian(self.robot, q, self._frame) * self.joints
+        turning = np.linalg.solve(rate_matrix(turn, "rotvec"), columns[..., 3:, :])
+        both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
+        return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])
+
+
+def _split(slopes: Array) -> tuple[Array, Array, Array]:
+    batch = slopes.shape[:-2]
+    u, sigma, v = _core.svd(np.ascontiguousarray(slopes.reshape(-1, *slopes.shape[-2:])))
+    return u.reshape(batch + u.shape[1:]), sigma.reshape(batch + sigma.shape[1:]), v.reshape(batch + v.shape[1:])

@@ -161,7 +161,8 @@ def _units(place: Place, wanted: Array | None) -> tuple[list[Array], str]:
     tangents, _ = vanishing(quadratic, seed=0)
     along = tangents @ first
     words = "the start is singular, and no null motion was found that belongs to a self-motion; that is no proof"
-    return [null @ tangents[i] * np.sign(along[i] or 1.0) for i in distinct(tangents, np.argsort(-np.abs(along)))], words
+    kept = distinct(tangents, np.argsort(-np.abs(along)))
+    return [null @ tangents[i] * np.sign(along[i] or 1.0) for i in kept], words
 
 
 @dataclass

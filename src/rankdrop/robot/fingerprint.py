@@ -1,4 +1,4 @@
-"""The numbers that decide an arm's Jacobian, and what to know an arm by: names, limits, link frames and notes are left out.
+"""The numbers that decide an arm's Jacobian, and what to know an arm by; names, limits, link frames, notes stay out.
 
 `fingerprint` holds every bit, for a proof that must not be used for another arm; `coarse_fingerprint` finds the same
 arm read from another file, where the last digits differ.
@@ -41,4 +41,5 @@ def coarse_fingerprint(robot: Robot) -> str:
 def _structure(robot: Robot) -> bytes:
     """The kind of every joint and the joint it follows."""
     index = {joint.name: i for i, joint in enumerate(robot.joints)}
-    return repr([(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]).encode()
+    parts = [(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]
+    return repr(parts).encode()

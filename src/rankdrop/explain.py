@@ -106,7 +106,8 @@ def explain(
     check_robot(robot)
     configuration = one_configuration(robot, q)
     configuration.flags.writeable = False
-    _check_options(near=near, small=small, evaluations=evaluations, seed=seed)
+    _check_numbers(near=near, small=small, step=step)
+    _check_whole(evaluations=evaluations, seed=seed, coranks=coranks)
     if not 0.0 < tolerances.singular <= LARGEST_TOLERANCE:
         raise OptionError(
             "this is no tolerance for singular values", where="tolerance", got=tolerances.singular,
@@ -150,11 +151,18 @@ def explain(
     )
 
 
-def _check_options(**options: float) -> None:
-    """Raises OptionError for a number below zero or not finite."""
+def _check_numbers(**options: float) -> None:
+    """Raises OptionError for what is no number from 0 up."""
     for name, value in options.items():
-        if not 0.0 <= value < np.inf:
-            raise OptionError("this is a finite number from 0 up", where=name, got=value)
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0.0 <= value < np.inf:
+            raise OptionError("this is a finite number from 0 up", where=name, got=repr(value))
+
+
+def _check_whole(**options: int) -> None:
+    """Raises OptionError for what is no whole number from 0 up."""
+    for name, value in options.items():
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value < 2**63:
+            raise OptionError("this is a whole number from 0 up", where=name, got=repr(value))
 
 
 def _families(

@@ -11,12 +11,21 @@ from rankdrop.explanation_data import ExplanationData
 from rankdrop.explanation_record import explanation_to_dict
 from rankdrop.explanation_text import DETAILS, PARTS, sections_of
 from rankdrop.record import Record, json_text
-from rankdrop.sections import Section, html
+from rankdrop.sections import Section, html, text
+
+_SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Explanation(ExplanationData):
     """Everything rankdrop can say of one configuration; the attributes are those of `ExplanationData`."""
+
+    def __repr__(self) -> str:
+        return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"
+
+    def __str__(self) -> str:
+        """What the command line prints, unwrapped."""
+        return text(self.sections(parts=_SHOWN))
 
     def to_dict(self) -> Record:
         """Plain data: see docs/json.md and schema/explanation.schema.json."""
@@ -40,4 +49,4 @@ class Explanation(ExplanationData):
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        return html(self.sections(parts=tuple(name for name in PARTS if name not in DETAILS | {"more"})))
+        return html(self.sections(parts=_SHOWN))

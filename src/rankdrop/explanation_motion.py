@@ -73,8 +73,8 @@ def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, 
     unit = found.robot.variables[one.number - 1].unit
     per = unit if one.order == 1 else f"{unit}{'²³⁴'[one.order - 2]}"
     rate = f"{short(one.rate) if abs(one.rate) > _NONE else '0'} per {per}"
-    if not one.within_limits:
-        return rate, "outside the limits", ""
+    if not one.within_limits or abs(one.step) < _NONE:
+        return rate, "not within limits", ""
     return rate, motion(one.step, unit), short(one.sigma_after)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
 
@@ -30,6 +30,28 @@ class Section:
     texts: tuple[int, ...] = (0,)
     after: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+
+def text(sections: Iterable[Section]) -> str:
+    """The sections as plain text, lines as long as they are."""
+    return "\n\n".join("\n".join(_lines(section)) for section in sections)
+
+
+def _lines(section: Section) -> Iterator[str]:
+    heading = f"{section.title}  {section.summary}".strip()
+    if heading:
+        yield heading
+    yield from (f"  {line}" for line in section.lines)
+    if section.rows:
+        table = (section.columns, *section.rows)
+        widths = [max(len(row[index]) for row in table) for index in range(len(section.columns))]
+        for row in table:
+            aligned = (
+                cell.ljust(width) if index in section.texts else cell.rjust(width)
+                for index, (cell, width) in enumerate(zip(row, widths, strict=True))
+            )
+            yield f"  {'  '.join(aligned)}".rstrip()
+    yield from (f"  {line}" for line in (*section.after, *section.notes))
 
 
 def html(sections: Iterable[Section]) -> str:

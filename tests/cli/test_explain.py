@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
+from rich.cells import cell_len
 
 from rankdrop.cli import exits
 from rankdrop.cli.configuration import parse_configuration
@@ -76,6 +77,9 @@ def test_a_saved_analysis_names_the_family(run, tmp_path: Path) -> None:
         (("explain", *REGULAR, "--near", "-1"), "near"),
         (("nearest", *REGULAR, "--evaluations", "-5"), "evaluations"),
         (("escape", *SINGULAR, "--step", "0"), "step"),
+        (("explain", *SINGULAR, "--seed", "-1"), "seed"),
+        (("explain", *SINGULAR, "--tolerance", "5"), "tolerance"),
+        (("explain", *SINGULAR, "--tolerance", "nan"), "tolerance"),
     ],
 )
 def test_refusals_say_what_and_where(run, words: tuple[str, ...], told: str) -> None:
@@ -116,5 +120,29 @@ def test_configurations_as_people_write_them() -> None:
     assert parse_configuration("30, -90, 0.12, 0.5rad", arm, deg=True) == [
         pytest.approx(pi / 6), pytest.approx(-pi / 2), 0.12, 0.5,
     ]  # fmt: skip
-    with pytest.raises(ConfigurationError, match="4 joint values"):
-        parse_configuration("", arm, deg=False)
+    for text in ("(1+1)/2, 0, 0, (1)", "{1, 0, 0, 1}", "(1 0 0 1)", "1, 0, 0, 1,", "[1;0;0;1]"):
+        assert parse_configuration(text, arm, deg=False) == [1.0, 0.0, 0.0, 1.0]
+    assert parse_configuration("−π/2, 0, 0, 1", arm, deg=False)[0] == -pi / 2  # as printed
+    for text in ("", "1,,0,0,1", "1,2,3", "0,5 0,1 0 0"):
+        with pytest.raises(ConfigurationError, match="4 joint values"):
+            parse_configuration(text, arm, deg=False)
+
+
+@pytest.mark.parametrize("width", [60, 80, 140])
+def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
+    eight = ("fetch8", "--q", "0 0.1 0.2 0.3 0.4 0.5 0.6 0.7")
+    for words in (REGULAR, SINGULAR, ("pa10", "--q", "0,0,0,0,0,0,0"), eight):
+        text = run("explain", *words, "--full", width=width).out
+        assert max(map(cell_len, text.splitlines())) <= width
+        assert "…" not in text.replace(" … ", "")
+        assert "\n\n\n" not in text
+        assert "weakest direction" in text
+        assert ("impossible" in text) == (words in (SINGULAR, ("pa10", "--q", "0,0,0,0,0,0,0")))
+
+
+def test_without_unicode_nothing_is_a_question_mark(process) -> None:
+    ended = process("explain", "pa10", "--q", "0,0,0,0,0,0,0", "--full", PYTHONIOENCODING="ascii")
+    assert ended.code == exits.SINGULAR
+    assert ended.out.isascii()
+    assert "?" not in ended.out
+    assert "sin q2 = 0" in ended.out

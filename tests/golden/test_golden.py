@@ -27,6 +27,12 @@ TABLES = {
     "scara-pose-80.txt": (80, "analyze scara --task pose --starts 500 --quiet"),
 }
 
+EXPLANATIONS = {
+    "explain-80.txt": (80, "explain puma560 --deg --q 10,20,30,40,0,50"),
+    "escape-100.txt": (100, "escape rcrrrr --q 0,0,0,0,0,0,0 --length-scale 1"),
+    "nearest-60.txt": (60, "nearest ur5 --deg --q 0,-135,45,90,-90,0 --evaluations 0"),
+}
+
 # errors in our own words; those about options are in the words of the parser
 ERRORS = [
     "analyze nowhere.urdf",
@@ -42,6 +48,13 @@ ERRORS = [
 def without_time(text: str) -> str:
     """The same text, whatever the time taken."""
     return re.sub(r"Time\s+taken:\s+[\d.]+\s+s\.", "Time taken: (some) s.", text)
+
+
+def without_noise(text: str) -> str:
+    """The same text, whichever of two equal motions was taken, and however many searches ended at the nearest."""
+    text = re.sub(r"\s+", " ", text) if "searches agree" in text else text
+    text = re.sub(r"\d+ of \d+ searches agree; σ there at most [^ ]+", "(most) searches agree", text)
+    return re.sub(r"[+−](?=[\d.]+(°| m\b))", "±", text)
 
 
 def compare(name: str, text: str) -> None:
@@ -61,6 +74,19 @@ def test_tables_are_as_they_were(
     code = main.run(shlex.split(line))
     text = without_time(capsys.readouterr().out)
     compare(name, f"$ COLUMNS={width} rankdrop {line}\n{text}exit code {code}\n")
+
+
+@pytest.mark.parametrize("name", EXPLANATIONS)
+def test_explanations_are_as_they_were(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    width, line = EXPLANATIONS[name]
+    monkeypatch.setenv("COLUMNS", str(width))
+    code = main.run(shlex.split(line))
+    text = f"$ COLUMNS={width} rankdrop {line}\n{capsys.readouterr().out}exit code {code}\n"
+    if WRITE:
+        (HERE / name).write_text(text, encoding="utf-8")
+    assert without_noise(text) == without_noise((HERE / name).read_text(encoding="utf-8"))
 
 
 def test_the_readme_shows_what_is_printed(

@@ -13,12 +13,16 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.explain import explain
 from rankdrop.explanation import Explanation
 from rankdrop.kinematics import jacobian
-from rankdrop.local.block import sample
+from rankdrop.known import shipped
+from rankdrop.local.block import joint_scale, sample, singular_values
+from rankdrop.local.escape import escape
+from rankdrop.local.nearest import nearest_singularity
 from rankdrop.record import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.tolerances import Tolerances
 
 ARMS = ("pa10", "ur5", "puma560", "panda", "scara", "stanford", "planar3r", "rcrrrr", "gen3", "fetch8")
 
@@ -178,3 +182,89 @@ def test_the_same_twice() -> None:
     arm = open_robot("panda")
     q = sample(arm, resolve_task(None, arm), 1, seed=9)[0]
     assert explain(arm, q).to_dict() == explain(arm, q).to_dict()
+
+
+def test_a_redundant_arm_is_blamed_for_all_it_takes() -> None:
+    """Axes 1 and 3 aligned alone cost a PA-10 nothing: the family needs 5 and 7 aligned as well."""
+    arm = open_robot("pa10")
+    task = resolve_task(None, arm)
+    assert explain(arm, [0.1, 0.0, 0.2, 0.7, 0.3, 0.9, 0.4]).rank.corank == 0
+    found = explain(arm, [0.1, 0.0, 0.2, 0.7, 0.3, 0.0, 0.4])
+    assert [one.words for one in found.blame.smallest] == ["axes 1, 3 aligned", "axes 5, 7 aligned"]
+    whole = explain(arm, [0.0] * 7)
+    made = np.zeros((4, 7))
+    for row, one in zip(made, whole.blame.smallest, strict=True):
+        row[np.array(one.numbers) - 1] = one.coefficients
+    assert np.linalg.matrix_rank(made) == whole.rank.nullity == 4
+    assert np.abs(jacobian(arm, whole.q, task.frame) @ made.T).max() < 1e-12
+
+
+def test_what_stands_beyond_or_at_a_limit_is_said() -> None:
+    arm = open_robot("ur5")
+    typed = explain(arm, [0, -135, 45, 90, -90, 0])  # degrees, forgotten to say so
+    assert typed.outside_limits == (2, 3, 4, 5)
+    assert "is it in degrees?" in str(typed)
+    panda = open_robot("panda")
+    found = explain(panda, [0.0, 0.3, 0.0, panda.upper[3], 0.0, 1.9, 0.7])
+    assert (found.outside_limits, found.at_limits) == ((), (4,))
+    assert "stands at a limit" in str(found)
+    assert record(found)["at_limits"] == [4]
+    assert explain(panda, [0.0, 0.3, 0.0, -1.8, 0.0, 1.9, 0.7]).at_limits == ()
+
+
+def test_lengths_in_mm_are_suspected() -> None:
+    arm = from_screws([revolute([0, 0, 1], [x, 0, 0]) for x in (0.0, 300.0, 600.0)], order="linear-first", name="mm")
+    assert "in mm?" in str(explain(arm, [0.1, 0.2, 0.3], "planar"))
+
+
+def test_the_proven_radius_is_rounded_down() -> None:
+    from rankdrop.explanation_words import angle_below
+
+    assert angle_below(0.99999) == "0.9999 rad (57.2°)"
+    assert angle_below(0.0) == "0 rad (0°)"
+    assert angle_below(1e-5) in ("1e−5 rad (0.000572°)", "9.999e−6 rad (0.000572°)")
+
+
+def test_how_it_shows_itself() -> None:
+    found = explain(open_robot("scara"), [0.3, 0.0, 0.1, 0.2])
+    assert repr(found) == "<Explanation of scara: singular, rank 3 of 4: 1 task freedom is lost>"
+    assert str(found).startswith("scara: SINGULAR")
+    assert "--full" not in str(found) + found._repr_html_()
+    assert "<p><b></b>" not in found._repr_html_()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"seed": -1}, {"seed": 1.5}, {"near": float("nan")}, {"near": "0.1"}, {"evaluations": 1.5}, {"step": 0.0},
+     {"small": None}, {"coranks": -1}, {"tolerances": Tolerances(singular=0.5)},
+     {"tolerances": Tolerances(singular=-1.0)}, {"tolerances": Tolerances(singular=float("nan"))}],
+)  # fmt: skip
+def test_options_that_make_no_sense_are_refused(options: dict) -> None:  # type: ignore[type-arg]
+    with pytest.raises(OptionError):
+        explain(open_robot("ur5"), [0.0] * 6, **options)
+
+
+@pytest.mark.parametrize("q", ["0,0,0,0,0,0", [1j] * 6, {}, [0, 0, 0, 0, 0, "x"], None, [[0.0] * 6]])
+def test_what_is_no_configuration_is_refused(q: object) -> None:
+    for ask in (explain, escape, nearest_singularity):
+        with pytest.raises(ConfigurationError):
+            ask(open_robot("ur5"), q)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5", "pa10", "panda", "scara", "canadarm2"])
+def test_the_best_direction_is_not_beaten_by_random_ones(name: str, rng: np.random.Generator) -> None:
+    found = shipped(name)
+    arm, task = found.robot, found.task
+    scale = joint_scale(arm, task)
+    for family in found.families[:4]:
+        told = explain(arm, family.witness, task)
+        best, r = told.escape.best_direction, told.rank.generic_rank
+        deltas = rng.normal(size=(1000, arm.n))
+        deltas /= np.linalg.norm(deltas, axis=1, keepdims=True)
+        tried = told.q + 0.1 * deltas * scale
+        low, high = np.minimum(arm.lower, told.q), np.maximum(arm.upper, told.q)  # from outside the way back is free
+        inside = ((tried >= low) & (tried <= high)).all(axis=1)
+        assert inside.any()
+        assert singular_values(arm, tried[inside], task)[:, r - 1].max() <= 1.03 * best.sigma_after
+        reached = singular_values(arm, told.q + np.array(best.delta) * best.step, task)[r - 1]
+        assert reached == pytest.approx(best.sigma_after, abs=1e-12)

@@ -177,8 +177,9 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     sigma = traced.sigma[best]
     order, rate = _along(sigma, float(promise[best]), float(traced.length[best]))
     words = (
-        f"a self-motion of {traced.length[best]:.3g} rad was traced: σ_r {sigma[-1]:.3g} at its end, the end effector "
-        f"within {traced.error[best]:.1g} of where it was" + ("" if inside[best] else "; it leaves the joint limits")
+        f"a self-motion of {traced.length[best]:.3g} rad was traced: σ_r = {sigma[-1]:.3g} at its end, the end "
+        f"effector where it was to {max(1e-12, float(traced.error[best])):.0e}"
+        + ("" if inside[best] else "; it leaves the joint limits")
     )
     avoidable = True if place.corank else None
     return Stillness(

@@ -80,9 +80,15 @@ def one_configuration(robot: Robot, q: ArrayLike) -> Array:
     """q as one finite configuration (n,).
 
     Raises:
-        ConfigurationError: another shape, or a value that is not finite.
+        ConfigurationError: another shape, or a value that is no number or not finite.
     """
-    configuration = np.array(q, dtype=np.float64)
+    try:
+        configuration = np.array(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
+        ) from error  # fmt: skip
     if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
         names = ", ".join(joint.name for joint in robot.variables)
         raise ConfigurationError(

@@ -226,6 +226,8 @@ def _certificate(
     try:
         return certified_radius(robot, q, task, at_most=at_most, evaluations=evaluations), ""
     except OptionError as error:
+        if error.got == evaluations:  # no budget; else a task that cannot be certified
+            raise
         return None, error.what
 
 
@@ -248,13 +250,21 @@ def _verdict(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]
         least = f"σ{r} = {short(sigma, 3)} is small, but a descent from here ends at σ{r} = {short(far.near_miss, 3)}"
         return "near", f"{lost}; near miss: {least}, not at zero"
     if far.nearest is not None and far.nearest.distance <= near:
-        return "near", f"{lost}, but a singular configuration is {angle(far.nearest.distance)} away"
+        there = f"a singular configuration is {angle(far.nearest.distance)} away"
+        return "near", f"{lost}, but {there}{_several(rank, small)}"
     if sigma <= small:
         return "near", f"{lost}, but σ{r} = {short(sigma, 3)} is at most {short(small)}"
     if far.nearest is None:
         proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
         return "regular", f"{lost}; no singular configuration was found, and {proven}"
     return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
+
+
+def _several(rank: Rank, small: float) -> str:
+    """Where more is small than what vanishes nearby: an arm without its offsets would lose it all."""
+    count = int((rank.sigma[: rank.rank] <= small).sum())
+    first = rank.rank - count
+    return f"; {count} task freedoms are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}" if count > 1 else ""
 
 
 def _nearly(rank: Rank, small: float) -> str:

@@ -111,7 +111,7 @@ def far_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     elif far.certificate is not None and radius is not None:
         lines.append(
             f"certified: no singularity within {angle_below(radius)} (proven; {far.certificate.evaluations:,} "
-            "enclosures)"
+            f"enclosures{'' if far.certificate.complete else '; interrupted'})"
         )
     elif far.uncertified and not found.rank.corank:
         lines.append(f"no certified radius: {far.uncertified}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from rich.cells import cell_len
 
 from rankdrop.cli import exits
 from rankdrop.cli.configuration import parse_configuration
+from rankdrop.cli.sections import interrupted
 from rankdrop.errors import ConfigurationError
+from rankdrop.explain import explain
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 
@@ -146,3 +149,13 @@ def test_without_unicode_nothing_is_a_question_mark(process) -> None:
     assert ended.out.isascii()
     assert "?" not in ended.out
     assert "sin q2 = 0" in ended.out
+
+
+def test_a_proof_that_was_interrupted_holds_and_is_said_to_be(capsys) -> None:
+    found = explain(open_robot("ur5"), [0.0, -2.3, 0.8, 1.5, -1.5, 0.3], evaluations=0)
+    assert interrupted(found) == exits.FINE
+    assert found.far.certificate is not None
+    stopped = replace(found, far=replace(found.far, certificate=replace(found.far.certificate, complete=False)))
+    assert interrupted(stopped) == exits.INTERRUPTED
+    assert "interrupted" in capsys.readouterr().err
+    assert "interrupted" in str(stopped)

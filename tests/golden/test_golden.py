@@ -52,8 +52,8 @@ def without_time(text: str) -> str:
 
 def without_noise(text: str) -> str:
     """The same text, whichever of two equal motions was taken, and however many searches ended at the nearest."""
-    text = re.sub(r"\s+", " ", text) if "searches agree" in text else text
-    text = re.sub(r"\d+ of \d+ searches agree; σ there at most [^ ]+", "(most) searches agree", text)
+    text = re.sub(r"\d+\s+of\s+\d+\s+searches agree;\s+σ there at most [^ \n]+", "(most) searches agree", text)
+    text = re.sub(r"best (direction|two joints):[^σ]*σ", r"best \1: (motion) σ", text)  # an ascent, near a flat top
     return re.sub(r"[+−](?=[\d.]+(°| m\b))", "±", text)
 
 

@@ -90,6 +90,7 @@ def test_a_near_miss_is_not_a_singularity() -> None:
     found = explain(arm, missed[0])
     assert found.verdict in ("near", "singular")
     assert found.rank.corank < 2
+    assert "nearly" in found.reason
 
 
 def test_an_arm_that_is_always_singular() -> None:

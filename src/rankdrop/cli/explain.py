@@ -59,6 +59,7 @@ def explain(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.sections import interrupted
     from rankdrop.explain import explain as run
     from rankdrop.result import Analysis
     from rankdrop.tolerances import DEFAULT
@@ -77,7 +78,7 @@ def explain(
     if json is not None:
         steps.append(lambda: write_json(found.to_dict(), json))
     do_all(steps)
-    return EXIT[found.verdict]
+    return interrupted(found) or EXIT[found.verdict]
 
 
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}

@@ -50,7 +50,7 @@ def nearest(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.sections import interrupted, print_sections
     from rankdrop.explain import explain
     from rankdrop.explanation_record import far_to_dict
     from rankdrop.result import Analysis
@@ -67,4 +67,4 @@ def nearest(
     if json is not None:
         steps.append(lambda: write_json(far_to_dict(found), json))
     do_all(steps)
-    return exits.FINE if found.far.nearest is not None or found.rank.corank else exits.UNEXPLAINED
+    return interrupted(found) or (exits.FINE if found.far.nearest is not None or found.rank.corank else exits.UNEXPLAINED)

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from rankdrop.cli import exits
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rankdrop.explanation import Explanation
     from rankdrop.sections import Section
 
 _INDENT = 2
@@ -22,6 +25,16 @@ def print_sections(sections: Iterable[Section]) -> None:
     console = results()
     for number, section in enumerate(sections):
         show(console, _parts(section, console.width, first=number == 0))
+
+
+def interrupted(found: Explanation) -> int:
+    """Exit code where Ctrl-C ended the proof early (what was proven holds), else 0."""
+    from rankdrop.cli.terminal import say
+
+    if found.far.certificate is None or found.far.certificate.complete:
+        return exits.FINE
+    say("interrupted: the certified radius could have become larger")
+    return exits.INTERRUPTED
 
 
 def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableType]:

@@ -215,13 +215,14 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
                 agrees=bool(gains[j] == made.gain),
             )
         )
-    return tuple(sorted(out, key=lambda joint: _standing(joint, place.corank)))
+    return tuple(sorted(out, key=lambda joint: _standing(joint, place)))
 
 
-def _standing(joint: JointEscape, corank: int) -> tuple[float, ...]:
-    """Sorts: joints that restore by σ_r reached, then the others by what they gain."""
-    restores = joint.gain == corank
-    return (not restores, 0 if restores else -joint.gain, -joint.sigma_after, joint.number)
+def _standing(joint: JointEscape, place: Place) -> tuple[float, ...]:
+    """Sorts: joints that restore by σ_r reached, then the others by what they gain; rounding decides nothing."""
+    restores = joint.gain == place.corank
+    reached = float(f"{joint.sigma_after:.9e}") if joint.sigma_after > place.floor else 0.0
+    return (not restores, 0 if restores else -joint.gain, -reached, joint.number)
 
 
 def _several(

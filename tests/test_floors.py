@@ -1,11 +1,11 @@
 """Imports go down only. Floors, lowest first:
 
 0  errors, tolerances, version, the compiled core
-1  robot/      the robot as data
-2  kinematics, task, frames, reach
-3  local/      at one configuration
+1  robot/      the robot as data, and the numbers it is known by
+2  kinematics, task, frames, reach, and what the core is told of them
+3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
 4  atlas/      over the whole joint space; certify/: proofs
-5  analyze     and the record it returns, with its schema
+5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results
 6  cli/, report/, viewer/
 
 A module imports from lower floors, and from its own where that makes no cycle. Imports inside functions count too.
@@ -32,7 +32,7 @@ FLOORS = {
     "atlas": 4, "certify": 4,
     "analyze": 5, "result": 5, "record": 5, "known": 5, "findings": 5, "schema": 5, "sections": 5,
     "explain": 5, "explanation": 5, "explanation_data": 5, "explanation_record": 5, "explanation_text": 5,
-    "explanation_words": 5, "explanation_motion": 5, "explanation_details": 5,
+    "explanation_details": 5, "explanation_motion": 5, "explanation_words": 5,
     "cli": 6, "report": 6, "viewer": 6,
 }  # fmt: skip
 

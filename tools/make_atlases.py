@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 from rankdrop.analyze import analyze
-from rankdrop.known import INDEX, SEED, STARTS, fingerprint
+from rankdrop.known import INDEX, SEED, STARTS
+from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "atlases"
@@ -34,7 +35,7 @@ def write_index() -> None:
     index: dict[str, list[str]] = {}
     for path in sorted(FOLDER.glob("*.json")):
         if path.name != INDEX:
-            index.setdefault(fingerprint(open_robot(path.stem)), []).append(path.stem)
+            index.setdefault(coarse_fingerprint(open_robot(path.stem)), []).append(path.stem)
     (FOLDER / INDEX).write_text(json.dumps(index, indent=1) + "\n", encoding="utf-8")
 
 

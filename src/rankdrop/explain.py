@@ -19,7 +19,7 @@ from rankdrop.errors import OptionError
 from rankdrop.explanation import Explanation
 from rankdrop.explanation_data import Blame, ExplainSettings, Far, Lost
 from rankdrop.explanation_words import angle, angle_below, short
-from rankdrop.known import geometry, known_analysis
+from rankdrop.known import known_analysis
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
@@ -37,6 +37,7 @@ from rankdrop.local.systems import always_singular_reason, systems_at
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.local.words import blocked_words, words
 from rankdrop.result import Analysis
+from rankdrop.robot.fingerprint import geometry
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

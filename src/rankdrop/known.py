@@ -6,7 +6,6 @@ a URDF or a table of parameters is known too. Limits and names play no part: the
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,7 +20,8 @@ from rankdrop.errors import ResultFileError
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.words import words
 from rankdrop.result import Analysis
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
+from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
 STARTS = 10_000
@@ -29,9 +29,8 @@ STARTS = 10_000
 SEED = 0
 """Their seed."""
 INDEX = "index.json"
-"""File beside them: fingerprint -> names of the arms that have it."""
-_GRID = 1e-9  # numbers that agree to this have one fingerprint [1, m]
-_SAME = 1e-12  # and geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
+"""File beside them: coarse fingerprint -> names of the arms that have it."""
+_SAME = 1e-12  # geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
 
 
 def known_analysis(robot: Robot, task: Task) -> Analysis | None:
@@ -59,7 +58,7 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
         9
     """
     mine = geometry(robot)
-    for name in _index().get(_digest(robot, mine), ()):
+    for name in _index().get(coarse_fingerprint(robot), ()):
         found = shipped(name)
         if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
             return _named_after(found, robot)
@@ -82,25 +81,6 @@ def shipped(name: str) -> Analysis:
         allowed = ", ".join(known_names())
         raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=allowed)
     return Analysis.from_dict(json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8")))
-
-
-def geometry(robot: Robot) -> Array:
-    """All numbers that decide about the arm's singular set: screws, then home pose, then multipliers and offsets."""
-    parts = [joint.screw for joint in robot.joints] + [robot.home.reshape(-1)]
-    parts += [np.array([joint.mimic.multiplier, joint.mimic.offset]) for joint in robot.joints if joint.mimic]
-    return np.concatenate(parts)
-
-
-def fingerprint(robot: Robot) -> str:
-    """A name for the geometry of an arm: equal for arms that agree to 1e-9 (but for numbers on the edge of a cell)."""
-    return _digest(robot, geometry(robot))
-
-
-def _digest(robot: Robot, numbers: Array) -> str:
-    index = {joint.name: i for i, joint in enumerate(robot.joints)}
-    shape = [(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]
-    cells = np.rint(np.clip(numbers, -1e9, 1e9) / _GRID).astype("<i8")
-    return hashlib.sha256(repr(shape).encode() + cells.tobytes()).hexdigest()[:24]
 
 
 def _same_task(shipped_task: Task, task: Task) -> bool:

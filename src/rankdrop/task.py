@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from rankdrop.errors import TaskError
 from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.reach import reach
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
 
 WIDEST = 100.0  # a length scale is at most so many times longer or shorter than the reach: σ keeps its meaning
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -53,6 +55,13 @@ class Task:
 def task_names() -> tuple[str, ...]:
     """The tasks that have a name."""
     return tuple(_NAMED)
+
+
+def six_rows(values: Array, task: Task) -> Array:
+    """Vectors (..., m) of a task's rows written in all six, (..., 6): zero in the rows that the task leaves free."""
+    full = np.zeros((*values.shape[:-1], 6))
+    full[..., list(task.rows)] = values
+    return full
 
 
 def resolve_task(

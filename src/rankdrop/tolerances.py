@@ -42,3 +42,12 @@ class Tolerances:
 
 
 DEFAULT = Tolerances()
+
+# Cuts that several modules share, and that no result file holds.
+
+DEPENDENT = 1e-7
+"""σ of unit columns at or below this: dependent [1]. Looser than `singular`: short columns are made longer."""
+ALIGNED = DEFAULT.value
+"""Angles [rad] and lengths per reach below this are zero: axes are parallel, meet, coincide."""
+ENTRY = 1e-6
+"""Entries of unit vectors below this do not count as entries [1]: a thousand times what `singular` leaves in them."""

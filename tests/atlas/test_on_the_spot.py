@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from known.members import members
@@ -129,8 +131,6 @@ def test_the_same_seed_gives_the_same_family_and_another_the_same_name() -> None
 
 def test_an_arm_without_an_atlas_is_named_too(rng: np.random.Generator) -> None:
     """PA-10 with other lengths of links: the same conditions."""
-    from dataclasses import replace
-
     robot = open_robot("pa10")
     stretch = np.array([1.3, 1.3, 1.3, 1, 1, 1])
     joints = tuple(replace(joint, screw=joint.screw * stretch) for joint in robot.joints)

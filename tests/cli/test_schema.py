@@ -46,10 +46,9 @@ def explained() -> dict[str, dict[str, Any]]:
     records = {}
     for place, (name, q, task) in PLACES.items():
         found = explain(open_robot(name), q, task, coranks=6)
-        for kind, record in (
-            ("explanation", found.to_dict()), ("escape", way_out_to_dict(found, None)), ("nearest", far_to_dict(found))
-        ):  # fmt: skip
-            records[f"{kind} {place}"] = json.loads(json_text(record))
+        way_out, far = way_out_to_dict(found, None), far_to_dict(found)
+        written = {"explanation": found.to_dict(), "escape": way_out, "nearest": far}
+        records |= {f"{kind} {place}": json.loads(json_text(record)) for kind, record in written.items()}
     return records
 
 

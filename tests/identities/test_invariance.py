@@ -15,7 +15,7 @@ from reference.measure import relative
 from rankdrop.frames import BODY, SPACE, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.robot.model import Array, Joint, JointKind, Robot
+from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
 
@@ -39,41 +39,6 @@ def rank(robot: Robot, q: Array, task: str = "pose", frame: Frame = WORLD_ALIGNE
     return (singular_values(robot, q, resolve_task(task, robot, frame=frame)) > DEFAULT.singular).sum(axis=-1)
 
 
-def remade(robot: Robot, *, motion: Array | None = None, length: float = 1.0, sign: float = 1.0) -> Robot:
-    """The arm mounted elsewhere, in another unit of length (`length` of them to the old one), with reversed joints."""
-    motion = np.eye(4) if motion is None else motion
-
-    def moved(matrix: Array) -> Array:
-        scaled = matrix.copy()
-        scaled[:3, 3] *= length
-        return motion @ scaled
-
-    joints = []
-    for joint in robot.joints:
-        screw = joint.screw.copy()
-        if joint.kind is not JointKind.PRISMATIC:
-            screw[:3] *= length
-        limit = length if joint.kind is JointKind.PRISMATIC else 1.0
-        joints.append(
-            replace(
-                joint,
-                screw=sign * arms.adjoint(motion) @ screw,
-                frame=moved(joint.frame),
-                lower=joint.lower * limit,
-                upper=joint.upper * limit,
-                mimic=joint.mimic and replace(joint.mimic, offset=sign * joint.mimic.offset),
-            )
-        )
-    return replace(robot, joints=tuple(joints), home=moved(robot.home))
-
-
-def reversed_chain(robot: Robot) -> Robot:
-    """The same mechanism held at its tip: T'(q reversed) = T(q)⁻¹."""
-    back = np.linalg.inv(robot.home)
-    turned = [Joint(j.name, j.kind, -arms.adjoint(back) @ j.screw) for j in reversed(robot.joints)]
-    return Robot(f"{robot.name} reversed", tuple(turned), home=back, task=robot.task)
-
-
 @pytest.mark.parametrize("name", NAMED + RANDOM)
 @pytest.mark.parametrize("frame", [BODY, WORLD_ALIGNED, Frame(1, -1), Frame(1, 1, (0.1, 0.2, 0.3))], ids=str)
 def test_singular_values_do_not_depend_on_where_the_base_stands(
@@ -81,7 +46,7 @@ def test_singular_values_do_not_depend_on_where_the_base_stands(
 ) -> None:
     """The default length scale, the reach, does not either."""
     robot, q = cases(name, rng)
-    elsewhere = remade(robot, motion=arms.rigid(rng))
+    elsewhere = arms.remade(robot, motion=arms.rigid(rng))
     here = singular_values(robot, q, resolve_task("pose", robot, frame=frame))
     there = singular_values(elsewhere, q, resolve_task("pose", elsewhere, frame=frame))
     assert relative(there, here) < 1e-13
@@ -101,7 +66,7 @@ def test_rank_does_not_depend_on_the_tool_or_on_the_frame(name: str, rng: np.ran
 def test_unit_of_length(name: str, rng: np.random.Generator) -> None:
     """Over the reach, σ is a pure number; with slides among the joints only the rank is, since columns mix units."""
     robot, q = cases(name, rng)
-    millimetres = remade(robot, length=1000.0)
+    millimetres = arms.remade(robot, length=1000.0)
     slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.variables])
     q_mm = np.where(slides, 1000.0 * q, q)
     if slides.any():
@@ -116,14 +81,14 @@ def test_unit_of_length(name: str, rng: np.random.Generator) -> None:
 def test_sign_of_the_joints(name: str, rng: np.random.Generator) -> None:
     robot, q = cases(name, rng)
     task = resolve_task("pose", robot)
-    assert relative(singular_values(remade(robot, sign=-1.0), -q, task), singular_values(robot, q, task)) < 1e-13
+    assert relative(singular_values(arms.remade(robot, sign=-1.0), -q, task), singular_values(robot, q, task)) < 1e-13
 
 
 @pytest.mark.parametrize("name", [*NAMED, *(kinds for kinds in RANDOM if "m" not in kinds)])
 def test_reversal_of_the_chain(name: str, rng: np.random.Generator) -> None:
     """Held at its tip, the arm has the inverse pose, the same rank, and the same σ about the same point."""
     robot, q = cases(name, rng)
-    backwards, q_back = reversed_chain(robot), q[:, ::-1]
+    backwards, q_back = arms.reversed_chain(robot), q[:, ::-1]
     assert relative(pose(backwards, q_back), np.linalg.inv(pose(robot, q))) < 1e-12
     here = singular_values(robot, q, resolve_task("pose", robot, frame=SPACE, length_scale=1.0))
     there = singular_values(backwards, q_back, resolve_task("pose", backwards, frame=WORLD_ALIGNED, length_scale=1.0))

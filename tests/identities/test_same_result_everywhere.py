@@ -11,12 +11,15 @@ from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.search import METHODS, Search, search
+from rankdrop.certify.ball import certified_radius
+from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.frames import BODY, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
 from rankdrop.known import shipped
-from rankdrop.local.block import block, decompose
+from rankdrop.local.block import block, decompose, joint_scale
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
 
@@ -52,6 +55,35 @@ def found(method: str, threads: int) -> Search:
     return search(arms.pa10(), 2, starts=starts, seed=5, method=method, threads=threads)
 
 
+def walked(kinds: str, rank: int, threads: int, limits: bool = False) -> tuple[Array, ...]:
+    """Walks along the singular set from starts beside it; they fill no set of lanes and no chunk of work exactly."""
+    robot = arms.pa10() if kinds == "pa10" else arms.random_chain(np.random.default_rng(4), kinds)
+    task = resolve_task("pose", robot)
+    scale, box = joint_scale(robot, task), np.stack([np.full(robot.n, -2.0), np.full(robot.n, 2.0)])
+    starts, centre = np.random.default_rng(6).uniform(-2, 2, (150, robot.n)), np.full(robot.n, 0.4)
+    chain, view = chain_of(robot), task_view(robot, task)
+    starts = _core.search(
+        chain, view, starts, rank, 0, 60, 1e-9, 1e-9, 1e-5, 0, 0, scale, box if limits else None, 1e-2, False, threads
+    )[0]
+    return _core.nearest(chain, view, starts, centre, rank, 200, 1e-9, 1e-13, scale, box if limits else None, threads)
+
+
+WALKS = [("rrrrrrr", 5, False), ("rrprrr", 5, True), ("mrrhpmr", 4, False), ("rrrrrrrr", 5, True), ("pa10", 3, True)]
+
+
+def certified() -> list[Array]:
+    """Enclosures of boxes and balls, 37 of them, and a ball by branch and bound with all its boxes."""
+    results: list[Array] = []
+    for kinds in ("rrrrrrr", "mrrhpmr", "rpr"):
+        robot = arms.random_chain(np.random.default_rng(1), kinds)
+        q = np.random.default_rng(2).uniform(-np.pi, np.pi, (37, robot.n))
+        setting = settings_for(robot, resolve_task("pose", robot))[1]
+        results += [*enclose(robot, setting, q, np.full_like(q, 0.05)), *enclose(robot, setting, q, radius=1.0)]
+        found = certified_radius(robot, q[0], evaluations=300, keep_boxes=True)
+        results += [np.array([found.radius, found.single, found.evaluations]), *(found.boxes or ())]
+    return results
+
+
 def same(a: Search, b: Search) -> None:
     """Two searches ended alike, to the last bit."""
     np.testing.assert_array_equal(a.q, b.q)
@@ -84,6 +116,26 @@ def test_every_set_gives_the_same_bits(name: str) -> None:
         np.testing.assert_array_equal(got, expected)
 
 
+@pytest.mark.parametrize("name", SETS)
+def test_every_set_certifies_the_same(name: str) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = certified()
+    _core.choose_instruction_set(name)
+    for got, expected in zip(certified(), want, strict=True):
+        np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("threads", [0, 2, 3])
+def test_enclosures_are_the_same_on_any_number_of_threads(threads: int) -> None:
+    robot = arms.pa10()
+    setting = settings_for(robot, resolve_task("pose", robot))[4]
+    q = np.random.default_rng(2).uniform(-np.pi, np.pi, (333, 7))
+    for got, want in zip(
+        enclose(robot, setting, q, threads=threads), enclose(robot, setting, q, threads=1), strict=True
+    ):
+        np.testing.assert_array_equal(got, want)
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", SETS)
 def test_a_search_ends_alike_on_every_set(name: str, method: str) -> None:
@@ -108,6 +160,18 @@ def test_a_monitor_sees_the_same_on_any_number_of_threads(threads: int) -> None:
     one, many = monitor.look(q, threads=1), monitor.look(q, threads=threads)
     for name in ("sigma", "rank", "corank", "family", "nearest", "residual", "u", "v", "distance"):
         np.testing.assert_array_equal(getattr(many, name), getattr(one, name))
+
+
+@pytest.mark.parametrize(("kinds", "rank", "limits"), WALKS)
+@pytest.mark.parametrize("name", SETS)
+def test_a_walk_to_the_nearest_ends_alike_on_every_set(name: str, kinds: str, rank: int, limits: bool) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = walked(kinds, rank, 1, limits)
+    assert np.isfinite(want[1]).sum() > 40
+    _core.choose_instruction_set(name)
+    for threads in (1, 3):
+        for got, expected in zip(walked(kinds, rank, threads, limits), want, strict=True):
+            np.testing.assert_array_equal(got, expected)
 
 
 def test_more_starts_repeat_the_first_ones() -> None:

@@ -20,8 +20,9 @@ from rankdrop.atlas.search import search
 from rankdrop.atlas.system import System
 from rankdrop.errors import ResultFileError
 from rankdrop.frames import BODY
-from rankdrop.known import SEED, STARTS, fingerprint, known_analysis, known_names, shipped
+from rankdrop.known import SEED, STARTS, known_analysis, known_names, shipped
 from rankdrop.record import robot_to_dict
+from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
@@ -129,7 +130,7 @@ def test_another_geometry_is_not_recognised():
     bent = (*robot.joints[:3], replace(robot.joints[3], screw=screw), *robot.joints[4:])
     for other in (replace(robot, home=home), replace(robot, joints=joints), replace(robot, joints=bent)):
         assert known_analysis(other, resolve_task("pose", other)) is None
-        assert fingerprint(other) != fingerprint(robot)
+        assert coarse_fingerprint(other) != coarse_fingerprint(robot)
 
 
 def test_geometry_off_by_a_hair_is_not_the_same_arm():
@@ -137,7 +138,7 @@ def test_geometry_off_by_a_hair_is_not_the_same_arm():
     home = robot.home.copy()
     home[2, 3] += 1e-11  # one fingerprint, but not the same numbers
     other = replace(robot, home=home)
-    assert fingerprint(other) == fingerprint(robot)
+    assert coarse_fingerprint(other) == coarse_fingerprint(robot)
     assert known_analysis(other, resolve_task("pose", other)) is None
 
 

@@ -84,12 +84,6 @@ def test_circuits_at_singular_configurations(name: str, task: str, rng: np.rando
             assert min(map(abs, circuit.coefficients)) > 1e-9
 
 
-def moved_base(robot: Robot, rng: np.random.Generator) -> Robot:
-    motion = arms.rigid(rng, 3.0)
-    joints = [replace(j, screw=arms.adjoint(motion) @ j.screw, frame=motion @ j.frame) for j in robot.joints]
-    return replace(robot, joints=tuple(joints), home=motion @ robot.home)
-
-
 def turned_joint(robot: Robot, i: int) -> Robot:
     joints = list(robot.joints)
     joints[i] = replace(joints[i], screw=-joints[i].screw)
@@ -107,7 +101,7 @@ def test_circuits_do_not_depend_on_base_tool_sign_scale_or_side(
     task = resolve_task("pose", robot)
     expected = circuits_at(robot, q, task)
     assert expected
-    other = moved_base(robot, rng)
+    other = arms.remade(robot, motion=arms.rigid(rng, 3.0))
     for changed in (other, replace(robot, home=robot.home @ arms.rigid(rng))):
         found = circuits_at(changed, q, resolve_task("pose", changed))
         assert [(c.numbers, c.words, c.generic) for c in found] == [(c.numbers, c.words, c.generic) for c in expected]

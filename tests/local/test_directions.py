@@ -17,7 +17,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import revolute
-from rankdrop.task import resolve_task
+from rankdrop.task import resolve_task, six_rows
 
 H = pi / 2
 
@@ -215,3 +215,8 @@ def test_no_frame_is_claimed_where_directions_move(rng):
     q = rng.uniform(-2.5, 2.5, (6, 7))
     q[:, 1] = q[:, 5] = 0.0  # shoulder and wrist: AM Table 3, row 2
     assert lost_over_family(robot, q, resolve_task("pose", robot), 1) is None
+
+
+def test_rows_of_a_task_keep_their_places_among_all_six() -> None:
+    task = resolve_task("vy,vz,wx", open_robot("pa10"))
+    assert six_rows(np.array([[1.0, 2.0, 3.0]]), task).tolist() == [[0.0, 1.0, 2.0, 3.0, 0.0, 0.0]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.readable import entries, random_rotation
 
 from rankdrop.errors import OptionError
 from rankdrop.local.readable import readable_basis
@@ -20,15 +21,6 @@ AM_BEFORE = np.array(
     ]
 )
 AM_AFTER = np.array([[0, 0, 0], [0, -0.91, 0], [0, 0, 0.91], [-1, 0, 0], [0, 0, -0.41], [0, -0.41, 0]])
-
-
-def entries(basis: Array) -> int:
-    return int((np.abs(basis) > 1e-6).sum())
-
-
-def random_rotation(rng: np.random.Generator, size: int) -> Array:
-    q, r = np.linalg.qr(rng.normal(size=(size, size)))
-    return np.asarray(q * np.sign(np.diag(r)))
 
 
 def planted_apart(rng: np.random.Generator, count: int) -> Array:

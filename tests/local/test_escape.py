@@ -13,7 +13,7 @@ from rankdrop.atlas.search import search
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.local.block import singular_values
 from rankdrop.local.escape import Escape, escape
-from rankdrop.robot.model import Array, Joint, JointKind, Robot
+from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -177,6 +177,9 @@ def test_near_a_singularity_the_given_corank_is_taken() -> None:
     found = escape(robot, q, corank=1)
     assert {joint.number for joint in found.single if joint.gain} == {4}
     assert all(joint.agrees for joint in found.single)
+    assert found.boundary is None  # q itself is regular
+    assert found.avoidable is not False
+    assert "only near" in found.avoidable_words
 
 
 @pytest.mark.parametrize(
@@ -221,18 +224,10 @@ def test_base_tool_and_length_scale_do_not_matter(name: str, q: list[float], rng
     robot = open_robot(name)
     reference = told(escape(robot, q))
     scaled = [escape(robot, q, resolve_task(None, robot, length_scale=length)) for length in (0.3, 3.0)]
-    moved = rebased(robot, arms.rigid(rng))
+    moved = arms.remade(robot, motion=arms.rigid(rng))
     tool = replace(robot, home=robot.home @ arms.rigid(rng, 0.2))
     for other in (*scaled, escape(moved, q), escape(tool, q)):
         assert told(other) == reference
-
-
-def rebased(robot: Robot, motion: Array) -> Robot:
-    """The same arm with its base put elsewhere."""
-    joints = [
-        replace(joint, screw=arms.adjoint(motion) @ joint.screw, frame=motion @ joint.frame) for joint in robot.joints
-    ]
-    return replace(robot, joints=tuple(joints), home=motion @ robot.home)
 
 
 @pytest.mark.parametrize(("name", "q"), CASES)
@@ -254,10 +249,7 @@ def test_the_reversed_chain_has_the_same_gains_and_orders(name: str, q: list[flo
     """Seen from the tip, screws, ranks and their losses are the same, joint n − j + 1 for joint j."""
     robot = open_robot(name)
     n = robot.n
-    joints = [Joint(joint.name, joint.kind, -joint.screw) for joint in reversed(robot.joints)]
-    inverse = np.linalg.inv(robot.home)
-    joints = [replace(joint, screw=arms.adjoint(inverse) @ joint.screw) for joint in joints]
-    back = Robot("reversed", tuple(joints), home=inverse, task=robot.task)
+    back = arms.reversed_chain(robot)
     one, other = by_number(escape(robot, q)), by_number(escape(back, np.array(q)[::-1]))
     for number in range(1, n + 1):
         assert one[number][:2] == other[n + 1 - number][:2]

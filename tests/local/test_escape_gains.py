@@ -12,8 +12,9 @@ from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
 from rankdrop.local.block import singular_values
 from rankdrop.local.departure import departures
-from rankdrop.local.motion import measured_gains
-from rankdrop.local.place import place_at
+from rankdrop.local.finite_motions import measured_gains
+from rankdrop.local.place import Place, place_at
+from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -110,3 +111,43 @@ def test_second_order_cases_are_among_the_known_ones() -> None:
             orders[made.order] += 1
     assert orders[2] >= 2
     assert orders[1] >= 2
+
+
+def test_mixed_orders_are_reported_by_the_slowest() -> None:
+    """Corank 2, D(Δ) of rank 1: one singular value leaves at order 1, the other at order 2."""
+    rng = np.random.default_rng(4)
+    robot = arms.random_chain(rng, "rrrrrr")
+    task = resolve_task(None, robot)
+    points = search(robot, 2, starts=60, seed=1).converged
+    met = 0
+    for q in points:
+        place = place_at(robot, q, task, DEFAULT)
+        low, high = rng.normal(size=(2, 6))
+
+        def measure(direction: np.ndarray, place: Place = place) -> float:
+            series = taylor(robot, place.q, task, direction[None], 1)
+            return float(np.linalg.det(place.u2.T @ series[1, 0] @ place.v2))
+
+        if measure(low) * measure(high) > 0:
+            continue
+        start = measure(low)
+        for _ in range(100):
+            middle = (low + high) / 2
+            low, high = (middle, high) if measure(middle) * start > 0 else (low, middle)
+        direction = low / np.linalg.norm(low)
+        made = departures(place, direction[None])[0]
+        assert (made.gain, made.order) == (2, 2)
+        assert made.first[0] > 1e-3
+        assert made.first[1] < 1e-9
+        t = np.array([1e-3, -1e-3])
+        sigma = singular_values(robot, place.q + t[:, None] * direction, task)[:, 5]
+        assert sigma.mean() / 1e-6 == pytest.approx(made.rate, rel=0.05)
+        met += 1
+    assert met >= 5
+
+
+def test_gains_near_the_meeting_of_families_are_measured_gains() -> None:
+    """Gen3's offsets put families 1e-3 apart: ranks of T_p hang on the cut there, and the summed series decides."""
+    seen, wrong = compare({"gen3": open_robot("gen3")}, 150)
+    assert wrong == []
+    assert seen["corank 1"] == 150

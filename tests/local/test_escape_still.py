@@ -8,11 +8,13 @@ from reference import arms
 
 from rankdrop.atlas.search import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
+from rankdrop.local import still
 from rankdrop.local.block import singular_values
+from rankdrop.local.displacement import Displacement, told_by_pose
 from rankdrop.local.escape import Escape, escape
 from rankdrop.local.place import place_at
 from rankdrop.local.second_order import definite, forms, null_basis, vanishing
-from rankdrop.local.selfmotion import followed, task_error, trace
+from rankdrop.local.still import trace
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -22,28 +24,27 @@ HALF = np.pi / 2
 WRIST = [0.1, 0.5, 0.7, 0.3, 0, 0.4]
 
 
-def puma_shoulder() -> Array:
-    """Wrist centre above joint 1: the determinant changes sign in θ2."""
+def sign_change(low: Array, high: Array) -> Array:
+    """Between two configurations of the PUMA, where its determinant changes sign."""
     robot = open_robot("puma560")
-    low, high = (np.array([0.1, x, -0.6, 0.3, 0.8, 0.4]) for x in (0.9, 2.5))
     values = [np.linalg.det(jacobian(robot, q)) for q in (low, high)]
     assert values[0] * values[1] < 0
     for _ in range(100):
         middle = (low + high) / 2
         low, high = (middle, high) if np.linalg.det(jacobian(robot, middle)) * values[0] > 0 else (low, middle)
     return middle
+
+
+def puma_shoulder() -> Array:
+    """Wrist centre above joint 1: the determinant changes sign in θ2."""
+    low, high = (np.array([0.1, x, -0.6, 0.3, 0.8, 0.4]) for x in (0.9, 2.5))
+    return sign_change(low, high)
 
 
 def puma_elbow() -> Array:
     """tan θ3 = a3/d4 up to sign and half turns: the determinant changes sign in θ3."""
-    robot = open_robot("puma560")
     low, high = (np.array([0.1, 0.5, x, 0.3, 0.8, 0.4]) for x in (-1.9, -1.2))
-    values = [np.linalg.det(jacobian(robot, q)) for q in (low, high)]
-    assert values[0] * values[1] < 0
-    for _ in range(100):
-        middle = (low + high) / 2
-        low, high = (middle, high) if np.linalg.det(jacobian(robot, middle)) * values[0] > 0 else (low, middle)
-    return middle
+    return sign_change(low, high)
 
 
 def test_puma_types_and_boundary() -> None:
@@ -82,18 +83,18 @@ def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
 def reachable(robot: Robot, q: Array, lost: Array, size: float) -> bool:
     """Whether inverse kinematics near q finds the pose moved by `size` along a lost direction of the scaled task."""
     task = resolve_task(None, robot)
-    home = pose(robot, np.asarray(q))
+    displaced = Displacement(robot, np.asarray(q), task)
     goal = np.asarray(lost) * np.r_[np.full(3, task.scale(robot)), np.ones(3)]  # unit wrench to scaled task
     goal = size * goal / np.linalg.norm(goal)
     x = q + 0.05 * np.random.default_rng(0).normal(size=(60, robot.n))
     for _ in range(200):
-        error = task_error(robot, task, home, x) - goal
+        error = displaced.error(x) - goal
         jac = task_jacobian(robot, x, task)
         damp = 1e-3 * np.linalg.norm(error, axis=1)[:, None, None] * np.eye(6)
         step = np.swapaxes(jac, 1, 2) @ np.linalg.solve(jac @ np.swapaxes(jac, 1, 2) + damp, error[..., None])
         step = step[..., 0]
         x = x - step * np.minimum(1, 0.05 / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
-    error = np.linalg.norm(task_error(robot, task, home, x) - goal, axis=1)
+    error = np.linalg.norm(displaced.error(x) - goal, axis=1)
     return bool(((error < 1e-9) & (np.linalg.norm(x - q, axis=1) < 0.5)).any())
 
 
@@ -127,7 +128,7 @@ def test_the_form_is_twice_the_second_order_displacement() -> None:
     u = np.array(lost.direction) * np.r_[np.full(3, task.scale(robot)), np.ones(3)]
     u /= np.linalg.norm(u)
     t = 1e-3
-    ahead, back = task_error(robot, task, pose(robot, q), q + np.array([[t], [-t]]) * delta) @ u
+    ahead, back = Displacement(robot, q, task).error(q + np.array([[t], [-t]]) * delta) @ u
     assert (ahead + back) / t**2 == pytest.approx(lost.form[0], rel=1e-4)
 
 
@@ -163,15 +164,13 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
             assert found.boundary is True
             random = rng.normal(size=(20, basis.shape[1])) @ basis.T
             random /= np.linalg.norm(random, axis=1, keepdims=True)
-            followed_task = followed(place.task)
-            assert followed_task is not None
-            assert not trace(place, followed_task, random, 0.12).valid.any()
+            assert told_by_pose(place.task)
+            assert not trace(place, random, 0.12).valid.any()
         if found.avoidable:
             assert found.still is not None
-            followed_task = followed(place.task)
-            assert followed_task is not None
+            assert told_by_pose(place.task)
             tangent = np.array(found.still.delta) / place.scale
-            path = trace(place, followed_task, tangent[None], 0.12)
+            path = trace(place, tangent[None], 0.12)
             assert path.valid.all()
             assert np.abs(pose(robot, path.q[0]) - pose(robot, q)).max() < 1e-9
             assert np.linalg.norm((path.q[0, -1] - q) / place.scale) > 0.07
@@ -189,12 +188,20 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     q = rng.uniform(-1, 1, 6)
     place = place_at(robot, q, task, DEFAULT)
     assert place.corank == 0
-    task_followed = followed(place.task)
-    assert task_followed is not None
+    assert told_by_pose(place.task)
     basis = null_basis(place)
-    path = trace(place, task_followed, np.concatenate([basis.T, -basis.T]), 0.12)
+    path = trace(place, np.concatenate([basis.T, -basis.T]), 0.12)
     assert path.valid.all()
     if words != "orientation":
         assert np.abs(pose(robot, path.q)[..., :3, 3] - pose(robot, q)[:3, 3]).max() < 1e-9
     if words == "orientation":
         assert np.abs(pose(robot, path.q)[..., :3, :3] - pose(robot, q)[:3, :3]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("diagonals", "few"),
+    [([[1.0]], True), ([[1.0, -1.0]], True), ([[1, 1, 0]], True), ([[1, 0, 0]], False), ([[1, 1, -1]], False),
+     ([[1.0, 0, -1], [0, 1.0, 0]], False)],
+)  # fmt: skip
+def test_when_all_tangents_of_self_motions_are_known(diagonals: list[list[float]], few: bool) -> None:
+    assert still._few(np.array([np.diag(row) for row in diagonals], dtype=float)) is few

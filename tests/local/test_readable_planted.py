@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.readable import entries, random_rotation
 from reference.readable import readable_basis as plain
 
 from rankdrop.local.readable import readable_bases, readable_basis
 from rankdrop.robot.model import Array
 
 EACH = 120  # planted bases of each size: 600 in all
-
-
-def random_rotation(rng: np.random.Generator, size: int) -> Array:
-    return np.asarray(np.linalg.qr(rng.normal(size=(size, size)))[0])
-
-
-def entries(basis: Array) -> int:
-    return int((np.abs(basis) > 1e-6).sum())
 
 
 def block_columns(rng: np.random.Generator, count: int) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
@@ -95,6 +97,47 @@ def random_chain(rng: np.random.Generator, kinds: str) -> Robot:
 _CHAINS = "r p rrr rpr rhr rrrrrr rrprrr hrprhr rrrrrrr rrmrrrr mrrhpmr rrrrrrrr rrrprrrrr"
 CHAINS = tuple(_CHAINS.split())
 """Kinds of chain that every law is tried on: each joint kind, 1 to 9 joints, mimic before its leader too."""
+
+
+def remade(robot: Robot, *, motion: Array | None = None, length: float = 1.0, sign: float = 1.0) -> Robot:
+    """The arm mounted elsewhere, in another unit of length (`length` of them to the old one), with reversed joints."""
+    motion = np.eye(4) if motion is None else motion
+
+    def moved(matrix: Array) -> Array:
+        scaled = matrix.copy()
+        scaled[:3, 3] *= length
+        return motion @ scaled
+
+    joints = []
+    for joint in robot.joints:
+        screw = joint.screw.copy()
+        if joint.kind is not JointKind.PRISMATIC:
+            screw[:3] *= length
+        limit = length if joint.kind is JointKind.PRISMATIC else 1.0
+        joints.append(
+            replace(
+                joint,
+                screw=sign * adjoint(motion) @ screw,
+                frame=moved(joint.frame),
+                lower=joint.lower * limit,
+                upper=joint.upper * limit,
+                mimic=joint.mimic and replace(joint.mimic, offset=sign * joint.mimic.offset),
+            )
+        )
+    return replace(robot, joints=tuple(joints), home=moved(robot.home))
+
+
+def reversed_chain(robot: Robot) -> Robot:
+    """The same mechanism held at its tip: T'(q reversed) = T(q)⁻¹."""
+    back = np.linalg.inv(robot.home)
+    turned = [Joint(j.name, j.kind, -adjoint(back) @ j.screw) for j in reversed(robot.joints)]
+    return Robot(f"{robot.name} reversed", tuple(turned), home=back, task=robot.task)
+
+
+def in_other_words(robot: Robot, rng: np.random.Generator) -> tuple[Robot, Robot, Robot]:
+    """What does not change the arm at q = 0: another base, another tool, all joints counted the other way."""
+    elsewhere = remade(robot, motion=rigid(rng, 2.0))
+    return elsewhere, replace(robot, home=robot.home @ rigid(rng)), remade(robot, sign=-1.0)
 
 
 def singular_configurations(name: str, rng: np.random.Generator, count: int) -> tuple[Robot, Array]:

@@ -167,3 +167,14 @@ def _choose(bases: list[Array]) -> Array:
     sums = np.where(counts == counts.min(), [np.abs(basis).sum() for basis in bases], np.inf)
     tied = [bases[i] for i in np.flatnonzero(sums <= sums.min() + _TIE)]
     return min(tied, key=lambda basis: (_key(np.abs(basis.T).ravel()), _key(basis.T.ravel())))
+
+
+def entries(basis: Array) -> int:
+    """How many entries are not zero: what a readable basis has few of."""
+    return int((np.abs(basis) > 1e-6).sum())
+
+
+def random_rotation(rng: np.random.Generator, size: int) -> Array:
+    """(size, size) orthogonal."""
+    q, r = np.linalg.qr(rng.normal(size=(size, size)))
+    return np.asarray(q * np.sign(np.diag(r)))

@@ -3,7 +3,7 @@
 1. Random steps of several sizes from q, along ker D and, where D may vanish, in all directions, are driven back to the
    singular set by the search. What comes back near q, with exactly the same corank, is the neighbourhood.
 2. Where D has the same rank at q as around it, the set is smooth there and all of the neighbourhood is one family.
-   Where the rank differs, families meet at q: each signature that is found at every scale is one of them.
+   Where the rank differs, families meet at q: each signature that is found next to q is one of them.
 3. A family's signature says which joints are pinned (their values are those of q), free and coupled; its name comes
    from the geometry of the axes, as in an atlas.
 """
@@ -21,30 +21,23 @@ from rankdrop.atlas.fit import Budget
 from rankdrop.atlas.linear import Linear, Values, canonical, wrap
 from rankdrop.atlas.local_family import LocalFamily, condition_words, relation_words
 from rankdrop.atlas.naming import name_family
+from rankdrop.atlas.neighbourhood import HELD, conormal_rank, groups_through, neighbourhood
 from rankdrop.atlas.recognise import recognised
 from rankdrop.atlas.residual import circuit_equations
 from rankdrop.atlas.row import Row
-from rankdrop.atlas.sampling import Setting, Supply, smooth
-from rankdrop.atlas.search import refine
+from rankdrop.atlas.sampling import Setting, Supply
 from rankdrop.atlas.signature import Inspection, Signature
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
-SIZES = (0.01, 0.05, 0.2, 0.6)  # steps from q [rad, length scales]
-EACH = 24  # starts for each size
-FEW = 3  # neighbours that make a family
-CLOSE = 0.1  # so near the set is its tangent, within a tenth [rad, length scales]
-BACK = 3.0  # what comes back farther away than so many steps is another place of the set
-HELD = 1e-5  # a value of q and one of the neighbourhood that differ by less are the same [rad, length scales]
 NAMED = 12  # points that a name is taken from
 SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
 FIT_WORK = 2e7  # of one fit, in floating-point operations
 FIT_JOINTS = 3  # equations of more coupled joints take seconds and belong into an atlas
-Found = list[tuple[Signature, NDArray[np.int64]]]
 
 
 def name_on_the_spot(
@@ -95,8 +88,8 @@ def name_on_the_spot(
             "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
             mend="take the corank that rank_at gives",
         )  # fmt: skip
-    around = _neighbourhood(setting, configuration, at, seed)
-    found = _groups(setting, configuration, at, around, seed)
+    around = neighbourhood(setting, configuration, at, seed)
+    found = groups_through(setting, configuration, at, around, seed)
     families = [
         _described(setting, around, signature, members, seed, fit=fit) for signature, members in found
     ]
@@ -105,88 +98,6 @@ def name_on_the_spot(
     if not families:
         return _nameless(setting, configuration, at, around)
     return families[0] if len(families) == 1 else _met(families)
-
-
-def _neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Inspection:
-    """Singular configurations of exactly this corank around q; the first one is q itself, polished."""
-    rng = np.random.default_rng(seed)
-    scale = joint_scale(setting.robot, setting.task)
-    sizes = np.repeat(SIZES, EACH)
-    steps = rng.standard_normal((len(sizes), len(q)))
-    tangential = np.arange(len(sizes)) % 2 == 0
-    steps[tangential] = steps[tangential] @ at.tangent[0]
-    steps *= scale * sizes[:, None] / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-12)
-    starts = np.vstack([q, q + steps])
-    back = refine(
-        setting.robot, starts, setting.corank, task=setting.task, seed=seed, iterations=40, threads=1,
-        tolerances=replace(setting.tolerances, target=1e-15),
-    )  # fmt: skip
-    way = np.where(setting.robot.periodic, wrap(back.q - q), back.q - q)
-    near = np.linalg.norm(way / scale, axis=1) <= BACK * np.append(SIZES[0], sizes)
-    good = near & (back.sigma[:, setting.rank] <= setting.tolerances.singular)
-    good[0] = True
-    return setting.inspect(q + way[good])
-
-
-def _rank_of(at: Inspection) -> int:
-    """Rank of D at the first point."""
-    return int(at.q.shape[1]) - round(float(np.trace(at.tangent[0])))
-
-
-def _usual_rank(around: Inspection) -> int:
-    """The rank of D at most of the neighbours."""
-    ranks = sorted(signature.rank for signature in around.signatures[1:] if signature is not None)
-    return ranks[len(ranks) // 2] if ranks else -1
-
-
-def _groups(setting: Setting, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
-    """Signatures of the neighbourhood whose linear conditions hold at q, each with its points.
-
-    Where the set is smooth at q there is one family: the signature most neighbours of that rank have. Else every
-    signature that is met next to q is a family through it. Groups where ker D is not the tangent space tell nothing.
-    """
-    groups: dict[Signature, list[int]] = {}
-    for i, signature in enumerate(around.signatures):
-        if i and signature is not None and signature.rank:
-            groups.setdefault(replace(signature, bound=()), []).append(i)
-    groups = {signature: _holding(setting, signature, q, around.q, members) for signature, members in groups.items()}
-    scale = joint_scale(setting.robot, setting.task)
-    far = np.linalg.norm(wrap(around.q - q) / scale, axis=1)
-    rng = np.random.default_rng([seed, 3])
-    ordered = [
-        (signature, np.array(members))
-        for signature, members in sorted(groups.items(), key=lambda item: (item[0].rank, -len(item[1]), item[0]))
-        if len(members) >= FEW
-        and smooth(setting, around, np.array(members), rng)
-        and _filled(wrap(around.q[members] - q) / scale, far[members], len(q) - signature.rank)
-    ]
-    rank = _rank_of(at)
-    if rank == _usual_rank(around):
-        alike = [item for item in ordered if item[0].rank == rank]
-        return [max(alike, key=lambda item: len(item[1]))] if alike else []
-    return [(signature, members) for signature, members in ordered if far[members].min() <= BACK * SIZES[0]]
-
-
-def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
-    """Whether neighbours lie in as many directions from q as ker D has.
-
-    One direction too many in ker D, in which the condition is of second order, is met by none of them: they come back
-    to within √σ of the set, a hundredth of their step. Too few neighbours decide nothing.
-    """
-    near = lengths <= CLOSE
-    if near.sum() < dimension + 3:
-        return True
-    spread = np.linalg.svd(ways[near] / np.maximum(lengths[near, None], 1e-12), compute_uv=False)
-    return int((spread > 0.05 * spread[0]).sum()) >= dimension
-
-
-def _holding(setting: Setting, signature: Signature, q: Array, points: Array, members: list[int]) -> list[int]:
-    """Those of the members at which the pinned joints and relations have the same values as at q."""
-    linear = Linear.of(setting.robot, signature.covectors(len(q)))
-    off = linear.values(points[members]) - linear.values(q[None])
-    off = np.where(linear.periodic, wrap(off), off)
-    same = np.abs(off).max(axis=1, initial=0.0) <= HELD * max(1.0, setting.task.scale(setting.robot))
-    return [members[i] for i in np.flatnonzero(same)]
 
 
 def _described(
@@ -304,7 +215,7 @@ def _row_values(row: Row, q: Array) -> Values | None:
 def _nameless(setting: Setting, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
     """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
     robot = setting.robot
-    isolated = _rank_of(at) == robot.n
+    isolated = conormal_rank(at) == robot.n
     everyone = tuple(range(1, robot.n + 1))
     pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
     return LocalFamily(

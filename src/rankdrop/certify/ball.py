@@ -26,6 +26,7 @@ from rankdrop.version import VERSION
 
 LARGEST = float(np.pi)  # no ball larger than half a turn is asked for
 _SMALLEST = 1e-6  # boxes narrower than this are not divided: the singular set runs through them [rad]
+_MARGIN = 1e-9  # off the radius of one enclosure, so that a checker that rounds otherwise comes to the same
 _MOST = 100_000_000  # evaluations; more is a slip of the hand
 
 
@@ -116,13 +117,17 @@ def certified_radius(
     if not 0.0 < at_most <= LARGEST:
         raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
     if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
-        raise OptionError("no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}")
+        raise OptionError(
+            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
+        )
     resolved = resolve_task(task, robot)
     settings = _settings_of(robot, resolved)
     row = centre[None, :]
     singles = [float(enclose(robot, setting, row, radius=at_most)[1][0]) for setting in settings]
     best = int(np.argmax(singles))
     setting, single = settings[best], singles[best]
+    if single < at_most:
+        single *= 1.0 - _MARGIN
     radius, used, complete, boxes = single, len(settings), True, None
     if (evaluations and single < at_most) or keep_boxes:
         inner = 0.0 if keep_boxes else single

@@ -99,7 +99,8 @@ def _claims(robot: Robot, certificate: Certificate, arm: Arm) -> str | None:
     if blocks == (0, 1, 2):
         home = robot.home if origin == joints + 1 else robot.joints[-1].frame
         wanted = home[:3, :3] @ np.array(frame.point) + home[:3, 3]
-        if setting.link != joints or origin < joints or not np.allclose(arm.point, wanted, rtol=1e-9, atol=0.0):
+        off = float(np.linalg.norm(arm.point - wanted)) / float(np.linalg.norm(wanted) + arm.reach.max())
+        if setting.link != joints or origin < joints or not off < 1e-12:
             return "the point is not that of the task"
     axes = joints + 1 if frame.axes == -1 else frame.axes
     q = np.random.default_rng(0).uniform(-1, 1, (8, robot.n)) * np.pi * setting.scale
@@ -127,9 +128,11 @@ def _free(arm: Arm, certificate: Certificate, centre: Array, half: Array) -> boo
     if not np.isfinite(bound).all() or sigma[-1] <= 0.0:
         return False
     share = bound / sigma[:, None]
-    values, vectors = np.linalg.eig(share)
-    vector = np.abs(vectors[:, np.argmax(values.real)]) + 1e-9  # any positive vector proves it; this one is the best
-    return bool((share @ vector / vector).max() < 1.0 - 1e-12)
+    try:
+        vector = np.linalg.solve(np.eye(len(share)) - share, np.ones(len(share)))  # any positive vector would do
+    except np.linalg.LinAlgError:
+        return False
+    return bool((vector > 0.0).all() and (share @ vector / vector).max() < 1.0 - 1e-13)
 
 
 def _covered(certificate: Certificate, moving: list[int], centre: Array, half: Array) -> bool:

@@ -112,7 +112,7 @@ class Arm:
         times = np.abs(self.times)
         pitch = np.where(self.slides, 0.0, np.abs((self.screws[:, :3] * self.screws[:, 3:]).sum(axis=1)))
         travel = np.abs(values) + steps
-        reach = self.reach * (1 + 1e-9) + pitch  # the slack of `_claims`: no less than what the maker used
+        reach = self.reach * (1 + 1e-12) + pitch
         longer = np.where(self.slides, travel, np.where(pitch > 0.0, pitch * (travel + 3.0), 0.0))
         for side in self._sides():
             for place, i in enumerate(side):

@@ -23,7 +23,7 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
 _ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
-_LENGTHS = (0.15, 0.3, 0.6)  # lengths tried for the translation rows, in reaches
+_LENGTHS = (0.1, 0.2, 0.4)  # lengths tried for the translation rows, in lengths of the arm
 _MOST_JOINTS = 32  # what the core keeps room for
 
 
@@ -72,6 +72,7 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
     rank = generic_rank(robot, task)
     _check(robot, task, rank)
     found = []
+    size = _size(robot)
     for link, home in _viewpoints(robot, task, rows):
         frame = robot.home if link == len(robot.joints) + 1 else _frames(robot)[link]
         point = frame[:3, :3].T @ (home - frame[:3, 3])
@@ -80,7 +81,7 @@ def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
         for share in _LENGTHS if len(rows) == 6 else (1.0,):
             found.append(
                 Setting(
-                    link, (float(point[0]), float(point[1]), float(point[2])), share * reach(robot), rows, rank, arm,
+                    link, (float(point[0]), float(point[1]), float(point[2])), share * size, rows, rank, arm,
                     joint_scale(robot, task), moved, repeats,
                 )
             )  # fmt: skip
@@ -132,9 +133,30 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
     if joints == 1:
         yield 1, robot.home[:3, 3]
         return
+    middle = _middle(robot)
     for link in range(1, joints):
         before, after = _line(robot, link - 1), _line(robot, link)
-        yield from ((link, point) for point in _feet(before, after, robot.home[:3, 3]))
+        yield from ((link, point) for point in _feet(before, after, middle))
+
+
+def _middle(robot: Robot) -> Array:
+    """A point amid the axes that does not move with the tool: the mean of the feet of their common perpendiculars."""
+    lines = [line for line in (_line(robot, i) for i in range(len(robot.joints))) if line is not None]
+    feet = [
+        np.mean(_feet(a, b, robot.home[:3, 3])[:2], axis=0)
+        for place, a in enumerate(lines) for b in lines[:place] if abs(a[1] @ b[1]) < 0.99
+    ]  # fmt: skip
+    return np.asarray(np.mean(feet, axis=0)) if feet else robot.home[:3, 3]
+
+
+def _size(robot: Robot) -> float:
+    """Length from the first axis to the last; with slides, or where it is zero, the reach [m]."""
+    if any(joint.kind is JointKind.PRISMATIC for joint in robot.joints):
+        return reach(robot)
+    last = _line(robot, len(robot.joints) - 1)
+    start = robot.home[:3, 3] if last is None else last[0] + last[1] * (last[1] @ (_middle(robot) - last[0]))
+    total = float(_arms(robot, len(robot.joints), start)[0])
+    return total if total > 1e-6 * reach(robot) else reach(robot)
 
 
 def _line(robot: Robot, i: int) -> tuple[Array, Array] | None:
@@ -198,7 +220,7 @@ def _moved(robot: Robot, link: int) -> tuple[NDArray[np.bool_], float]:
 
 
 def enclose(
-    robot: Robot, setting: Setting, q: Array, half: Array | None = None, *, radius: float = 3.2
+    robot: Robot, setting: Setting, q: Array, half: Array | None = None, *, radius: float = 3.2, threads: int = 0
 ) -> tuple[NDArray[np.int8], Array, Array, Array, Array, Array, Array]:
     """The core's enclosure of boxes (half (B, n) given, scaled) or balls around q (B, n).
 
@@ -207,5 +229,5 @@ def enclose(
     """
     return _core.enclose(
         chain_of(robot), setting.view(), q, half, setting.rank, setting.length, setting.scale, setting.arm, radius,
-        setting.repeats,
+        setting.repeats, threads,
     )  # fmt: skip

@@ -22,6 +22,9 @@ from rankdrop.errors import OptionError
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
+STRUCTURE_SEED = 20231
+"""Of the configurations that tell what holds almost everywhere."""
+
 
 @dataclass(frozen=True, slots=True)
 class Decomposition:
@@ -154,6 +157,18 @@ def joint_scale(robot: Robot, task: Task) -> Array:
     return np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
 
 
+def row_scale(robot: Robot, task: Task) -> Array:
+    """(m,) what every task row of a twist is multiplied by: 1/ℓ for translations [1/m], 1 for rotations."""
+    length = task.scale(robot)
+    return np.array([1.0 / length if row < 3 else 1.0 for row in task.rows])
+
+
+def structural_sample(robot: Robot, task: Task, count: int) -> Array:
+    """(count, n) random configurations, always the same ones, that stand for almost all: what holds there is structure.
+    """
+    return sample(robot, task, count, STRUCTURE_SEED)
+
+
 def generic_rank(robot: Robot, task: Task) -> int:
     """Largest rank of the task Jacobian over random configurations: the rank of almost all of them.
 
@@ -162,7 +177,7 @@ def generic_rank(robot: Robot, task: Task) -> int:
     ranks = handles_of(robot).ranks
     key = (task.frame, task.rows, task.scale(robot))
     if key not in ranks:
-        sigma = singular_values(robot, sample(robot, task, 64, seed=20231), task)
+        sigma = singular_values(robot, structural_sample(robot, task, 64), task)
         noise = 1e3 * np.finfo(float).eps * sigma[:, :1]
         ranks[key] = int((sigma > noise).sum(axis=1).max())
     return ranks[key]

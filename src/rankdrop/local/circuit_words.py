@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.scene import SAME, Scene
+from rankdrop.local.scene import Scene
 from rankdrop.robot.model import Array, JointKind
-from rankdrop.task import Task
+from rankdrop.task import Task, six_rows
+from rankdrop.tolerances import ALIGNED
 
 _POSITION, _ORIENTATION = {0, 1, 2}, {3, 4, 5}
 
@@ -58,9 +59,7 @@ def line_meets_all(scene: Scene, task: Task) -> bool:
     if len(scene.axes) < scene.robot.n:
         return False
     left = np.linalg.svd(jacobians)[0][..., -1]  # (N, m)
-    wrench = np.zeros((len(left), 6))
-    wrench[:, list(task.rows)] = left
-    return _pure_force(wrench)
+    return _pure_force(six_rows(left, task))
 
 
 def numbers(members: Sequence[int]) -> str:
@@ -142,7 +141,7 @@ def _directions(scene: Scene, axes: tuple[int, ...]) -> str | None:
         return f"axes {numbers(axes)} parallel"
     if len(axes) == 3:
         volume = np.einsum("...i,...i->...", scene.z[axes[0]], np.cross(scene.z[axes[1]], scene.z[axes[2]]))
-        if (np.abs(volume) < SAME).all():
+        if (np.abs(volume) < ALIGNED).all():
             return f"axes {numbers(axes)} parallel to one plane"
     return None
 

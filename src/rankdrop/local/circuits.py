@@ -18,20 +18,18 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.block import generic_rank, sample
+from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.circuit_words import describe
 from rankdrop.local.scene import Scene
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.tolerances import DEPENDENT
 
-DEPENDENT = 1e-7
-"""σ of unit columns at or below this: dependent. Looser than `Tolerances.singular`: short columns are made longer."""
 LARGEST_CHAIN = 20
 """Joints; with more of them the number of sets to look at is beyond a fraction of a second."""
 
 _SAMPLES = 8  # regular configurations that tell what is dependent everywhere
-_SEED = 20231  # as `generic_rank`
 _TIE = 1e-9  # coefficients closer than this share tie for the largest
 
 Sets = tuple[NDArray[np.intp], NDArray[np.intp]]
@@ -86,7 +84,7 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
         )  # fmt: skip
     columns = task_jacobian(robot, configuration[None, :], task)
     sets = shared_circuits(columns, tolerance)
-    usual = _unit(task_jacobian(robot, sample(robot, task, _SAMPLES, _SEED), task))
+    usual = _unit(task_jacobian(robot, structural_sample(robot, task, _SAMPLES), task))
     scene = Scene(robot, configuration[None, :])
     units = [joint.unit for joint in robot.variables]
     return tuple(

@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.errors import OptionError
 from rankdrop.frames import BASE, TIP, Frame, link_index
 from rankdrop.kinematics import link_poses
 from rankdrop.local.block import decompose, generic_rank
 from rankdrop.local.readable import readable_bases
 from rankdrop.local.screws import rewrite_wrench
+from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import Task, six_rows
+from rankdrop.tolerances import ENTRY
 
-_ENTRY = 1e-6  # entries of a unit direction below this do not count as entries
 _NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
 _STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
 _STEP = 0.1  # how far away they are [rad, m]
@@ -66,7 +67,7 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
         ConfigurationError: q is not one configuration of this arm.
         OptionError: k is not in 1 … generic rank.
     """
-    blocked, always = _blocked(robot, _one(robot, q), task, corank)
+    blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
     return np.asarray(_readable(blocked[None], always[None], corank)[0])
 
 
@@ -79,7 +80,7 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
 
     Args, Raises: as `lost_directions`.
     """
-    configuration = _one(robot, q)
+    configuration = one_configuration(robot, q)
     blocked, always = _blocked(robot, configuration, task, corank)
     frames = _candidates(task.frame, len(robot.joints))
     see = Sight(link_poses(robot, configuration), task.frame, frames)
@@ -112,7 +113,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     frames = _every_frame(task.frame, len(robot.joints))
     bases = []
     for q in np.asarray(points, dtype=np.float64):
-        blocked, always = _blocked(robot, _one(robot, q), task, corank)
+        blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
         own = _readable(blocked[None], always[None], corank)[0]
         bases.append(_orthonormal(Sight(link_poses(robot, q), task.frame, frames)(own)))
     if not bases:
@@ -168,14 +169,6 @@ def frame_name(frame: Frame) -> str:
     return f"{axes} at {where} of {carrier}"
 
 
-def _one(robot: Robot, q: ArrayLike) -> Array:
-    configuration = np.asarray(q, dtype=np.float64)
-    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
-        allowed = f"shape ({robot.n},), finite"
-        raise ConfigurationError("one configuration is needed", got=configuration.shape, allowed=allowed)
-    return configuration
-
-
 def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
     generic = generic_rank(robot, task)
@@ -191,8 +184,7 @@ def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Ar
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
     """Left singular vectors (m, p) of the scaled task Jacobian as (p, 6) wrenches: u = Sû, in all six rows."""
-    rows = np.zeros((u.shape[1], 6))
-    rows[:, list(task.rows)] = u.T
+    rows = six_rows(u.T, task)
     rows[:, :3] /= task.scale(robot)
     return rows
 
@@ -221,7 +213,7 @@ def _orthonormal(rows: Array) -> Array:
 
 def _sparsest(directions: Array) -> int:
     """Number of the frame with the fewest non-zero entries, the first of equals."""
-    return int((np.abs(directions) > _ENTRY).sum(axis=(1, 2)).argmin())
+    return int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
 
 
 def _candidates(own: Frame, joints: int) -> list[Frame]:

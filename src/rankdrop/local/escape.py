@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.local import motion
+from rankdrop.local import finite_motions
 from rankdrop.local.departure import Departure, departures
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.receptors import receptors
@@ -23,9 +23,9 @@ from rankdrop.local.still import Stillness, find_still
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 
-_ENTRY = 1e-6  # entries of unit vectors below this do not count as entries
+_NEARBY = "q is only near a singularity; if it were one"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,8 @@ class JointEscape:
         number, joint: of the variable, from 1, and its name.
         gain: rank regained by this joint alone for small motions, predicted from the Taylor series of J.
         order: power of its motion at which σ_r leaves zero, r the generic rank; None where it alone never restores it
-            (looked for up to order 4 for a turning or sliding joint, which is proof; up to 8 for other ones).
+            (looked for up to order 4 for a turning or sliding joint and whole poses, positions or orientations: more
+            cannot be; up to 8 else).
         rate: σ_r ≈ rate · |t|^order [1/rad^order or 1/m^order]; 0.0 where order is None. At a regular configuration
             the slope dσ_r/dt with its sign, and order is 1.
         first_order: singular values of D(e_j), descending, as many as the corank [1/rad or 1/m].
@@ -167,15 +168,19 @@ def escape(
     single = _single(place, step)
     stillness = find_still(place, basis, step, seed)
     pair, best = _several(place, step, seed, single)
+    avoidable, words = stillness.avoidable, stillness.words
     edge, edge_words = boundary(place, stillness.forms)
+    if place.corank and place.sigma[place.rank] > tolerances.singular:  # q itself is regular: denials hold elsewhere
+        avoidable, edge = avoidable or None, None
+        words, edge_words = f"{_NEARBY}: {words}", f"{_NEARBY}: {edge_words}"
     return Escape(
         corank=place.corank,
         single=single,
         best_pair=pair,
         best_direction=best,
         still=_still_direction(place, stillness),
-        avoidable=stillness.avoidable,
-        avoidable_words=stillness.words,
+        avoidable=avoidable,
+        avoidable_words=words,
         types=lost_motions(place, basis),
         boundary=edge,
         boundary_words=edge_words,
@@ -187,8 +192,8 @@ def _single(place: Place, step: float) -> tuple[JointEscape, ...]:
     """Every joint alone, ranked."""
     units = np.eye(len(place.q))
     found = departures(place, units) if place.corank else _slopes(place, units)
-    gains = motion.measured_gains(place, units)
-    steps, sigma = motion.single_motions(place, step)
+    gains = finite_motions.measured_gains(place, units)
+    steps, sigma = finite_motions.single_motions(place, step)
     receives = receptors(place)
     down, up = room(place)
     out = []
@@ -228,9 +233,9 @@ def _several(
     for row, joint in enumerate(single):
         moves[row, joint.number - 1] = joint.step / place.scale[joint.number - 1]
     moves = moves[np.abs(moves).max(axis=1) > 0]
-    pair = motion.best_pair(place, step) if len(place.q) > 1 else None
+    pair = finite_motions.best_pair(place, step) if len(place.q) > 1 else None
     known = moves if pair is None else np.concatenate([pair[None], moves])
-    whole = motion.best_motion(place, step, seed, known)
+    whole = finite_motions.best_motion(place, step, seed, known)
     motions = np.stack([whole] if pair is None else [whole, pair])
     described = _described(place, motions)
     return (described[1] if pair is not None else None), described[0]
@@ -244,12 +249,12 @@ def _described(place: Place, motions: Array) -> list[Direction]:
     units[~inside, 0] = 1.0  # no motion at all: some unit vector has to stand there
     lengths = np.where(inside, lengths, 0.0)
     found = departures(place, units) if place.corank else _slopes(place, units)
-    reached = motion.scores(place, units * lengths[:, None])
+    reached = finite_motions.scores(place, units * lengths[:, None])
     sigma = place.last(place.q + units * lengths[:, None] * place.scale)
     return [
         Direction(
             delta=tuple(float(x) for x in units[i] * place.scale),
-            numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(units[i]) > _ENTRY)),
+            numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(units[i]) > ENTRY)),
             gain=made.gain,
             order=made.order,
             rate=made.rate,
@@ -277,7 +282,7 @@ def _still_direction(place: Place, found: Stillness) -> Direction | None:
         return None
     return Direction(
         delta=tuple(float(x) for x in found.tangent * place.scale),
-        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(found.tangent) > _ENTRY)),
+        numbers=tuple(int(j) + 1 for j in np.flatnonzero(np.abs(found.tangent) > ENTRY)),
         gain=found.gain,
         order=found.order,
         rate=found.rate,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.block import decompose, joint_scale, singular_values
+from rankdrop.local.block import decompose, joint_scale, row_scale, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -79,12 +79,6 @@ def factor(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEFA
         u, sigma, v = (part.reshape(batch + part.shape[1:]) for part in found)
     sigma = np.where(np.arange(sigma.shape[-1]) < rank[..., None], sigma, 0.0)
     return Factored(u, sigma, v, rank, row_scale(robot, task), joints)
-
-
-def row_scale(robot: Robot, task: Task) -> Array:
-    """(m,) what every task row of a twist is multiplied by: 1/ℓ for translations [1/m], 1 for rotations."""
-    length = task.scale(robot)
-    return np.array([1.0 / length if row < 3 else 1.0 for row in task.rows])
 
 
 def task_sigma(robot: Robot, q: ArrayLike, task: Task) -> Array:

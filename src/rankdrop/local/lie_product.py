@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rankdrop.local.vectors import hat
 from rankdrop.robot.model import Array
 
 NO_TURN = 1e-12
@@ -29,16 +30,11 @@ def motion(screw: Array, amount: float) -> Array:
     turn, shift = np.eye(3), moment * amount
     if size > NO_TURN * float(np.linalg.norm(screw)):
         axis, angle = s / size, size * amount
-        hat = _hat(axis)
-        turn = np.eye(3) + np.sin(angle) * hat + (1.0 - np.cos(angle)) * hat @ hat
+        turned = hat(axis)
+        turn = np.eye(3) + np.sin(angle) * turned + (1.0 - np.cos(angle)) * turned @ turned
         centre = np.cross(axis, moment) / size
         shift = (np.eye(3) - turn) @ centre + axis * float(axis @ moment) * amount
     result = np.zeros((6, 6))
     result[:3, :3] = result[3:, 3:] = turn
-    result[3:, :3] = _hat(shift) @ turn
+    result[3:, :3] = hat(shift) @ turn
     return result
-
-
-def _hat(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

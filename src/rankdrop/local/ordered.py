@@ -21,8 +21,7 @@ from rankdrop import _core
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
-from rankdrop.local.block import sample
-from rankdrop.local.circuits import DEPENDENT
+from rankdrop.local.block import structural_sample
 from rankdrop.local.lie_product import NO_TURN, lie_product, motion
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
@@ -30,9 +29,9 @@ from rankdrop.robot.open import open_robot
 from rankdrop.robot.screw_list import read_screw_list
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import Task
+from rankdrop.tolerances import DEPENDENT
 
 _SAMPLES = 4  # random configurations that tell which losses hold everywhere
-_SEED = 20231  # as `generic_rank`
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +244,7 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         >>> [(run.first, run.last) for run in found if run.minimal]
         [(1, 5), (3, 7)]
     """
-    poses = [one_configuration(robot, q), *sample(robot, task, _SAMPLES, _SEED)]
+    poses = [one_configuration(robot, q), *structural_sample(robot, task, _SAMPLES)]
     return _runs([OrderedScrewSet(np.roll(jacobian(robot, c, SPACE).T, 3, axis=1)) for c in poses])
 
 

@@ -20,12 +20,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rankdrop.local.block import STRUCTURE_SEED
 from rankdrop.local.lie_product import lie_product
 from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset
 from rankdrop.local.ordered_session import GREATEST_RUN, Instruction, Step, session
 
 _AMOUNTS = (0.37, -0.23, 0.1)  # finite motions that judge [rad, or the set's unit of length]: no simple fractions of π
-_SEED = 20231
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ class OrderedReport:
     disagreements: tuple[str, ...]
 
 
-def report(screws: OrderedScrewSet, seed: int = _SEED) -> OrderedReport:
+def report(screws: OrderedScrewSet, seed: int = STRUCTURE_SEED) -> OrderedReport:
     """GR's search on any ordered screw set, the same with the whole chain carried along, and finite motion as judge.
 
     Args:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.kinematics import jacobian
+from rankdrop.local.bracket import brackets
 from rankdrop.local.place import Place
-from rankdrop.local.taylor import brackets, taylor, unlocked
-
-_ENTRY = 1e-6  # parts of unit vectors below this do not count
+from rankdrop.local.taylor import taylor
+from rankdrop.local.unlocked import unlocked
+from rankdrop.tolerances import ENTRY
 
 
 def receptors(place: Place) -> tuple[tuple[int, ...], ...]:
@@ -27,6 +28,6 @@ def receptors(place: Place) -> tuple[tuple[int, ...], ...]:
         change[:, :3] /= place.task.scale(place.robot)
     else:
         change = taylor(place.robot, place.q, place.task, np.eye(len(place.q)), 1)[1]
-    leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > _ENTRY
-    depends = np.linalg.norm(place.v2, axis=1) > _ENTRY
+    leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
+    depends = np.linalg.norm(place.v2, axis=1) > ENTRY
     return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)

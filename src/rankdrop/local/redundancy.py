@@ -27,7 +27,7 @@ from rankdrop.local.factored import Factored, factor
 from rankdrop.local.readable import readable_basis
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 _COUPLED = 1e-12  # entries of a projector below this do not join two coordinates
@@ -243,9 +243,8 @@ def _closed_form(scaled: Array, rank: int) -> Array:
 
 def _range_basis(parts: Factored, task: Task, rank: int) -> Array:
     """(rank, 6) readable orthonormal twists that span the range in metres and radians."""
-    twists = np.zeros((6, rank))
-    twists[list(task.rows)] = parts.u[:, :rank] / parts.rows[:, None]
-    return readable_parts(np.linalg.qr(twists)[0]).T
+    twists = six_rows(parts.u[:, :rank].T / parts.rows, task)
+    return readable_parts(np.linalg.qr(twists.T)[0]).T
 
 
 def _check(scaled: Array, parts: Factored, rank: int, tolerance: float) -> RankNullity:

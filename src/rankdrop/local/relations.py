@@ -7,16 +7,15 @@ from itertools import combinations
 
 from numpy.typing import ArrayLike
 
-from rankdrop.local.block import sample
+from rankdrop.local.block import structural_sample
 from rankdrop.local.circuit_words import numbers
-from rankdrop.local.scene import SAME
-from rankdrop.local.subgroups import Lines
+from rankdrop.local.lines import Lines
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Robot
 from rankdrop.task import resolve_task
+from rankdrop.tolerances import ALIGNED
 
 _SAMPLES = 2  # random configurations at which a relation has to hold to be structure
-_SEED = 20231
 _ORDER = ("aligned", "concurrent", "intersecting", "parallel")
 
 Group = tuple[str, tuple[int, ...]]
@@ -39,7 +38,7 @@ class Relation:
     structural: bool
 
 
-def relations_at(robot: Robot, q: ArrayLike, tolerance: float = SAME) -> tuple[Relation, ...]:
+def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[Relation, ...]:
     """Relations of the axes at one configuration, those special to it first.
 
     Groups are as large as they can be. A group that holds everywhere is told beside a larger one that holds here only;
@@ -63,7 +62,7 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = SAME) -> tuple[R
         True axes 2, 3 parallel
     """
     here = Lines(robot, one_configuration(robot, q), tolerance)
-    elsewhere = [Lines(robot, c, tolerance) for c in sample(robot, resolve_task(None, robot), _SAMPLES, _SEED)]
+    elsewhere = [Lines(robot, c, tolerance) for c in structural_sample(robot, resolve_task(None, robot), _SAMPLES)]
     groups = _groups(here)
     always = [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere[1:])]
     special = [group for group in groups if not all(_holds(lines, group) for lines in elsewhere)]

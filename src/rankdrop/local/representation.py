@@ -6,12 +6,6 @@ Coordinates φ of the orientation turn at φ̇ with ω = E(φ) φ̇ (base axes),
 
 Where E is singular, J_a does not exist or blows up although the arm moves freely: a *representation singularity*. It
 goes away with other coordinates. The rank of J, the arm's own affair, does not know of it.
-
-    zyz          R = Rz(α) Ry(β) Rz(γ)              det E = −sin β        singular at β = 0, π
-    rpy          R = Rz(yaw) Ry(pitch) Rx(roll)     det E = cos(pitch)    singular at pitch = ±π/2
-    rotvec       R = exp([φ])                       det E = 2(1 − cos‖φ‖)/‖φ‖²   at ‖φ‖ = 2π; the coordinates, kept to
-                                                    ‖φ‖ ≤ π, never get there, but jump at ‖φ‖ = π
-    quaternion   (w, x, y, z), w ≥ 0                ω = 2 Q(q)ᵀ q̇, E is 3 × 4 with all σ = 2: never singular
 """
 
 from __future__ import annotations
@@ -22,20 +16,13 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.orientation import NAMES, check_known, orientation_coordinates, rate_determinant, rate_matrix
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
-
-NAMES: dict[str, tuple[str, ...]] = {
-    "zyz": ("α", "β", "γ"),
-    "rpy": ("roll", "pitch", "yaw"),
-    "quaternion": ("w", "x", "y", "z"),
-    "rotvec": ("φx", "φy", "φz"),
-}
-"""The representations and the names of their coordinates, in order."""
 
 NEAR = 0.1
 """Closer than this to a representation singularity is near [rad]: coordinate rates are up to ten times ‖ω‖ there."""
@@ -88,89 +75,6 @@ class Representations:
     words: str
 
 
-def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
-    """Coordinates of rotation matrices.
-
-    Args:
-        rotation: (..., 3, 3).
-        representation: "zyz", "rpy", "quaternion" or "rotvec".
-
-    Returns:
-        (..., 3) [rad], or (..., 4) the unit quaternion (w, x, y, z) with w ≥ 0.
-
-    Raises:
-        OptionError: no such representation.
-    """
-    r = np.asarray(rotation, dtype=np.float64)
-    _known(representation)
-    if representation == "quaternion":
-        return _quaternion(r)
-    if representation == "rotvec":
-        quaternion = _quaternion(r)
-        vector = quaternion[..., 1:]
-        length = np.linalg.norm(vector, axis=-1, keepdims=True)
-        angle = 2.0 * np.arctan2(length, quaternion[..., :1])
-        return np.asarray(vector * np.where(length > 0.0, angle / np.where(length > 0.0, length, 1.0), 2.0))
-    if representation == "zyz":
-        beta = np.arctan2(np.hypot(r[..., 0, 2], r[..., 1, 2]), r[..., 2, 2])
-        alpha = np.arctan2(r[..., 1, 2], r[..., 0, 2])
-        gimbal = np.sin(beta) <= DEFAULT.singular
-        alpha = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), alpha)
-        # what Rz(α)Ry(β) leaves of R is Rz(γ): no loss of digits near the singularity
-        last = np.arctan2(
-            -np.sin(alpha) * r[..., 0, 0] + np.cos(alpha) * r[..., 1, 0],
-            -np.sin(alpha) * r[..., 0, 1] + np.cos(alpha) * r[..., 1, 1],
-        )
-        return np.stack([alpha, beta, np.where(gimbal, 0.0, last)], axis=-1)
-    pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
-    yaw = np.arctan2(r[..., 1, 0], r[..., 0, 0])
-    gimbal = np.cos(pitch) <= DEFAULT.singular
-    yaw = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), yaw)
-    roll = np.arctan2(
-        np.sin(yaw) * r[..., 0, 2] - np.cos(yaw) * r[..., 1, 2],
-        -np.sin(yaw) * r[..., 0, 1] + np.cos(yaw) * r[..., 1, 1],
-    )
-    return np.stack([np.where(gimbal, 0.0, roll), pitch, yaw], axis=-1)
-
-
-def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
-    """E with ω = E φ̇: from rates of the coordinates to the angular velocity in base axes.
-
-    Args:
-        coordinates: (..., 3) or (..., 4), as from `orientation_coordinates`.
-        representation: "zyz", "rpy", "quaternion" or "rotvec".
-
-    Returns:
-        (..., 3, 3), or (..., 3, 4) for the quaternion.
-
-    Raises:
-        OptionError: no such representation, or the wrong number of coordinates.
-    """
-    _known(representation)
-    c = np.asarray(coordinates, dtype=np.float64)
-    if c.ndim == 0 or c.shape[-1] != len(NAMES[representation]):
-        raise OptionError("wrong number of coordinates", got=c.shape, allowed=", ".join(NAMES[representation]))
-    if representation == "quaternion":
-        w, vector = c[..., :1, None], c[..., 1:]
-        return 2.0 * np.concatenate([-vector[..., :, None], w * np.eye(3) + _hat(vector)], axis=-1)
-    if representation == "rotvec":
-        angle = np.linalg.norm(c, axis=-1)[..., None, None]
-        half = np.sinc(angle / (2 * pi))  # sin(θ/2)/(θ/2)
-        hat = _hat(c)
-        small = angle < 1e-2
-        safe = np.where(small, 1.0, angle)
-        cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
-        return np.asarray(np.eye(3) + 0.5 * half**2 * hat + cubic * (hat @ hat))
-    zero, one = np.zeros(c.shape[:-1]), np.ones(c.shape[:-1])
-    if representation == "zyz":
-        sa, ca, sb, cb = np.sin(c[..., 0]), np.cos(c[..., 0]), np.sin(c[..., 1]), np.cos(c[..., 1])
-        rows = [[zero, -sa, ca * sb], [zero, ca, sa * sb], [one, zero, cb]]
-    else:
-        sp, cp, sy, cy = np.sin(c[..., 1]), np.cos(c[..., 1]), np.sin(c[..., 2]), np.cos(c[..., 2])
-        rows = [[cy * cp, -sy, zero], [sy * cp, cy, zero], [-sp, zero, one]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
 def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Array:
     """J_a = diag(I, E⁻¹) J: rates of position and orientation coordinates per joint rate, tip in base axes.
 
@@ -189,7 +93,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
             does not exist.
         OptionError: no such representation.
     """
-    _known(representation)
+    check_known(representation)
     geometric = jacobian(robot, q)
     coordinates = orientation_coordinates(pose(robot, q)[..., :3, :3], representation)
     turn = geometric[..., 3:, :]
@@ -197,7 +101,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
     if representation == "quaternion":
         rates = np.asarray(0.25 * matrix.swapaxes(-1, -2) @ turn)
     else:
-        bad = np.abs(_determinant(coordinates, representation)) <= DEFAULT.singular
+        bad = np.abs(rate_determinant(coordinates, representation)) <= DEFAULT.singular
         if bad.any():
             index = tuple(int(i) for i in np.argwhere(bad)[0])
             raise ConfigurationError(
@@ -263,44 +167,8 @@ def _describe(rotation: Array, name: str, tolerances: Tolerances) -> Representat
         words = f"{name} coordinates are near a singularity of theirs: their rates are large, not the arm's"
     else:
         words = f"{name} coordinates are regular here"
-    determinant = None if name == "quaternion" else float(_determinant(coordinates, name))
+    determinant = None if name == "quaternion" else float(rate_determinant(coordinates, name))
     values = tuple(coordinates.tolist())
     return Representation(
         name, NAMES[name], values, sigma, determinant, float(angle), float(jump), singular, near, words
     )
-
-
-def _determinant(coordinates: Array, name: str) -> Array:
-    if name == "zyz":
-        return np.asarray(-np.sin(coordinates[..., 1]))
-    if name == "rpy":
-        return np.asarray(np.cos(coordinates[..., 1]))
-    return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
-
-
-def _quaternion(r: Array) -> Array:
-    """(w, x, y, z), w ≥ 0: the column of 4 q qᵀ with the largest diagonal entry, so that no digits are lost."""
-    trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]
-    outer = np.empty((*r.shape[:-2], 4, 4))
-    outer[..., 0, 0] = 1.0 + trace
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        outer[..., i + 1, i + 1] = 1.0 + 2.0 * r[..., i, i] - trace
-        outer[..., 0, i + 1] = outer[..., i + 1, 0] = r[..., k, j] - r[..., j, k]
-        outer[..., i + 1, j + 1] = outer[..., j + 1, i + 1] = r[..., i, j] + r[..., j, i]
-    largest = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
-    column = np.take_along_axis(outer, largest[..., None, None], axis=-1)[..., 0]
-    unit = column / np.linalg.norm(column, axis=-1, keepdims=True)
-    return np.asarray(unit * np.where(unit[..., :1] < 0.0, -1.0, 1.0))
-
-
-def _hat(vector: Array) -> Array:
-    """[a] with [a] b = a × b."""
-    matrix = np.zeros((*vector.shape[:-1], 3, 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        matrix[..., k, j], matrix[..., j, k] = vector[..., i], -vector[..., i]
-    return matrix
-
-
-def _known(representation: str) -> None:
-    if representation not in NAMES:
-        raise OptionError("there is no such representation", got=repr(representation), allowed=", ".join(NAMES))

@@ -13,10 +13,9 @@ from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.tolerances import ALIGNED
 
 Verdicts = NDArray[np.bool_]  # one per configuration
-
-SAME = 1e-6  # angles [rad] and lengths per reach below this are zero: as `Tolerances.value`
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +27,7 @@ class Scene:
 
     robot: Robot
     q: Array  # (N, n)
-    tolerance: float = SAME
+    tolerance: float = ALIGNED
 
     @cached_property
     def screws(self) -> Array:

@@ -15,16 +15,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.place import Place
 from rankdrop.local.taylor import taylor
+from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
 
-FLAT = 2e-6
+FLAT = DEFAULT.block_rank
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
 _STARTS = 48  # random starts for directions on which all forms vanish
 _NEWTON = 12  # steps of each
+_APART = 0.05  # unit vectors nearer than this, up to sign, are the same direction
 _SAMPLES = 256  # combinations of lost directions tried for a definite one
 
 
@@ -70,8 +74,7 @@ def lost_motions(place: Place, basis: Array) -> tuple[LostMotion, ...]:
     scaled = rows.copy()
     scaled[:, :3] *= place.task.scale(place.robot)
     u = scaled[:, list(place.task.rows)]
-    u = u / np.linalg.norm(u, axis=1, keepdims=True)
-    each = _symmetric(np.einsum("pm,amb->pab", u, null_derivative(place, basis)))
+    each = _symmetric(np.einsum("pm,amb->pab", unit(u), null_derivative(place, basis)))
     return tuple(_lost_motion(row, form) for row, form in zip(rows, each, strict=True))
 
 
@@ -82,8 +85,7 @@ def definite(each: Array, seed: int) -> bool:
     if len(each) == 1:
         weights = np.array([[1.0], [-1.0]])
     else:
-        weights = np.random.default_rng(seed).normal(size=(_SAMPLES, len(each)))
-        weights /= np.linalg.norm(weights, axis=1, keepdims=True)
+        weights = unit(np.random.default_rng(seed).normal(size=(_SAMPLES, len(each))))
     least = np.linalg.eigvalsh(np.einsum("wp,pab->wab", weights, each))[:, 0]
     return bool(least.max() > FLAT)
 
@@ -101,7 +103,7 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     size = each.shape[-1]
     starts = np.random.default_rng(seed).normal(size=(_STARTS, size))
     starts = np.concatenate([np.eye(size), starts]) if size > 1 else np.eye(1)
-    x = starts / np.linalg.norm(starts, axis=1, keepdims=True)
+    x = unit(starts)
     if not each.size or float(np.abs(each).max()) <= FLAT:
         return x, True
     x = np.concatenate([x, _kernel(each)])
@@ -109,10 +111,19 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
         slope = 2 * np.einsum("pab,cb->cpa", each, x)
         value = np.einsum("pab,ca,cb->cp", each, x, x)
         square = slope @ np.swapaxes(slope, -1, -2) + 1e-14 * np.eye(len(each))
-        x = x - np.einsum("cpa,cp->ca", slope, np.linalg.solve(square, value[..., None])[..., 0])
-        x /= np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
+        x = unit(x - np.einsum("cpa,cp->ca", slope, np.linalg.solve(square, value[..., None])[..., 0]))
     left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
     return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
+
+
+def distinct(vectors: Array, order: NDArray[np.intp]) -> list[int]:
+    """Indices of unit vectors (c, n) that differ by more than a sign, the first of each in the given order."""
+    near = np.abs(vectors @ vectors.T) >= 1.0 - _APART**2 / 2
+    kept: list[int] = []
+    for i in order:
+        if not near[i, kept].any():
+            kept.append(int(i))
+    return kept
 
 
 def boundary(place: Place, each: Array) -> tuple[bool | None, str]:

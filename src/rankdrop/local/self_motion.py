@@ -2,7 +2,7 @@
 
 Predictor: a step along the null space. Corrector: Gauss–Newton on the displacement from the start
 (`rankdrop.local.displacement`), so that every point is right to rounding and errors do not add up. At a singular
-configuration null motions that are no tangents of a curve are told, and never followed (`rankdrop.local.tangents`).
+configuration null motions that are no tangents of a curve are told at second order, and never followed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import OptionError
 from rankdrop.local.displacement import WEAK, Displacement
 from rankdrop.local.factored import task_sigma
-from rankdrop.local.tangents import INTEGRABLE, definite, forms, obstruction, tangents
+from rankdrop.local.place import Place, place_at
+from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.local.verdict import one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -111,7 +112,7 @@ def self_motion(
     wanted = None if direction is None else _wanted(robot, direction) / where.joints
     points, ended, words = [start], NONE, "nothing can move without the task: the null space is empty"
     if verdict.nullity:
-        units, refusal = _units(where, verdict.rank, wanted)
+        units, refusal = _units(place_at(robot, start, resolved, tolerances), wanted)
         points, ended, words = [start], BRANCHES, refusal
         for unit in units:
             trace = _Trace(where, low, high, length, step)
@@ -134,33 +135,34 @@ def _wanted(robot: Robot, direction: ArrayLike) -> Array:
     return wanted
 
 
-def _units(where: Displacement, rank: int, wanted: Array | None) -> tuple[list[Array], str]:
+def _units(place: Place, wanted: Array | None) -> tuple[list[Array], str]:
     """Unit null motions (scaled) to try at the start, best first; and what to say if none can be followed."""
-    null, quadratic = forms(where, rank)
-    inside = null @ null.T
+    null = null_basis(place)
+    quadratic = forms(place, null)
+    given = wanted is not None
     if wanted is None:
+        inside = null @ null.T
         strongest = np.flatnonzero(np.diag(inside) > 0.25 / len(inside))
         wanted = np.eye(len(inside))[strongest[0]]
-        given = False
-    else:
-        given = True
     coefficients = null.T @ wanted
     if np.linalg.norm(coefficients) < 1e-6 * np.linalg.norm(wanted):
         raise OptionError("the direction has no part in the null space", mend="see redundancy(…).null_basis")
     first = coefficients / np.linalg.norm(coefficients)
-    bent = obstruction(quadratic, first)
-    if bent <= INTEGRABLE:
+    bent = float(np.abs(np.einsum("pij,i,j->p", quadratic, first, first)).max(initial=0.0))
+    if bent <= FLAT:
         return [null @ first], "no curve follows this null motion, though nothing forbids it at second order"
     if given:
         return [], (
             f"the start is singular, and along this null motion the task leaves at second order ({bent:.3g} per rad²): "
             "it is not part of a self-motion"
         )
-    if definite(quadratic):
+    if definite(quadratic, seed=0):
         return [], "the start is singular, and every null motion leaves the task at second order: no self-motion exists"
-    found = tangents(quadratic, first)
+    tangents, _ = vanishing(quadratic, seed=0)
+    along = tangents @ first
     words = "the start is singular, and no null motion was found that belongs to a self-motion; that is no proof"
-    return [null @ c for c in found], words
+    kept = distinct(tangents, np.argsort(-np.abs(along)))
+    return [null @ tangents[i] * np.sign(along[i] or 1.0) for i in kept], words
 
 
 @dataclass
@@ -214,8 +216,8 @@ class _Trace:
         """The next point, the unit tangent there and σ; None where the step is too long."""
         where = self.where
         guess = now + h * where.joints * unit
-        there = where.back(guess)
-        if there is None or np.linalg.norm((there - guess) / where.joints) > 0.3 * h:
+        there, arrived = where.back(guess)
+        if not arrived or np.linalg.norm((there - guess) / where.joints) > 0.3 * h:
             return None, unit, np.zeros(0)
         _, sigma, v = where.split(there)
         kept = int((sigma > WEAK).sum())
@@ -247,8 +249,8 @@ class _Trace:
         rank = int((self.where.split(start)[1] > WEAK).sum())
 
         def look(share: float) -> tuple[Array | None, float]:
-            point = self.where.back(start + share * (end - start))
-            return point, np.inf if point is None else float(self.where.split(point)[1][rank - 1])
+            point, arrived = self.where.back(start + share * (end - start))
+            return (point, float(self.where.split(point)[1][rank - 1])) if arrived else (None, np.inf)
 
         low, high = 0.0, 1.0
         left, right = 1.0 - _GOLDEN, _GOLDEN

@@ -1,23 +1,51 @@
-"""Leaving a singularity with the end effector still: which self-motions go through q, and what they restore."""
+"""Leaving a singularity with the end effector still: which self-motions go through q, and what they restore.
+
+Which null motions can be tangents of one is told at second order (`second_order`); those are traced a short way, all
+at once: steps ahead, each put back to where the end effector was (`displacement`).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rankdrop.local.block import singular_values
+from rankdrop.local.displacement import Displacement, told_by_pose
 from rankdrop.local.place import Place, room
-from rankdrop.local.second_order import FLAT, definite, forms, vanishing
-from rankdrop.local.selfmotion import Trace, followed, trace
+from rankdrop.local.second_order import FLAT, definite, distinct, forms, vanishing
 from rankdrop.local.taylor import taylor
+from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
 
-_LONGEST = 8  # tangents that are traced
-_APART = 0.05  # tangents nearer than this are traced once
+_MOST = 4  # tangents that are traced, both ways
+_STEPS = 4  # of a trace
 _LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
 _LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
 _STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
 _FIRST = 1e-6  # singular values of D along a tangent below this are zero
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Short self-motions from q, one per tangent.
+
+    Attributes:
+        q: (c, steps + 1, n) configurations, the first is q itself [rad, m].
+        sigma: (c, steps + 1) σ_r there, r the generic rank.
+        ranks: (c,) rank at the last one.
+        error: (c,) largest displacement of the task on the way, translations over the length scale.
+        length: (c,) how far the last one is from q, in scaled coordinates.
+        valid: (c,) the end effector stood still and the arm did move.
+    """
+
+    q: Array
+    sigma: Array
+    ranks: NDArray[np.intp]
+    error: Array
+    length: Array
+    valid: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,15 +92,46 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
     if place.corank and definite(each, seed):
         words = "no self-motion goes through q: at second order every null motion Δ moves the end effector"
         return _none(each, False, words + " (u · dJ(Δ)Δ is definite for a lost direction u)")
-    task = followed(place.task)
-    if task is None:
+    if not told_by_pose(place.task):
         return _none(each, None, "not looked for: self-motions are not traced for these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):
         return _none(each, None, "no second-order direction of a self-motion was found; that is no proof")
     tangents, promise = _chosen(place, vectors @ basis.T)
-    traced = trace(place, task, tangents, max(step, _LENGTH))
+    traced = trace(place, tangents, max(step, _LENGTH))
     return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
+
+
+def trace(place: Place, tangents: Array, length: float) -> Trace:
+    """Follow self-motions with the given tangents.
+
+    Args:
+        place: where they start.
+        tangents: (c, n) unit vectors in scaled coordinates, in the null space of J.
+        length: how far to go, in scaled coordinates.
+
+    Returns:
+        What came of each; `valid` is False where the corrector did not bring the end effector back.
+    """
+    where = Displacement(place.robot, place.q, place.task)
+    path, valid = [np.broadcast_to(place.q, tangents.shape)], np.ones(len(tangents), dtype=bool)
+    ahead = tangents
+    for _ in range(_STEPS):
+        reached, arrived = where.back(path[-1] + ahead * (length / _STEPS) * place.scale)
+        ahead = unit((reached - path[-1]) / place.scale)
+        path.append(reached)
+        valid &= arrived
+    q = np.stack(path, axis=1)
+    sigma = singular_values(place.robot, q, place.task)[..., : place.generic]
+    gone = np.linalg.norm((q[:, -1] - place.q) / place.scale, axis=1)
+    return Trace(
+        q=q,
+        sigma=sigma[..., -1],
+        ranks=(sigma[:, -1] > place.floor).sum(axis=-1),
+        error=np.linalg.norm(where.error(q), axis=-1).max(axis=1),
+        length=gone,
+        valid=valid & (gone >= 0.6 * length),
+    )
 
 
 def _few(each: Array) -> bool:
@@ -92,7 +151,7 @@ def _few(each: Array) -> bool:
 
 def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
     """The most promising tangents, both ways, and the k-th singular value of D along each."""
-    tangents = tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents = unit(tangents)
     series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
     if place.corank:
         first = place.u2.T @ series @ place.v2
@@ -100,13 +159,7 @@ def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
     else:
         r = place.generic - 1
         promise = np.abs(place.u[:, r] @ series @ place.v[:, r])
-    kept: list[int] = []
-    for i in np.lexsort((np.arange(len(promise)), -np.round(promise, 9))):
-        if all(min(np.linalg.norm(tangents[i] - tangents[j]), np.linalg.norm(tangents[i] + tangents[j])) > _APART
-               for j in kept):  # fmt: skip
-            kept.append(int(i))
-        if len(kept) == _LONGEST // 2:
-            break
+    kept = distinct(tangents, np.lexsort((np.arange(len(promise)), -np.round(promise, 9))))[:_MOST]
     return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
 
 

@@ -14,16 +14,15 @@ maps the subgroup onto itself, that is one of its normaliser.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from rankdrop.frames import SPACE
-from rankdrop.kinematics import jacobian
-from rankdrop.local.scene import SAME
-from rankdrop.reach import reach
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.local.bracket import bracket
+from rankdrop.local.lines import Lines
+from rankdrop.local.vectors import cross
+from rankdrop.robot.model import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,69 +40,6 @@ class Member:
     dimension: int
     joints: tuple[int, ...]
     keepers: frozenset[int]
-
-
-class Lines:
-    """Axes and slides of every joint, mimic joints too, at one configuration."""
-
-    def __init__(self, robot: Robot, q: Array, tolerance: float = SAME) -> None:
-        """Directions z (N, 3), points p (N, 3), pitches h (N,) [m/rad] in the base frame."""
-        free, values = released(robot, q)
-        screws = jacobian(free, values, SPACE).T
-        self.tolerance, self.length = tolerance, reach(robot)
-        self.slides = [i for i, joint in enumerate(free.joints) if joint.kind is JointKind.PRISMATIC]
-        self.turns = [i for i in range(free.n) if i not in self.slides]
-        self.z = np.where(np.isin(np.arange(free.n), self.slides)[:, None], screws[:, :3], screws[:, 3:])
-        self.p = _cross(screws[:, 3:], screws[:, :3])
-        self.h = np.einsum("ni,ni->n", screws[:, :3], screws[:, 3:])
-        self.cross = np.linalg.norm(_cross(self.z[:, None], self.z[None, :]), axis=-1)
-        self.dot = np.abs(self.z @ self.z.T)
-        offset = _cross(self.p[None, :] - self.p[:, None], self.z[:, None]) / self.length
-        self.line = (np.linalg.norm(offset, axis=-1) < tolerance) & (self.cross < tolerance)
-
-    def parallel(self, i: int, j: int) -> bool:
-        """|z_i × z_j| = 0."""
-        return bool(self.cross[i, j] < self.tolerance)
-
-    def normal(self, i: int, j: int) -> bool:
-        """z_i · z_j = 0."""
-        return bool(self.dot[i, j] < self.tolerance)
-
-    def through(self, point: Array) -> list[bool]:
-        """Of every joint: (point − p_i) × z_i = 0."""
-        offset = _cross(point - self.p, self.z) / self.length
-        return (np.linalg.norm(offset, axis=-1) < self.tolerance).tolist()  # type: ignore[no-any-return]
-
-    def one_line(self, i: int, j: int) -> bool:
-        """Parallel, and p_j on axis i."""
-        return bool(self.line[i, j])
-
-    def one_pitch(self, i: int, j: int) -> bool:
-        """h_i = h_j."""
-        return bool(abs(self.h[i] - self.h[j]) < self.tolerance * self.length)
-
-    def meeting_point(self, i: int, j: int) -> Array | None:
-        """The point of two axes that meet and are not parallel: p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j."""
-        if self.parallel(i, j):
-            return None
-        skew, apart = _cross(self.z[i], self.z[j]), self.p[j] - self.p[i]
-        if abs(float(apart @ skew)) > self.tolerance * self.length:  # at least their distance · |z_i × z_j|
-            return None
-        s = float(_cross(apart, self.z[j]) @ skew) / float(skew @ skew)
-        point = np.asarray(self.p[i] + s * self.z[i])
-        return point if self.through(point)[j] else None
-
-
-def released(robot: Robot, q: Array) -> tuple[Robot, Array]:
-    """The chain with mimic joints made variables of their own, and the values they have at q."""
-    if robot.n == len(robot.joints):
-        return robot, q
-    values = dict(zip((joint.name for joint in robot.variables), q.tolist(), strict=True))
-    for joint in robot.joints:
-        if joint.mimic is not None:
-            values[joint.name] = joint.mimic.multiplier * values[joint.mimic.leader] + joint.mimic.offset
-    free = replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
-    return free, np.array([values[joint.name] for joint in robot.joints])
 
 
 def members(lines: Lines) -> list[Member]:
@@ -126,7 +62,7 @@ def closure(screws: Array, tolerance: float = 1e-7, most: int = 6) -> Array:
     while True:
         if len(basis) > most:
             return basis
-        brackets = [_bracket(a, b) for a, b in combinations(basis, 2)]
+        brackets = [bracket(a, b) for a, b in combinations(basis, 2)]
         grown = _span(np.array([*basis, *brackets]), tolerance)
         if len(grown) == len(basis):
             return basis
@@ -163,9 +99,9 @@ def _translations(lines: Lines) -> Iterator[Member]:
         yield _member("translational", 1, [j for j in slides if lines.parallel(i, j)], keepers)
     for i, j in combinations(slides, 2):
         if not lines.parallel(i, j):
-            normal = np.cross(lines.z[i], lines.z[j]) / lines.cross[i, j]
+            normal = cross(lines.z[i], lines.z[j]) / lines.cross[i, j]
             plane = [k for k in slides if abs(normal @ lines.z[k]) < lines.tolerance]
-            keepers = slides + [k for k in turns if np.linalg.norm(np.cross(normal, lines.z[k])) < lines.tolerance]
+            keepers = slides + [k for k in turns if np.linalg.norm(cross(normal, lines.z[k])) < lines.tolerance]
             yield _member("translational", 2, plane, keepers)
     yield _member("translational", 3, slides, turns + slides)
 
@@ -181,15 +117,3 @@ def _span(rows: Array, tolerance: float) -> Array:
         return np.zeros((0, 6))
     _, sigma, vt = np.linalg.svd(kept / np.linalg.norm(kept, axis=1, keepdims=True))
     return np.asarray(vt[: int((sigma > tolerance).sum())])
-
-
-def _bracket(a: Array, b: Array) -> Array:
-    linear = _cross(a[3:], b[:3]) + _cross(a[:3], b[3:])
-    return np.concatenate([linear, _cross(a[3:], b[3:])])
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Cross products of rows; for a few of them several times faster than np.cross."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)

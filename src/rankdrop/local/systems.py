@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.kinematics import jacobian, task_jacobian
-from rankdrop.local.block import generic_rank, sample
+from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.circuit_words import numbers
-from rankdrop.local.circuits import DEPENDENT
-from rankdrop.local.scene import SAME
-from rankdrop.local.subgroups import Lines, Member, closure, members, released
+from rankdrop.local.lines import Lines
+from rankdrop.local.subgroups import Member, closure, members
+from rankdrop.local.unlocked import unlocked
 from rankdrop.local.verdict import one_configuration
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import ALIGNED, DEPENDENT
 
-_SEED = 20231  # as `generic_rank`
 _SAMPLES = 2  # random configurations that tell what stays
 
 
@@ -58,7 +58,7 @@ class ScrewSystem:
         return max(0, len(self.numbers) - self.dimension)
 
 
-def systems_at(robot: Robot, q: ArrayLike, tolerance: float = SAME) -> tuple[ScrewSystem, ...]:
+def systems_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tuple[ScrewSystem, ...]:
     """The screw systems at one configuration, those that lose most first.
 
     Told are sets with more joints than the subgroup has dimensions, and structural sets that just fill it (a spherical
@@ -116,7 +116,7 @@ def always_singular_reason(robot: Robot, task: Task) -> str | None:
     most = min(task.m, robot.n)
     if rank == most:
         return None
-    q = sample(robot, task, 1, _SEED)[0]
+    q = structural_sample(robot, task, 1)[0]
     head = f"rank {rank} of {most} everywhere: "
     dimension = len(closure(_twists(robot, q, task.scale(robot))))
     if dimension < 6 and dimension == generic_rank(robot, resolve_task("pose", robot)):
@@ -142,7 +142,7 @@ class _Elsewhere:
     def twists(self) -> list[Array]:
         """(N, 6) about the tip, lengths per reach, for every configuration."""
         found = []
-        for q in sample(self.robot, resolve_task("pose", self.robot), _SAMPLES, _SEED):
+        for q in structural_sample(self.robot, resolve_task("pose", self.robot), _SAMPLES):
             found.append(_twists(self.robot, q, reach(self.robot)))
         return found
 
@@ -153,7 +153,7 @@ class _Elsewhere:
 
 def _twists(robot: Robot, q: Array, length: float) -> Array:
     """(N, 6) twists of every joint, mimic joints too, about the tip: rounding stays small."""
-    free, values = released(robot, q)
+    free, values, _ = unlocked(robot, q)
     twists = jacobian(free, values).T.copy()
     twists[:, :3] /= length
     return twists

@@ -16,13 +16,14 @@ times the multiplier. In the frame SPACE and with Δ = e_j this is ad_{S_j}^p S_
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
+from rankdrop.local.block import row_scale
+from rankdrop.local.bracket import bracket
+from rankdrop.local.unlocked import unlocked
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
@@ -58,50 +59,11 @@ def taylor(robot: Robot, q: ArrayLike, task: Task, directions: ArrayLike, order:
     terms = [np.broadcast_to(screws, (*rates.shape, 6))]
     carriers = [_carrier(terms[0], rates, axes, origin)]
     for power in range(order):
-        total = sum(_bracket(carriers[a], terms[power - a]) for a in range(power + 1))
+        total = sum(bracket(carriers[a], terms[power - a]) for a in range(power + 1))
         terms.append(np.asarray(total) / (power + 1))
         carriers.append(_carrier(terms[-1], rates, axes, origin))
     columns = np.stack(terms)[..., list(task.rows)]  # (P + 1, d, N, m)
-    columns = columns / np.array([task.scale(robot) if row < 3 else 1.0 for row in task.rows])
-    return np.asarray(np.swapaxes(columns, -1, -2) @ share)
-
-
-def unlocked(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:
-    """The same chain with every mimic joint a variable of its own.
-
-    Args:
-        robot: the arm.
-        q: (n,) configuration [rad, m].
-
-    Returns:
-        The chain with N variables; its configuration (N,); and the share (N, n) each variable of `robot` has in it.
-    """
-    if robot.n == len(robot.joints):
-        return robot, q, np.eye(robot.n)
-    index = {joint.name: i for i, joint in enumerate(robot.variables)}
-    share, offset = np.zeros((len(robot.joints), robot.n)), np.zeros(len(robot.joints))
-    for row, joint in enumerate(robot.joints):
-        if joint.mimic is None:
-            share[row, index[joint.name]] = 1.0
-        else:
-            share[row, index[joint.mimic.leader]], offset[row] = joint.mimic.multiplier, joint.mimic.offset
-    free = replace(robot, joints=tuple(replace(joint, mimic=None) for joint in robot.joints))
-    return free, share @ q + offset, share
-
-
-def brackets(screws: Array) -> Array:
-    """Every bracket of two joint screws that a motion makes: [S_a, S_i] for i > a, else 0.
-
-    Args:
-        screws: (6, N) columns (v; ω), all in one frame.
-
-    Returns:
-        (N, 6, N): [a, :, i].
-    """
-    columns = screws.T
-    every = _bracket(columns[:, None, :], columns[None, :, :])  # (N, N, 6)
-    later = np.triu(np.ones((len(columns), len(columns))), 1)
-    return np.swapaxes(every * later[..., None], -1, -2)
+    return np.asarray(np.swapaxes(columns * row_scale(robot, task), -1, -2) @ share)
 
 
 def _carrier(term: Array, rates: Array, axes: int, origin: int) -> Array:
@@ -110,16 +72,3 @@ def _carrier(term: Array, rates: Array, axes: int, origin: int) -> Array:
     before = np.cumsum(moved, axis=-2) - moved
     frame = np.concatenate([moved[:, :origin, :3].sum(axis=-2), moved[:, :axes, 3:].sum(axis=-2)], axis=-1)
     return np.asarray(before - frame[:, None, :])
-
-
-def _bracket(left: Array, right: Array) -> Array:
-    """[A, B] = (ω_A × v_B + v_A × ω_B ; ω_A × ω_B) of twists (v; ω), broadcast."""
-    va, wa, vb, wb = left[..., :3], left[..., 3:], right[..., :3], right[..., 3:]
-    return np.concatenate([_cross(wa, vb) + _cross(va, wb), _cross(wa, wb)], axis=-1)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """a × b; several times faster than NumPy's on small arrays."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)

@@ -1,4 +1,8 @@
-"""A fingerprint of an arm's geometry: two arms with the same numbers have the same one, whatever they are called."""
+"""The numbers that decide an arm's Jacobian, and what to know an arm by; names, limits, link frames, notes stay out.
+
+`fingerprint` holds every bit, for a proof that must not be used for another arm; `coarse_fingerprint` finds the same
+arm read from another file, where the last digits differ.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +10,36 @@ import hashlib
 
 import numpy as np
 
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Array, Robot
+
+GRID = 1e-9
+"""Numbers that agree to this have one coarse fingerprint [1, m]."""
+
+
+def geometry(robot: Robot) -> Array:
+    """All numbers that decide the Jacobian: screws, then home pose, then multipliers and offsets of mimic joints."""
+    parts = [joint.screw for joint in robot.joints] + [robot.home.reshape(-1)]
+    parts += [np.array([joint.mimic.multiplier, joint.mimic.offset]) for joint in robot.joints if joint.mimic]
+    return np.concatenate(parts)
 
 
 def fingerprint(robot: Robot) -> str:
-    """SHA-256 of the numbers that decide the Jacobian: kinds, screws, mimic relations, home pose; 64 hex digits.
+    """SHA-256 of kinds, mimic relations and `geometry`; 64 hex digits.
 
-    Names, limits, link frames and notes do not enter. −0.0 counts as 0.0; any other difference, even of rounding,
-    gives another fingerprint.
+    −0.0 counts as 0.0; any other difference, even of rounding, gives another fingerprint.
     """
-    parts = hashlib.sha256()
+    numbers = (geometry(robot) + 0.0).astype("<f8")
+    return hashlib.sha256(_structure(robot) + numbers.tobytes()).hexdigest()
+
+
+def coarse_fingerprint(robot: Robot) -> str:
+    """24 hex digits, equal for arms that agree to `GRID` (but for numbers on the edge of a cell)."""
+    cells = np.rint(np.clip(geometry(robot), -1e9, 1e9) / GRID).astype("<i8")
+    return hashlib.sha256(_structure(robot) + cells.tobytes()).hexdigest()[:24]
+
+
+def _structure(robot: Robot) -> bytes:
+    """The kind of every joint and the joint it follows."""
     index = {joint.name: i for i, joint in enumerate(robot.joints)}
-    for joint in robot.joints:
-        parts.update(joint.kind.encode())
-        parts.update((np.asarray(joint.screw) + 0.0).astype("<f8").tobytes())
-        parts.update(b"." if joint.mimic is None else b"=")
-        if joint.mimic is not None:
-            follows = np.array([index[joint.mimic.leader], joint.mimic.multiplier, joint.mimic.offset])
-            parts.update((follows + 0.0).astype("<f8").tobytes())
-    parts.update((np.asarray(robot.home) + 0.0).astype("<f8").tobytes())
-    return parts.hexdigest()
+    parts = [(str(joint.kind), index[joint.mimic.leader] if joint.mimic else -1) for joint in robot.joints]
+    return repr(parts).encode()

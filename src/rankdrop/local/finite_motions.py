@@ -12,6 +12,7 @@ from rankdrop._handles import chain_of, task_view
 from rankdrop.local.block import decompose, singular_values
 from rankdrop.local.place import Place, judge_steps, room
 from rankdrop.local.taylor import taylor
+from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
 
 _Indices = NDArray[np.intp]
@@ -87,19 +88,19 @@ def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
     rng = np.random.default_rng(seed)
     random = rng.normal(size=(_RANDOM, len(place.q)))
     candidates = np.concatenate([tried, _leading(place), random])
-    motions = fitted(place, step * _unit(candidates))
+    motions = fitted(place, step * unit(candidates))
     best = motions[_order(place, motions)[0]]
     for turn in range(_CLIMBS):
         if turn == 1:  # after the first step half of the field tells enough
             motions = motions[_order(place, motions)[:12]]
-        ahead = _unit(_gradient(place, motions))
+        ahead = unit(_gradient(place, motions))
         if place.corank > 1 and turn:  # half the way: between ties the whole way swings from side to side
-            ahead = _unit(ahead + _unit(motions))
+            ahead = unit(ahead + unit(motions))
         motions = fitted(place, step * ahead)
         best = _better(place, best, motions)
     widths = (0.3, 0.1, 0.03) if place.corank < 2 else (0.5, 0.3, 0.2, 0.1, 0.05, 0.02)  # ridges where σ's tie
     for width in widths:
-        around = _unit(_unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
+        around = unit(unit(best[None]) + width * rng.normal(size=(32, len(best))) / np.sqrt(len(best)))
         best = _better(place, best, fitted(place, step * around))
     return np.asarray(best)
 
@@ -166,7 +167,3 @@ def _gradient(place: Place, motions: Array) -> Array:
     weights = (sigma[:, -1:] / sigma) ** _SOFT
     slopes = np.einsum("cmk,cmij,cik->ckj", parts.u[..., lost], derivative, parts.v[..., lost], optimize=True)
     return np.asarray(np.einsum("ck,ckj->cj", weights, slopes) * place.scale)
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))

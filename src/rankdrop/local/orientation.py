@@ -1,0 +1,145 @@
+"""Coordinates φ of a rotation, and the matrix E of ω = E(φ) φ̇ (base axes): where E is singular, so are the coordinates.
+
+    zyz          R = Rz(α) Ry(β) Rz(γ)              det E = −sin β        singular at β = 0, π
+    rpy          R = Rz(yaw) Ry(pitch) Rx(roll)     det E = cos(pitch)    singular at pitch = ±π/2
+    rotvec       R = exp([φ])                       det E = 2(1 − cos‖φ‖)/‖φ‖²   at ‖φ‖ = 2π; the coordinates, kept to
+                                                    ‖φ‖ ≤ π, never get there, but jump at ‖φ‖ = π
+    quaternion   (w, x, y, z), w ≥ 0                ω = 2 Q(q)ᵀ q̇, E is 3 × 4 with all σ = 2: never singular
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import OptionError
+from rankdrop.local.vectors import hat
+from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
+
+NAMES: dict[str, tuple[str, ...]] = {
+    "zyz": ("α", "β", "γ"),
+    "rpy": ("roll", "pitch", "yaw"),
+    "quaternion": ("w", "x", "y", "z"),
+    "rotvec": ("φx", "φy", "φz"),
+}
+"""The representations and the names of their coordinates, in order."""
+
+
+def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
+    """Coordinates of rotation matrices.
+
+    Args:
+        rotation: (..., 3, 3).
+        representation: "zyz", "rpy", "quaternion" or "rotvec".
+
+    Returns:
+        (..., 3) [rad], or (..., 4) the unit quaternion (w, x, y, z) with w ≥ 0.
+
+    Raises:
+        OptionError: no such representation.
+    """
+    r = np.asarray(rotation, dtype=np.float64)
+    check_known(representation)
+    if representation == "quaternion":
+        return _quaternion(r)
+    if representation == "rotvec":
+        quaternion = _quaternion(r)
+        vector = quaternion[..., 1:]
+        length = np.linalg.norm(vector, axis=-1, keepdims=True)
+        angle = 2.0 * np.arctan2(length, quaternion[..., :1])
+        return np.asarray(vector * np.where(length > 0.0, angle / np.where(length > 0.0, length, 1.0), 2.0))
+    if representation == "zyz":
+        beta = np.arctan2(np.hypot(r[..., 0, 2], r[..., 1, 2]), r[..., 2, 2])
+        alpha = np.arctan2(r[..., 1, 2], r[..., 0, 2])
+        gimbal = np.sin(beta) <= DEFAULT.singular
+        alpha = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), alpha)
+        # what Rz(α)Ry(β) leaves of R is Rz(γ): no loss of digits near the singularity
+        last = np.arctan2(
+            -np.sin(alpha) * r[..., 0, 0] + np.cos(alpha) * r[..., 1, 0],
+            -np.sin(alpha) * r[..., 0, 1] + np.cos(alpha) * r[..., 1, 1],
+        )
+        return np.stack([alpha, beta, np.where(gimbal, 0.0, last)], axis=-1)
+    pitch = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
+    yaw = np.arctan2(r[..., 1, 0], r[..., 0, 0])
+    gimbal = np.cos(pitch) <= DEFAULT.singular
+    yaw = np.where(gimbal, np.arctan2(-r[..., 0, 1], r[..., 1, 1]), yaw)
+    roll = np.arctan2(
+        np.sin(yaw) * r[..., 0, 2] - np.cos(yaw) * r[..., 1, 2],
+        -np.sin(yaw) * r[..., 0, 1] + np.cos(yaw) * r[..., 1, 1],
+    )
+    return np.stack([np.where(gimbal, 0.0, roll), pitch, yaw], axis=-1)
+
+
+def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
+    """E with ω = E φ̇: from rates of the coordinates to the angular velocity in base axes.
+
+    Args:
+        coordinates: (..., 3) or (..., 4), as from `orientation_coordinates`.
+        representation: "zyz", "rpy", "quaternion" or "rotvec".
+
+    Returns:
+        (..., 3, 3), or (..., 3, 4) for the quaternion.
+
+    Raises:
+        OptionError: no such representation, or the wrong number of coordinates.
+    """
+    check_known(representation)
+    c = np.asarray(coordinates, dtype=np.float64)
+    if c.ndim == 0 or c.shape[-1] != len(NAMES[representation]):
+        raise OptionError("wrong number of coordinates", got=c.shape, allowed=", ".join(NAMES[representation]))
+    if representation == "quaternion":
+        w, vector = c[..., :1, None], c[..., 1:]
+        return 2.0 * np.concatenate([-vector[..., :, None], w * np.eye(3) + hat(vector)], axis=-1)
+    if representation == "rotvec":
+        angle = np.linalg.norm(c, axis=-1)[..., None, None]
+        half = np.sinc(angle / (2 * pi))  # sin(θ/2)/(θ/2)
+        turned = hat(c)
+        small = angle < 1e-2
+        safe = np.where(small, 1.0, angle)
+        cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
+        return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
+    zero, one = np.zeros(c.shape[:-1]), np.ones(c.shape[:-1])
+    if representation == "zyz":
+        sa, ca, sb, cb = np.sin(c[..., 0]), np.cos(c[..., 0]), np.sin(c[..., 1]), np.cos(c[..., 1])
+        rows = [[zero, -sa, ca * sb], [zero, ca, sa * sb], [one, zero, cb]]
+    else:
+        sp, cp, sy, cy = np.sin(c[..., 1]), np.cos(c[..., 1]), np.sin(c[..., 2]), np.cos(c[..., 2])
+        rows = [[cy * cp, -sy, zero], [sy * cp, cy, zero], [-sp, zero, one]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rate_determinant(coordinates: Array, representation: str) -> Array:
+    """(...) det E, of three coordinates as from `orientation_coordinates`."""
+    if representation == "zyz":
+        return np.asarray(-np.sin(coordinates[..., 1]))
+    if representation == "rpy":
+        return np.asarray(np.cos(coordinates[..., 1]))
+    return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
+
+
+def _quaternion(r: Array) -> Array:
+    """(w, x, y, z), w ≥ 0: the column of 4 q qᵀ with the largest diagonal entry, so that no digits are lost."""
+    trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]
+    outer = np.empty((*r.shape[:-2], 4, 4))
+    outer[..., 0, 0] = 1.0 + trace
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        outer[..., i + 1, i + 1] = 1.0 + 2.0 * r[..., i, i] - trace
+        outer[..., 0, i + 1] = outer[..., i + 1, 0] = r[..., k, j] - r[..., j, k]
+        outer[..., i + 1, j + 1] = outer[..., j + 1, i + 1] = r[..., i, j] + r[..., j, i]
+    largest = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
+    column = np.take_along_axis(outer, largest[..., None, None], axis=-1)[..., 0]
+    unit = column / np.linalg.norm(column, axis=-1, keepdims=True)
+    return np.asarray(unit * np.where(unit[..., :1] < 0.0, -1.0, 1.0))
+
+
+def check_known(representation: str) -> None:
+    """Refuse a name that is not in `NAMES`.
+
+    Raises:
+        OptionError: no such representation.
+    """
+    if representation not in NAMES:
+        raise OptionError("there is no such representation", got=repr(representation), allowed=", ".join(NAMES))

@@ -8,7 +8,7 @@ from math import isinf
 import numpy as np
 
 from rankdrop.explanation_data import ExplanationData
-from rankdrop.explanation_words import angle, angle_below, motion, numbers, plural, power, short
+from rankdrop.explanation_words import angle, angle_below, motion, numbers, plural, power, raised, short
 from rankdrop.local.escape import Direction, JointEscape
 from rankdrop.local.rates import DirectionRates
 from rankdrop.sections import Section
@@ -71,7 +71,7 @@ def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, 
     if one.order is None:
         return "0", "", ""
     unit = found.robot.variables[one.number - 1].unit
-    per = unit if one.order == 1 else f"{unit}{'²³⁴'[one.order - 2]}"
+    per = unit if one.order == 1 else f"{unit}{raised(one.order)}"
     rate = f"{short(one.rate) if abs(one.rate) > _NONE else '0'} per {per}"
     if not one.within_limits or abs(one.step) < _NONE:
         return rate, "not within limits", ""

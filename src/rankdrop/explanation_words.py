@@ -9,6 +9,7 @@ from math import ceil, degrees, floor, inf, isinf, log10
 from rankdrop.local.screws import Screw
 
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _EXPONENT = re.compile(r"e([+-])0*(\d+)$")
 
 
@@ -41,6 +42,11 @@ def fixed(value: float, digits: int = 4) -> str:
 def power(value: float) -> str:
     """The power of ten at or above a rounding error: its digits are noise."""
     return "0" if value == 0 else minus(f"1e{ceil(log10(value))}")
+
+
+def raised(exponent: int) -> str:
+    """An exponent: "²", "¹²"."""
+    return str(exponent).translate(_RAISED)
 
 
 def angle(distance: float) -> str:

@@ -12,6 +12,7 @@ from rankdrop.analyze import analyze
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.explain import explain
 from rankdrop.explanation import Explanation
+from rankdrop.explanation_words import raised
 from rankdrop.kinematics import jacobian
 from rankdrop.known import shipped
 from rankdrop.local.block import joint_scale, sample, singular_values
@@ -269,3 +270,13 @@ def test_the_best_direction_is_not_beaten_by_random_ones(name: str, rng: np.rand
         assert singular_values(arm, tried[inside], task)[:, r - 1].max() <= 1.03 * best.sigma_after
         reached = singular_values(arm, told.q + np.array(best.delta) * best.step, task)[r - 1]
         assert reached == pytest.approx(best.sigma_after, abs=1e-12)
+
+
+def test_ways_out_of_a_high_order_are_printed() -> None:
+    """The Stanford arm's slide almost on axis 2, five rows fewer than it looks: σ grows with t⁵ along one joint."""
+    q = [0.6100307872216834, -0.824415084239536, 1.0001106043034938e-05, -0.8428645262277553, 1.5792702331388404,
+         -1.668953371799625]  # fmt: skip
+    found = explain(open_robot("stanford"), q, "scara")
+    orders = [one.order for one in found.escape.single if one.order]
+    assert str(found).count(" per ") == len(orders)
+    assert [raised(k) for k in (2, 5, 12)] == ["²", "⁵", "¹²"]

@@ -67,4 +67,5 @@ def nearest(
     if json is not None:
         steps.append(lambda: write_json(far_to_dict(found), json))
     do_all(steps)
-    return interrupted(found) or (exits.FINE if found.far.nearest is not None or found.rank.corank else exits.UNEXPLAINED)
+    known = found.far.nearest is not None or found.rank.corank
+    return interrupted(found) or (exits.FINE if known else exits.UNEXPLAINED)

@@ -31,8 +31,7 @@ FLOORS = {
     "local": 3,
     "atlas": 4, "certify": 4,
     "analyze": 5, "result": 5, "record": 5, "known": 5, "findings": 5, "schema": 5, "sections": 5,
-    "explain": 5, "explanation": 5, "explanation_data": 5, "explanation_record": 5, "explanation_text": 5,
-    "explanation_details": 5, "explanation_motion": 5, "explanation_words": 5,
+    "explain": 5, "explanation": 5,
     "cli": 6, "report": 6, "viewer": 6,
 }  # fmt: skip
 

@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
 from rankdrop.explain import explain
-from rankdrop.explanation_record import far_to_dict, way_out_to_dict
+from rankdrop.explanation.record import far_to_dict, way_out_to_dict
 from rankdrop.findings import find_to_dict
 from rankdrop.record import json_text
 from rankdrop.result import Analysis

@@ -11,8 +11,8 @@ from jsonschema import Draft202012Validator
 from rankdrop.analyze import analyze
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.explain import explain
-from rankdrop.explanation import Explanation
-from rankdrop.explanation_words import raised
+from rankdrop.explanation.explanation import Explanation
+from rankdrop.explanation.words import raised
 from rankdrop.kinematics import jacobian
 from rankdrop.known import shipped
 from rankdrop.local.block import joint_scale, sample, singular_values
@@ -220,7 +220,7 @@ def test_lengths_in_mm_are_suspected() -> None:
 
 
 def test_the_proven_radius_is_rounded_down() -> None:
-    from rankdrop.explanation_words import angle_below
+    from rankdrop.explanation.words import angle_below
 
     assert angle_below(0.99999) == "0.9999 rad (57.2°)"
     assert angle_below(0.0) == "0 rad (0°)"

@@ -52,7 +52,7 @@ def escape(
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import results, show
     from rankdrop.explain import explain
-    from rankdrop.explanation_record import way_out_to_dict
+    from rankdrop.explanation.record import way_out_to_dict
     from rankdrop.local.ordered import OrderedScrewSet
     from rankdrop.local.ordered_report import report
     from rankdrop.local.ordered_text import render

@@ -12,7 +12,7 @@ from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.explanation import Explanation
+    from rankdrop.explanation.explanation import Explanation
 
 
 def explain(

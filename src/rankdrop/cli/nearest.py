@@ -52,7 +52,7 @@ def nearest(
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.sections import interrupted, print_sections
     from rankdrop.explain import explain
-    from rankdrop.explanation_record import far_to_dict
+    from rankdrop.explanation.record import far_to_dict
     from rankdrop.result import Analysis
 
     check_target(json, "--json")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from math import degrees, isinf
 
-from rankdrop.explanation_data import ExplanationData
-from rankdrop.explanation_words import fixed, power, short
+from rankdrop.explanation.data import ExplanationData
+from rankdrop.explanation.words import fixed, power, short
 from rankdrop.sections import Section
 
 

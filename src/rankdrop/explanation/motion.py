@@ -7,8 +7,8 @@ from math import isinf
 
 import numpy as np
 
-from rankdrop.explanation_data import ExplanationData
-from rankdrop.explanation_words import angle, angle_below, motion, numbers, plural, power, raised, short
+from rankdrop.explanation.data import ExplanationData
+from rankdrop.explanation.words import angle, angle_below, motion, numbers, plural, power, raised, short
 from rankdrop.local.escape import Direction, JointEscape
 from rankdrop.local.rates import DirectionRates
 from rankdrop.sections import Section

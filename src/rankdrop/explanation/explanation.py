@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rankdrop.errors import ResultFileError
-from rankdrop.explanation_data import ExplanationData
-from rankdrop.explanation_record import explanation_to_dict
-from rankdrop.explanation_text import DETAILS, PARTS, sections_of
+from rankdrop.explanation.data import ExplanationData
+from rankdrop.explanation.record import explanation_to_dict
+from rankdrop.explanation.text import DETAILS, PARTS, sections_of
 from rankdrop.record import Record, json_text
 from rankdrop.sections import Section, html, text
 
@@ -44,7 +44,7 @@ class Explanation(ExplanationData):
             raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
     def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
-        """The explanation in words: see `rankdrop.explanation_text.sections_of`."""
+        """The explanation in words: see `rankdrop.explanation.text.sections_of`."""
         return sections_of(self, full=full, parts=parts)
 
     def _repr_html_(self) -> str:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from rankdrop.atlas.distance import FamilyDistance
+from rankdrop.atlas.family import Family
 from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
 from rankdrop.local.circuits import Circuit
@@ -56,6 +57,29 @@ class ExplainSettings:
     length_scale: float
     tolerances: Tolerances
     version: str
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A question in full: the configuration and all that is known before any part is worked out.
+
+    Attributes:
+        robot, q, task: what is asked about; the task with its length scale.
+        rank: of the task Jacobian at q.
+        families: known families of all coranks; empty where there are none.
+        source: where they come from: "catalogue", "analysis" or "on the spot".
+        coranks: distances are worked out to families up to this corank.
+        settings: thresholds and budgets.
+    """
+
+    robot: Robot
+    q: Array
+    task: Task
+    rank: Rank
+    families: tuple[Family, ...]
+    source: str
+    coranks: int
+    settings: ExplainSettings
 
 
 @dataclass(frozen=True, eq=False)

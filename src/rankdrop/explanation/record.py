@@ -6,7 +6,7 @@ from typing import Any
 
 from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
-from rankdrop.explanation_data import ExplanationData, Lost
+from rankdrop.explanation.data import ExplanationData, Lost
 from rankdrop.record import Record, plain, robot_to_dict
 
 SCHEMA = "rankdrop/explanation/1"

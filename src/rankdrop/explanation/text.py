@@ -9,10 +9,10 @@ from math import degrees, pi
 import numpy as np
 
 from rankdrop.atlas.which import Met
-from rankdrop.explanation_data import ExplanationData
-from rankdrop.explanation_details import DETAIL_PARTS
-from rankdrop.explanation_motion import escape_part, far_part, rates_part
-from rankdrop.explanation_words import fixed, minus, numbers, pitch_text, plural, power, short, vector, wrench_text
+from rankdrop.explanation.data import ExplanationData
+from rankdrop.explanation.details import DETAIL_PARTS
+from rankdrop.explanation.motion import escape_part, far_part, rates_part
+from rankdrop.explanation.words import fixed, minus, numbers, pitch_text, plural, power, short, vector, wrench_text
 from rankdrop.frames import TIP
 from rankdrop.sections import Section
 

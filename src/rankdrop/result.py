@@ -225,8 +225,10 @@ class Analysis:
         """
         try:
             record: Any = json.loads(Path(path).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise ResultFileError("the file cannot be read", where=str(path), got=str(error)) from error
+        except OSError as error:
+            raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
+        except ValueError as error:
+            raise ResultFileError("the file is no JSON", where=str(path), got=str(error)) from error
         try:
             return cls.from_dict(record)
         except ResultFileError as error:

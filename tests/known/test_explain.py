@@ -153,6 +153,8 @@ def test_families_of_an_analysis_given() -> None:
     assert found.met[0].source == "analysis"
     with pytest.raises(OptionError, match="another arm"):
         explain(open_robot("pa10"), [0.0] * 7, analysis=analysis)
+    with pytest.raises(OptionError, match="an analysis is needed"):
+        explain(arm, [0.3, 0.0, 0.1, 0.2], analysis="scara.json")  # type: ignore[arg-type]
     with pytest.raises(OptionError, match="another task"):
         explain(arm, [0.3, 0.0, 0.1, 0.2], "position", analysis=analysis)
 

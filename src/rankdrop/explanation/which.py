@@ -28,6 +28,8 @@ def known_families(
     if analysis is None:
         known = known_analysis(robot, task)
         return (known.families, "catalogue") if known else ((), "on the spot")
+    if not isinstance(analysis, Analysis):
+        raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
     mine, other = geometry(robot), geometry(analysis.robot)
     if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
         raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)

@@ -228,7 +228,7 @@ class Analysis:
         except OSError as error:
             raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
         except ValueError as error:
-            raise ResultFileError("the file is no JSON", where=str(path), got=str(error)) from error
+            raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)) from error
         try:
             return cls.from_dict(record)
         except ResultFileError as error:

@@ -106,6 +106,17 @@ def test_the_readme_shows_what_is_printed(
     assert without_time(shown) == without_time(wanted)
 
 
+def test_the_readme_shows_part_of_an_explanation() -> None:
+    """The second block of the README stands in the golden text, line after line, up to its dots."""
+    block = README.read_text(encoding="utf-8").split("```console\n")[2].partition("```\n")[0]
+    command, _, shown = block.partition("\n")
+    first, _, golden = (HERE / "explain-80.txt").read_text(encoding="utf-8").partition("\n")
+    assert command == first.replace("COLUMNS=80 ", "")
+    assert shown.endswith("\n…\n")
+    assert golden.startswith(shown.removesuffix("…\n"))
+    assert "How to get out" in shown
+
+
 def test_errors_are_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:
     text = ""
     for line in ERRORS:

@@ -8,6 +8,7 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
@@ -148,8 +149,7 @@ def test_rates_grow_as_one_over_the_distance_and_over_its_square_at_second_order
 
 
 def test_against_scipy() -> None:
-    """The same speeds as scipy's linear programme, lost directions and slides included (where scipy is installed)."""
-    optimize = pytest.importorskip("scipy.optimize")
+    """The same speeds as scipy's linear programme, lost directions and slides included."""
     compared = 0
     for name in ("panda", "fetch8", "ur5"):
         robot = open_robot(name)
@@ -158,7 +158,7 @@ def test_against_scipy() -> None:
             rows = jacobian(robot, q)
             bounds = [(None if limit == inf else -limit, None if limit == inf else limit) for limit in found.limits]
             for part in (*found.axes, *found.lost):
-                done = optimize.linprog(
+                done = linprog(
                     np.r_[np.zeros(robot.n), -1.0], A_eq=np.c_[rows, -np.array(part.direction)], b_eq=np.zeros(6),
                     bounds=[*bounds, (0, None)],
                 )  # fmt: skip

@@ -45,7 +45,8 @@ class Lines:
     def through(self, point: Array) -> list[bool]:
         """Of every joint: (point − p_i) × z_i = 0."""
         offset = cross(point - self.p, self.z) / self.length
-        return (np.linalg.norm(offset, axis=-1) < self.tolerance).tolist()  # type: ignore[no-any-return]
+        near: list[bool] = (np.linalg.norm(offset, axis=-1) < self.tolerance).tolist()
+        return near
 
     def one_line(self, i: int, j: int) -> bool:
         """Parallel, and p_j on axis i."""

@@ -275,7 +275,7 @@ def test_the_best_direction_is_not_beaten_by_random_ones(name: str, rng: np.rand
 
 
 def test_ways_out_of_a_high_order_are_printed() -> None:
-    """The Stanford arm's slide almost on axis 2, five rows fewer than it looks: σ grows with t⁵ along one joint."""
+    """Where σ hangs on the tolerance the order told can be high, whatever it is worth; it is printed all the same."""
     q = [0.6100307872216834, -0.824415084239536, 1.0001106043034938e-05, -0.8428645262277553, 1.5792702331388404,
          -1.668953371799625]  # fmt: skip
     found = explain(open_robot("stanford"), q, "scara")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import measure  # first: sets the number of threads
 import numpy as np
 
 from rankdrop.known import shipped
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Array
 
 OWN, SPARSEST = 0.5, {1: 8.0, 2: 8.0, 3: 15.0}  # targets [ms], the second by corank
 
@@ -20,16 +24,8 @@ def main() -> None:
         for corank, target in SPARSEST.items():
             points = [np.array(family.witness) for family in found.of_corank(corank)]
 
-            def own(points: list[np.ndarray] = points, corank: int = corank, found=found) -> None:  # type: ignore[no-untyped-def]
-                for q in points:
-                    lost_directions(found.robot, q, found.task, corank)
-
-            def sparsest(points: list[np.ndarray] = points, corank: int = corank, found=found) -> None:  # type: ignore[no-untyped-def]
-                for q in points:
-                    lost_in_sparsest_frame(found.robot, q, found.task, corank)
-
-            alone = 1e3 * measure.best_of(repeats, own) / len(points)
-            all_frames = 1e3 * measure.best_of(repeats, sparsest) / len(points)
+            alone = 1e3 * measure.best_of(repeats, partial(_own, found, corank, points)) / len(points)
+            all_frames = 1e3 * measure.best_of(repeats, partial(_sparsest, found, corank, points)) / len(points)
             rows.append({
                 "arm": name, "corank": corank, "own frame ms": alone, "sparsest frame ms": all_frames,
                 "of the target": max(alone / OWN, all_frames / target),
@@ -38,6 +34,16 @@ def main() -> None:
         "lost directions: under 0.5 ms in the task's frame; under 8 ms in the sparsest one (15 ms at corank 3)",
         rows, ratio="of the target", target=1.0, at_most=True,
     )  # fmt: skip
+
+
+def _own(found: Analysis, corank: int, points: list[Array]) -> None:
+    for q in points:
+        lost_directions(found.robot, q, found.task, corank)
+
+
+def _sparsest(found: Analysis, corank: int, points: list[Array]) -> None:
+    for q in points:
+        lost_in_sparsest_frame(found.robot, q, found.task, corank)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from known.members import members
 
+from rankdrop.atlas.family import Family
 from rankdrop.atlas.linear import wrap
 from rankdrop.atlas.on_the_spot import LocalFamily, name_on_the_spot
 from rankdrop.errors import ConfigurationError, OptionError
@@ -32,11 +33,15 @@ values of q are seen, and with θ4 = π more axes may be aligned than with θ4 =
 12 mm."""
 
 
-def alike(found: LocalFamily, family: object) -> bool:
+def alike(found: LocalFamily, family: Family) -> bool:
     """Same dimension, pinned, free and coupled joints."""
     return (found.dimension, tuple(one.number for one in found.pinned), found.free, found.coupled) == (
-        family.dimension, tuple(one.number for one in family.pinned), family.free, family.coupled,  # type: ignore[attr-defined]
+        family.dimension, tuple(one.number for one in family.pinned), family.free, family.coupled,
     )  # fmt: skip
+
+
+UNLIKE = {("canadarm2", "k1.f1"), ("gen3", "k1.f1")}
+"""Those whose joints may come out otherwise as well."""
 
 
 @pytest.mark.parametrize("name", robot_names())
@@ -49,6 +54,7 @@ def test_members_of_an_atlas_are_named_as_in_it(name: str) -> None:
         for configuration in q:
             found = name_on_the_spot(atlas.robot, configuration, atlas.task, family.corank)
             if family.id in DIFFERENT.get(name, set()):
+                assert alike(found, family) or (name, family.id) in UNLIKE, (family.id, found)
                 continue
             told += 1
             assert alike(found, family), (family.id, found)

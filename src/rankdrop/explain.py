@@ -30,13 +30,8 @@ from rankdrop.local.verdict import one_configuration, rank_at
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SMALL, Tolerances
 from rankdrop.version import VERSION
-
-NEAR = 0.05
-"""A configuration is near a singularity within this distance in joint space [rad]: 2.9°."""
-SMALL = 1e-3
-"""… or where σ_r is below this [1]: unit end-effector speed then needs joint rates of a thousand times the usual."""
 
 LARGEST_TOLERANCE = 1e-3
 """A singular value above this is not zero by any measure of rounding [1]."""
@@ -51,7 +46,7 @@ def explain(
     near: float = NEAR,
     small: float = SMALL,
     limits: bool = False,
-    evaluations: int = 5_000,
+    evaluations: int = EVALUATIONS,
     step: float = 0.1,
     coranks: int = 1,
     seed: int = 0,

@@ -51,3 +51,12 @@ ALIGNED = DEFAULT.value
 """Angles [rad] and lengths per reach below this are zero: axes are parallel, meet, coincide."""
 ENTRY = 1e-6
 """Entries of unit vectors below this do not count as entries [1]: a thousand times what `singular` leaves in them."""
+
+# What an explanation of one configuration asks by default; its settings record them.
+
+NEAR = 0.05
+"""A configuration is near a singularity within this distance in joint space [rad]: 2.9°."""
+SMALL = 1e-3
+"""… or where σ_r is below this [1]: unit end-effector speed then needs joint rates of a thousand times the usual."""
+EVALUATIONS = 5_000
+"""Enclosures spent on the certified radius: some 8 ms."""

@@ -17,7 +17,7 @@ MEANING = {
     BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
     UNEXPLAINED: "analyze: some point is not explained, or some row not sound; explain: near a singularity; escape, "
     "nearest: none found",
-    SINGULAR: "explain: the configuration is singular",
+    SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",
 }

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
 from rankdrop.cli.whole import Whole
+from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
     from rankdrop.explanation.explanation import Explanation
@@ -23,10 +24,10 @@ def explain(
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
     analysis: str | None = None,
-    near: float = 0.05,
+    near: float = NEAR,
     tolerance: float | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
-    evaluations: Whole = 5_000,
+    evaluations: Whole = EVALUATIONS,
     seed: Whole = 0,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,

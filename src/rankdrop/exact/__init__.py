@@ -1,0 +1,1 @@
+"""Singularity conditions derived exactly: polynomials in half-angle tangents, factored, split, and checked."""

@@ -158,7 +158,7 @@ class Chain:
         for j in range(k + 1, self.n + 1):
             pose = _times(ring, _times(ring, pose, self._link(j - 1)), self._joint(j))
         tip = [ring.constant(x) for x in self._end[1]]
-        point = [ring.reduce(sum((pose[i][l] * tip[l] for l in range(3)), pose[i][3])) for i in range(3)]
+        point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
         return [_moved(ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:
@@ -176,11 +176,11 @@ class Chain:
         if not body:  # link 1 turned by joint 1, seen from the base
             joint = self._joint(1)
             rotation = [
-                [sum((rotation[i][l] * joint[l][m] for l in range(3)), ring.zero) for m in range(3)] for i in range(3)
+                [sum((rotation[i][h] * joint[h][m] for h in range(3)), ring.zero) for m in range(3)] for i in range(3)
             ]
         return [
             [
-                ring.reduce(sum((rotation[i][l] * screw[3 * h + l] for l in range(3)), ring.zero))
+                ring.reduce(sum((rotation[i][g] * screw[3 * h + g] for g in range(3)), ring.zero))
                 for h in range(2)
                 for i in range(3)
             ]
@@ -218,8 +218,8 @@ def exact_chain(
     """Make a robot exact: twists as quarter turns or rationals, lengths as letters or decimals.
 
     Equal lengths get the same letter, opposite ones that letter with a minus: an arm whose forearm is as long as its
-    upper arm is another arm, and its conditions are its own. Letters are Denavit and Hartenberg's with the number of the
-    link (a2, d4), unless the robot names them or the caller does.
+    upper arm is another arm, and its conditions are its own. Letters are Denavit and Hartenberg's with the number of
+    the link (a2, d4), unless the caller names them.
 
     Args:
         robot: revolute and prismatic joints, each a variable of its own.

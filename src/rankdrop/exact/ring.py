@@ -141,7 +141,7 @@ class Ring:
     def reduce(self, p: Polynomial) -> Polynomial:
         """Normal form: every s_j at most once.
 
-        The trigonometric identity cos² + sin² = 1 is all there is, so p vanishes on the torus when its normal form is 0.
+        There is no other identity between them: p vanishes on the torus when its normal form is 0.
         """
         degrees = p.degrees()
         for place, circle in enumerate(self._circle):

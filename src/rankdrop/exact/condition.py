@@ -69,24 +69,29 @@ class Condition:
         return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
 
     def expression(
-        self, *, letters: Mapping[str, float] | None = None, shifts: Sequence[float] | None = None
+        self,
+        *,
+        letters: Mapping[str, float] | None = None,
+        shifts: Sequence[float] | None = None,
+        names: Mapping[str, str] | None = None,
     ) -> str:
         """The left-hand side as a Python expression in q1 …, sin, cos and the lengths; zero where the condition holds.
 
         Args:
             letters: numbers that replace lengths [m].
             shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
+            names: what lengths are called there, where it is something else.
         """
-        return Python(letters or {}, () if shifts is None else shifts).zero(self.form)
+        return Python(letters or {}, () if shifts is None else shifts, names=names or {}).zero(self.form)
 
-    def c_code(self, *, letters: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
+    def c_code(self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
         """The left-hand side as a C expression in q[0] …, with <math.h>.
 
         Args:
-            letters: what lengths are called there.
+            names: what lengths are called there, where it is something else.
             shifts: θ_j = q[j − 1] + shifts[j − 1] [rad]; None for none.
         """
-        return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=letters or {}).zero(self.form)
+        return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {}).zero(self.form)
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
         """The numeric equation in q, its largest coefficient 1.

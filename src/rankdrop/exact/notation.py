@@ -216,13 +216,13 @@ class Python(Notation):
         letters: numbers that replace lengths [m].
         shifts: of each joint [rad], slides have none; empty for none.
         variable: pattern of a joint variable, with {0} for its number and {1} for its place from 0.
-        functions: what stands before sin and cos.
+        names: what lengths are called there, where it is something else.
     """
 
     letters: Mapping[str, float] = field(default_factory=dict)
     shifts: Sequence[float] = ()
     variable: str = "q{0}"
-    functions: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
 
     times = "*"
     exact = True
@@ -236,10 +236,10 @@ class Python(Notation):
         if symbol.name in self.letters:
             value = float(self.letters[symbol.name])
             return repr(value) if value >= 0 else f"({value!r})"
-        return symbol.name
+        return self.names.get(symbol.name, symbol.name)
 
     def wave(self, wave: Wave) -> str:
-        return f"{self.functions}{wave.kind}({self.angle(wave.turns)})"
+        return f"{wave.kind}({self.angle(wave.turns)})"
 
     def angle(self, turns: Sequence[tuple[int, int]], value: str = "0") -> str:
         """Σ m_j (q_j + shift_j) / 2 − value / 2, a combination of angles less half of an angle out of `SIMPLE`."""
@@ -268,7 +268,7 @@ class Python(Notation):
 
     def simple(self, value: str) -> str:
         """π or π/2."""
-        return self.functions + value
+        return value
 
     def power(self, text: str, factor: Factor, power: int) -> str:
         return f"{text}**{power}"
@@ -276,19 +276,10 @@ class Python(Notation):
 
 @dataclass(frozen=True)
 class C(Python):
-    """C99, with <math.h>.
-
-    Attributes:
-        names: what lengths are called there.
-    """
-
-    names: Mapping[str, str] = field(default_factory=dict)
+    """C99, with <math.h>."""
 
     def number(self, value: Fraction) -> str:
         return repr(float(value))
-
-    def symbol(self, symbol: Symbol) -> str:
-        return self.names[symbol.name] if symbol.name in self.names else super().symbol(symbol)
 
     def simple(self, value: str) -> str:
         return repr(pi if value == "pi" else pi / 2)

@@ -91,11 +91,11 @@ def _written(joint: int, values: Sequence[str], notation: Python) -> str:
     factors = []
     for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
         if kept >= pair:
-            factors.append(f"{notation.functions}{kind}({notation.angle(((joint, 2),))})")
+            factors.append(f"{kind}({notation.angle(((joint, 2),))})")
             kept -= pair
     for value in _checked(tuple(kept)) if kept else ():
         kind, rest = ("cos", "0") if value == "pi" else ("sin", value)
-        factors.append(f"{notation.functions}{kind}({notation.angle(((joint, 1),), rest)})")
+        factors.append(f"{kind}({notation.angle(((joint, 1),), rest)})")
     return "*".join(factors)
 
 

@@ -22,7 +22,7 @@ MANY = 600
 """Half-angle polynomials with more terms are not rearranged: nobody reads them."""
 FINE, COARSE = 40, 150
 """With more terms than that only the two best variables, or the best one, are tried."""
-LOOKS = 300
+LOOKS = 240
 """Polynomials looked at for one condition; those after are only multiplied out."""
 FEW = 3
 """Terms of a Fourier form that is short enough as it is."""

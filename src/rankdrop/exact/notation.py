@@ -16,8 +16,7 @@ SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 LONG = 10**5
 """Whole numbers above this are not read any more; people get `DIGITS` digits of them, the largest of a sum being 1."""
 DIGITS = 6
-EXACT = 2**53
-"""Whole numbers up to this are exact as floats."""
+EXACT = 2**53  # whole numbers up to this are exact as floats
 
 
 class Notation(ABC):
@@ -25,8 +24,7 @@ class Notation(ABC):
 
     times = " "
     minus = "-"
-    exact = False
-    """Whether numbers are written to the last digit, however long."""
+    exact = False  # whether numbers are written to the last digit
 
     @abstractmethod
     def number(self, value: Fraction) -> str:
@@ -42,7 +40,7 @@ class Notation(ABC):
 
     @abstractmethod
     def power(self, text: str, factor: Factor, power: int) -> str:
-        """A factor to a power of 2 or more."""
+        """A factor to a power from 2 up."""
 
     def bracket(self, text: str) -> str:
         """A sum inside a product."""

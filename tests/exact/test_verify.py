@@ -150,7 +150,7 @@ def test_nothing_explains_nothing() -> None:
 
 
 def test_the_modular_kinematics_of_slides_at_odd_angles_agree_with_the_numeric_rank() -> None:
-    rows = [[0.0, pi / 2, 0.3, 0.0], [0.4, pi / 2, 0.0, 0.7], [0.2, -pi / 2, 0.1, pi / 2], [0.0, pi / 2, 0.2, 0.0]]
+    rows = [[0.3, pi / 2, 0.3, 0.0], [0.4, 0.9, 0.0, 0.7], [0.2, -pi / 2, 0.1, pi / 2], [0.0, pi / 2, 0.2, 0.0]]
     robot = from_dh([*rows, [0.1, 0.5, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0]], convention="standard", kinds="RPRPRR")
     chain = exact_chain(robot)
     ranks = set()

@@ -150,8 +150,9 @@ def test_nothing_explains_nothing() -> None:
 
 
 def test_the_modular_kinematics_of_slides_at_odd_angles_agree_with_the_numeric_rank() -> None:
-    rows = [[0.3, pi / 2, 0.3, 0.0], [0.4, 0.9, 0.0, 0.7], [0.2, -pi / 2, 0.1, pi / 2], [0.0, pi / 2, 0.2, 0.0]]
-    robot = from_dh([*rows, [0.1, 0.5, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0]], convention="standard", kinds="RPRPRR")
+    rows = [[0.3, pi / 2, 0.3, 0.0], [0.4, 0.9, 0.0, 0.7], [0.2, -pi / 2, 0.1, pi / 2]]
+    wrist = [[0.0, pi / 2, 0.2, 0.0], [0.0, -pi / 2, 0.0, 0.0], [0.0, 0.0, 0.1, 0.0]]
+    robot = from_dh([*rows, *wrist], convention="standard", kinds="RPRRRR")
     chain = exact_chain(robot)
     ranks = set()
     for tangents in ([1, 2, 3, 4, 5, 6], [0, 1, 0, 2, 0, 0], [1, 0, 1, 0, 1, 1], [0, 0, 0, 0, 1, 0]):

@@ -64,8 +64,8 @@ class SignedFactor:
 def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...]:
     """Atoms joined into factors with a sign of their own where that can be done.
 
-    First θ = 0 with θ = π and π/2 with −π/2, then the fewest of the others whose odd degrees cancel. What is left over
-    is not periodic; its multiplicity in the determinant is even.
+    The products of atoms in which all odd degrees cancel form a vector space over {0, 1}; the factors are a basis of it
+    with as few atoms in each as possible. An atom that is in none of them has no sign, even together with others.
 
     Example:
         >>> from rankdrop.exact.ring import Ring
@@ -74,22 +74,44 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
         >>> [(factor.text, factor.periodic) for factor in signed_factors(ring, [atom for atom, _ in found.atoms])]
         [('s1', True), ('sin(θ2/2)', False)]
     """
-    left = list(dict.fromkeys(atoms))
-    groups: list[tuple[Atom, ...]] = []
-    for pair in _PAIRS:
-        for joint in ring.revolute:
-            both = tuple(atom for value in pair for atom in left if atom.joint == joint and atom.value == value)
-            if len(both) == 2:
-                groups.append(both)
-                left = [atom for atom in left if atom not in both]
-    for size in range(1, len(left) + 1):
-        for chosen in combinations(left, size):
-            if not _odd(ring, chosen) and all(atom in left for atom in chosen):
-                groups.append(chosen)
-                left = [atom for atom in left if atom not in chosen]
-    order = {atom: place for place, atom in enumerate(atoms)}
-    groups.sort(key=lambda group: order[group[0]])
-    return (*(_signed(ring, group, True) for group in groups), *(_signed(ring, (atom,), False) for atom in left))
+    kept = list(dict.fromkeys(atoms))
+    odd = [_odd(ring, (atom,)) for atom in kept]
+    groups: list[tuple[int, ...]] = []
+    basis: list[int] = []
+    candidates = (chosen for size in range(1, len(kept) + 1) for chosen in combinations(range(len(kept)), size))
+    for chosen in sorted(candidates, key=lambda one: (len(one), not simple_pair([kept[i] for i in one]), one)):
+        total: set[int] = set()
+        for i in chosen:
+            total ^= odd[i]
+        if not total and not _told(kept, chosen) and _independent(basis, sum(1 << i for i in chosen)):
+            groups.append(chosen)
+    joined = {i for chosen in groups for i in chosen}
+    alone = [(i,) for i in range(len(kept)) if i not in joined]
+    return tuple(
+        _signed(ring, tuple(kept[i] for i in chosen), chosen not in alone) for chosen in sorted(groups + alone)
+    )
+
+
+def simple_pair(atoms: Sequence[Atom]) -> bool:
+    """Together sin θ or cos θ of one joint."""
+    return len(atoms) == 2 and atoms[0].joint == atoms[1].joint and tuple(a.value for a in atoms) in _PAIRS
+
+
+def _told(atoms: Sequence[Atom], chosen: Sequence[int]) -> bool:
+    """Pins of one joint of which the signs of its sine and cosine, both factors already, tell the rest."""
+    joints = {atoms[i].joint for i in chosen}
+    values = {atom.value for atom in atoms if atom.joint in joints}
+    return joints != {0} and len(joints) == 1 and len(values) == 4 and not simple_pair([atoms[i] for i in chosen])
+
+
+def _independent(basis: list[int], row: int) -> bool:
+    """Whether a row of bits is no sum of those in `basis` (kept reduced, leading bit by leading bit); added if so."""
+    for known in basis:
+        row = min(row, row ^ known)
+    if row:
+        basis.append(row)
+        basis.sort(reverse=True)
+    return row != 0
 
 
 def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float]) -> Array:
@@ -98,7 +120,7 @@ def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, floa
     if atom.pinned:
         s, c = sine[:, atom.joint - 1], cosine[:, atom.joint - 1]
         return np.asarray({"0": s, "pi": c, "pi/2": (s - c) / 2, "-pi/2": (s + c) / 2}[atom.value])
-    degrees = atom.f.degrees()
+    degrees = [int(degree) for degree in atom.f.degrees()]
     total, size = np.zeros(len(theta)), 0.0
     for coefficient, powers in numeric_terms(ring, atom.f, letters):
         part = np.full(len(theta), coefficient)
@@ -164,7 +186,7 @@ def _odd(ring: Ring, atoms: Sequence[Atom]) -> set[int]:
 
 
 def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor:
-    if len(atoms) == 2 and all(atom.pinned for atom in atoms) and atoms[0].joint == atoms[1].joint:
+    if simple_pair(atoms):
         # sin θ = 2 sin(θ/2) cos(θ/2); cos θ = −2 sin(θ/2 − π/4) sin(θ/2 + π/4)
         sine = atoms[0].value == "0"
         return SignedFactor(ring, atoms, f"{'s' if sine else 'c'}{atoms[0].joint}", periodic, 1 if sine else -1)

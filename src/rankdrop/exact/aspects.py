@@ -1,15 +1,14 @@
 """Aspects: the signs of the determinant's factors as flags of a configuration, and what parts two configurations.
 
-An arm without redundancy is singular where one of the factors of det J is zero. A factor with a sign on the torus cannot
-change it along a path without passing zero: configurations with opposite signs are parted by that family. The converse
-is no theorem: with all signs equal there may be several aspects (connected sets of regular configurations).
+An arm without redundancy is singular where one of the factors of det J is zero. A factor with a sign on the torus
+cannot change it along a path without passing zero: configurations with opposite signs are parted by that family. The
+converse is no theorem: with all signs equal there may be several aspects (connected sets of regular configurations).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from math import ceil
+from math import tau
 from typing import Any
 
 import numpy as np
@@ -18,14 +17,13 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.parts import look
+from rankdrop.exact.segment import zeros_between
 from rankdrop.exact.signs import SignedFactor, signed_factors
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 
-SAMPLES = 64
-"""Points per turn of a segment at which a factor is looked at for each half turn of its degree."""
-_HALVINGS = 60  # of an interval: to the last digit
+_ENDS = ("starts on", "ends on", "lies in")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,13 +80,13 @@ class Crossing:
     Attributes:
         at: share of the way, 0 … 1.
         factor, name: of the family.
-        through: the factor changes its sign there; else it only touches zero.
+        kind: "crosses" (the factor changes its sign), "touches", "starts on", "ends on", "lies in" (all of it).
     """
 
     at: float
     factor: str
     name: str
-    through: bool
+    kind: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +123,8 @@ class Between:
             found.append(f"{_title(flags[i])} decides nothing: {why}.")
         if self.crossings:
             for one in self.crossings:
-                verb = "crosses" if one.through else "touches"
-                found.append(f"The straight way {verb} {one.name or one.factor} at {one.at:.6g} of its length.")
+                where = "" if one.kind in _ENDS else f" at {one.at:.6g} of its length"
+                found.append(f"The straight way {one.kind} {one.name or one.factor}{where}.")
         else:
             found.append("The straight way meets no singularity at its sample points, nor between them by a sign.")
         return tuple(found)
@@ -270,52 +268,12 @@ def _flag_words(flag: Flag) -> str:
 
 
 def _crossings(signs: Signs, index: int, start: Array, end: Array, tolerance: float) -> list[Crossing]:
-    """Zeros of one factor along the segment: sign changes halved down, and minima of its size that reach zero."""
-    factor = signs.factors[index]
+    """Zeros of one factor along the segment."""
+    factor, chain = signs.factors[index], signs.chain
 
     def value(share: Array) -> Array:
         q = start + share[:, None] * (end - start)
-        return factor.values(q + signs.chain.shifts, signs.chain.numbers)
+        return factor.values(q + chain.shifts, chain.numbers)
 
-    turns = float(np.abs(end - start).sum()) / (2 * np.pi)
-    share = np.linspace(0.0, 1.0, SAMPLES * ceil(1 + turns) + 1)
-    sample = value(share)
-    if np.abs(sample).max() <= tolerance:  # the whole segment lies on the family
-        return [Crossing(0.0, factor.text, signs.names[index], False)]
-    found = [(float(share[i]), _changes(sample, i)) for i in np.flatnonzero(np.abs(sample) <= tolerance)]
-    for i in np.flatnonzero(sample[:-1] * sample[1:] < 0):
-        if min(abs(sample[i]), abs(sample[i + 1])) > tolerance:
-            found.append((_halved(value, float(share[i]), float(share[i + 1])), True))
-    size = np.abs(sample)
-    for i in range(1, len(share) - 1):
-        if size[i] <= min(size[i - 1], size[i + 1]) and size[i] > tolerance and sample[i - 1] * sample[i + 1] > 0:
-            lowest = _lowest(value, float(share[i - 1]), float(share[i + 1]))
-            if abs(value(np.array([lowest]))[0]) <= tolerance:
-                found.append((lowest, False))
-    return [Crossing(at, factor.text, signs.names[index], through) for at, through in found]
-
-
-def _changes(sample: Array, i: int) -> bool:
-    """Whether the sign differs on the two sides of a sample that is zero."""
-    return bool(0 < i < len(sample) - 1 and sample[i - 1] * sample[i + 1] < 0)
-
-
-def _halved(value: Callable[[Array], Array], low: float, high: float) -> float:
-    """The zero between two points of opposite sign."""
-    sign = value(np.array([low]))[0]
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        if value(np.array([middle]))[0] * sign > 0:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
-
-
-def _lowest(value: Callable[[Array], Array], low: float, high: float) -> float:
-    """Where the size is smallest between two points, by thirds."""
-    for _ in range(_HALVINGS):
-        left, right = low + (high - low) / 3, high - (high - low) / 3
-        sizes = np.abs(value(np.array([left, right])))
-        low, high = (low, right) if sizes[0] < sizes[1] else (left, high)
-    return (low + high) / 2
+    met = zeros_between(value, float(np.abs(end - start).sum()) / tau, tolerance)
+    return [Crossing(at, factor.text, signs.names[index], kind) for at, kind in met]

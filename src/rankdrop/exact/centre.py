@@ -1,14 +1,14 @@
 """What is lost at the centre of a spherical group, as a direction that the arm's own lines give (JL).
 
-With the centre as reference point J = [[J11, 0], [J21, J22]]. Where J11 is singular, yᵀJ11 = 0, the left null vector of J
-is (y; 0): the centre cannot translate along y, whatever the wrist does. Where J22 is singular, yᵀJ22 = 0, and J11 is
-not, a motion that leaves the centre at rest leaves the arm at rest, and cannot turn the end effector about y.
+With the centre as reference point J = [[J11, 0], [J21, J22]]. Where J11 is singular, yᵀJ11 = 0, the left null vector
+of J is (y; 0): the centre cannot translate along y, whatever the wrist does. Where J22 is singular, yᵀJ22 = 0, and J11
+is not, a motion that leaves the centre at rest leaves the arm at rest, and cannot turn the end effector about y.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -49,7 +49,7 @@ def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
 def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Iterator[tuple[str, Array]]:
     """Directions that an arm's lines give, the plainest first."""
     axes = [i for i in own if i in scene.axes]
-    for i, j in zip(axes, axes[1:], strict=False):
+    for i, j in pairwise(axes):
         if scene.meeting(i, j).all():
             shoulder = "the shoulder, " if (i, j) == (0, 1) else ""
             meeting = scene.common_point((i, j))[0]

@@ -17,7 +17,7 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.centre import centre_statement
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.parts import condition_text, look, merged
+from rankdrop.exact.parts import UNSEEN, condition_text, look, merged
 from rankdrop.exact.ring import Atom, Factors
 from rankdrop.exact.splits import POSE, POSITION, Split, flat, split_of
 from rankdrop.exact.structure import ExactStructure, listed, structure_of
@@ -239,20 +239,19 @@ def _part(
     times: dict[Atom, Any],
     names: bool,
 ) -> Part:
-    seen = look(chain, atoms) if names else None
-    points = seen.points if seen is not None else ()
+    seen = look(chain, atoms) if names else UNSEEN
     statement = ""
-    if len(points) and split.kind == "point":
-        statement = centre_statement(chain.robot, points, split.group, joints, split.names[0])
+    if len(seen.points) and split.kind == "point":
+        statement = centre_statement(chain.robot, seen.points, split.group, joints, split.names[0])
     return Part(
-        name=(seen.name if seen is not None else "") or block,
-        roles=seen.roles if seen is not None else (),
+        name=seen.name or block,
+        roles=seen.roles,
         block=block,
         atoms=atoms,
         multiplicity=max(int(times[atom]) for atom in atoms),
         text=condition_text(chain.ring, atoms),
-        witness=tuple(float(x) for x in points[0]) if len(points) else None,
-        lost=seen.lost if seen is not None else (),
+        witness=tuple(float(x) for x in seen.points[0]) if len(seen.points) else None,
+        lost=seen.lost,
         statement=statement,
     )
 
@@ -263,6 +262,6 @@ def _wide(structure: ExactStructure, n: int, m: int) -> str:
         return f"{n} joints for {m} freedoms: the Jacobian is not square, and no three axes at an end meet in one point"
     part = "wrist" if structure.wrist else "shoulder"
     return (
-        f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block is "
-        f"3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"
+        f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block "
+        f"is 3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"
     )

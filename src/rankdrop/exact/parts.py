@@ -43,6 +43,10 @@ class Place:
     lost: tuple[str, ...]
 
 
+UNSEEN = Place("", (), np.zeros((0, 0)), ())
+"""A part that was not looked at, or of which no real configuration was found."""
+
+
 def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
     """Atoms one by one, but θ = 0 with θ = π, and π/2 with −π/2, of one joint together."""
     groups: list[tuple[Atom, ...]] = []
@@ -76,13 +80,13 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
     robot, task = chain.robot, chain.task
     points = real_points(chain, atoms, POINTS)
     if not len(points):
-        return Place("", (), points, ())
+        return UNSEEN
     rank = generic_rank(robot, task)
     sigma = singular_values(robot, points, task)
     simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
     points = points[simple]
     if not len(points):
-        return Place("", (), points, ())
+        return UNSEEN
     try:
         name = name_family(robot, task, points)
     except ConfigurationError:  # singular for the snapped lengths only

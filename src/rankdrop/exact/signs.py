@@ -86,7 +86,7 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
         if not total and not _told(kept, chosen) and _independent(basis, sum(1 << i for i in chosen)):
             groups.append(chosen)
     joined = {i for chosen in groups for i in chosen}
-    alone = [(i,) for i in range(len(kept)) if i not in joined]
+    alone: list[tuple[int, ...]] = [(i,) for i in range(len(kept)) if i not in joined]
     return tuple(
         _signed(ring, tuple(kept[i] for i in chosen), chosen not in alone) for chosen in sorted(groups + alone)
     )

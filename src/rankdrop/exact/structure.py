@@ -114,7 +114,7 @@ def structure_of(chain: Chain) -> ExactStructure:
         joints=chain.n,
         points=tuple(triple for triple in triples if _meet_in_one(chain, triple)),
         parallel=_parallel(chain, revolute),
-        meeting=tuple((i, i + 1) for i in neighbours if _twisted(chain.sections[i - 1]) and not chain.length(i - 1, "a")),
+        meeting=tuple((i, i + 1) for i in neighbours if _meet(chain, i)),
         near=(*_nearly_in_one(chain, triples), *_nearly_parallel(chain, neighbours)),
         remarks=chain.remarks,
     )
@@ -123,6 +123,10 @@ def structure_of(chain: Chain) -> ExactStructure:
 def listed(joints: tuple[int, ...]) -> str:
     """ "4, 5, 6"."""
     return ", ".join(str(joint) for joint in joints)
+
+
+def _meet(chain: Chain, i: int) -> bool:
+    return _twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
 
 
 def _twisted(section: Section) -> bool:

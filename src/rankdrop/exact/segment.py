@@ -39,13 +39,20 @@ def zeros_between(value: Function, turns: float, tolerance: float) -> list[tuple
     for i in np.flatnonzero(sample[:-1] * sample[1:] < 0):
         if min(abs(sample[i]), abs(sample[i + 1])) > tolerance:
             found.append((_halved(value, float(share[i]), float(share[i + 1])), "crosses"))
-    size = np.abs(sample)
-    for k in range(1, len(share) - 1):
-        if size[k] <= min(size[k - 1], size[k + 1]) and size[k] > tolerance and sample[k - 1] * sample[k + 1] > 0:
-            lowest = _lowest(value, float(share[k - 1]), float(share[k + 1]))
-            if abs(value(np.array([lowest]))[0]) <= tolerance:
-                found.append((lowest, "touches"))
+    for k in _hollows(sample):
+        lowest = _lowest(value, float(share[k - 1]), float(share[k + 1]))
+        if abs(sample[k]) > tolerance >= abs(value(np.array([lowest]))[0]):
+            found.append((lowest, "touches"))
     return sorted(found)
+
+
+def _hollows(sample: Array) -> list[int]:
+    """Samples of least size, of one sign with their neighbours, where the curve bends enough to reach zero between."""
+    size = np.abs(sample)
+    inner = size[1:-1]
+    least = (inner <= size[:-2]) & (inner <= size[2:]) & (sample[:-2] * sample[2:] > 0)
+    bend = np.abs(sample[:-2] - 2 * sample[1:-1] + sample[2:])  # f″h², and f ≤ f″h²/2 within h of a double zero
+    return [int(k) + 1 for k in np.flatnonzero(least & (inner <= bend))]
 
 
 def _kind(sample: Array, i: int) -> str:

@@ -77,13 +77,13 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
     kept = list(dict.fromkeys(atoms))
     odd = [_odd(ring, (atom,)) for atom in kept]
     groups: list[tuple[int, ...]] = []
-    basis: list[int] = []
+    basis = _told(kept)
     candidates = (chosen for size in range(1, len(kept) + 1) for chosen in combinations(range(len(kept)), size))
     for chosen in sorted(candidates, key=lambda one: (len(one), not simple_pair([kept[i] for i in one]), one)):
         total: set[int] = set()
         for i in chosen:
             total ^= odd[i]
-        if not total and not _told(kept, chosen) and _independent(basis, sum(1 << i for i in chosen)):
+        if not total and _independent(basis, sum(1 << i for i in chosen)):
             groups.append(chosen)
     joined = {i for chosen in groups for i in chosen}
     alone: list[tuple[int, ...]] = [(i,) for i in range(len(kept)) if i not in joined]
@@ -97,11 +97,14 @@ def simple_pair(atoms: Sequence[Atom]) -> bool:
     return len(atoms) == 2 and atoms[0].joint == atoms[1].joint and tuple(a.value for a in atoms) in _PAIRS
 
 
-def _told(atoms: Sequence[Atom], chosen: Sequence[int]) -> bool:
-    """Pins of one joint of which the signs of its sine and cosine, both factors already, tell the rest."""
-    joints = {atoms[i].joint for i in chosen}
-    values = {atom.value for atom in atoms if atom.joint in joints}
-    return joints != {0} and len(joints) == 1 and len(values) == 4 and not simple_pair([atoms[i] for i in chosen])
+def _told(atoms: Sequence[Atom]) -> list[int]:
+    """Products, as bits, that need no factor: of a joint with all four pins sine and cosine tell the quarter."""
+    rows: list[int] = []
+    for joint in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+        place = {atom.value: i for i, atom in enumerate(atoms) if atom.joint == joint}
+        if len(place) == 4:
+            _independent(rows, 1 << place["0"] | 1 << place["pi/2"])
+    return rows
 
 
 def _independent(basis: list[int], row: int) -> bool:

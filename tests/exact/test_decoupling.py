@@ -14,6 +14,7 @@ from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.task import ROWS
 from rankdrop.tolerances import DEFAULT
 
 HALF = np.pi / 2
@@ -118,6 +119,20 @@ BUILT = {
 CATALOGUE = ("anthropomorphic", "puma560", "stanford", "ur5", "ur10e", "irb140", "z1", "vx300s", "scara", "planar3r")
 
 
+DEAD = {
+    "axes 1, 2 on one line": arm(
+        [(0, 0, 0, 0), (0.3, 0, 0, 0), (0.1, "pi/2", 0, 0), (0, "pi/2", 0.2, 0), (0, "pi/2", 0, 0), (0, 0, 0, 0)]
+    ),
+    "four axes through a point": arm(
+        [(0.1, "pi/2", 0, 0), (0.3, "pi/2", 0.2, 0), (0, "pi/2", 0.4, 0), (0, "pi/2", 0, 0), (0, "pi/2", 0, 0),
+         (0, 0, 0, 0)]
+    ),
+    "four parallel axes": arm(
+        [(0.1, 0, 0, 0), (0.3, 0, 0.2, 0), (0.2, 0, 0.4, 0), (0.2, "pi/2", 0, 0), (0.1, "pi/2", 0, 0), (0, 0, 0, 0)]
+    ),
+}  # fmt: skip
+
+
 def chains():
     yield from ((name, exact_chain(open_robot(name))) for name in CATALOGUE)
     yield from ((name, chain) for name, (chain, _, _) in BUILT.items())
@@ -153,7 +168,7 @@ def test_product_of_blocks_is_the_numeric_determinant(name, rng):
 def test_matrix_is_block_triangular_and_of_the_same_rank(name, rng):
     chain = CHAINS[name]
     found = decouple(chain, names=False)
-    rows = ["vx vy vz wx wy wz".split()[r] for r in chain.task.rows]
+    rows = [ROWS[r] for r in chain.task.rows]
     first, second = found.blocks if found.kind not in ("point", "last axis") else found.blocks[::-1]
     for j in first.joints:
         for row in second.rows:
@@ -161,7 +176,8 @@ def test_matrix_is_block_triangular_and_of_the_same_rank(name, rng):
     assert sorted(first.joints + second.joints) == list(range(1, chain.n + 1))
     q = rng.uniform(-np.pi, np.pi, chain.n)
     numeric = np.array([[value(chain, x, q) for x in column] for column in found.columns]).T
-    assert abs(np.linalg.det(numeric)) == pytest.approx(abs(np.linalg.det(jacobian(chain.robot, q)[list(chain.task.rows)])))
+    expected = jacobian(chain.robot, q)[list(chain.task.rows)]
+    assert abs(np.linalg.det(numeric)) == pytest.approx(abs(np.linalg.det(expected)))
 
 
 @pytest.mark.parametrize("name", BUILT)
@@ -182,7 +198,7 @@ def test_anthropomorphic_determinant_of_ml_and_jl():
     assert is_plus_minus(ring, wrist.determinant, ring.s[5])
     assert [part.roles for part in arm_block.parts] == [("elbow",), ("shoulder",)]
     assert [part.roles for part in wrist.parts] == [("wrist",)]
-    assert [part.text for part in arm_block.parts][0] == "θ3 = 0 or π"
+    assert arm_block.parts[0].text == "θ3 = 0 or π"
 
 
 def test_third_column_of_jl_uses_the_third_axis(rng):
@@ -320,6 +336,41 @@ def _stated(chain, statement, q, centre):
     return direction / np.linalg.norm(direction)
 
 
+@pytest.mark.parametrize("name", ["ur5", "z1", "ur3e"])
+def test_beside_a_planar_triple_a_line_is_lost(name):
+    chain = exact_chain(open_robot(name))
+    words = {part.roles[0]: part for part in decouple(chain).parts}
+    line = "the points of the line that is parallel to axes 2, 3, 4 and meets axes {} cannot move along it"
+    assert words["shoulder"].statement == line.format("1, 5, 6")
+    assert words["wrist"].statement == line.format("1, 5")
+    assert words["elbow"].statement == (
+        "motions in the plane across axes 2, 3, 4 have no part along the line that meets these axes"
+    )
+    for role, met in (("shoulder", (0, 4, 5)), ("wrist", (0, 4))):
+        q = np.array(words[role].witness)
+        screws = jacobian(chain.robot, q, Frame(0, 0))
+        lost = np.linalg.svd(screws)[0][:, -1]  # a wrench (f; τ) about the base origin
+        assert abs(lost[:3] @ lost[3:]) < 1e-9  # a force along a line
+        assert np.abs(np.cross(lost[:3], screws[3:, 1])).max() < 1e-9 < np.linalg.norm(lost[:3])
+        point = np.cross(lost[:3], lost[3:]) / (lost[:3] @ lost[:3])
+        for j in met:
+            axis, on_axis = screws[3:, j], np.cross(screws[3:, j], screws[:3, j])
+            assert abs((point - on_axis) @ np.cross(lost[:3], axis)) < 1e-9
+            assert np.linalg.norm(np.cross(lost[:3], axis)) > 1e-3  # they meet, not parallel
+    q = np.array(words["elbow"].witness)
+    screws = jacobian(chain.robot, q, Frame(0, 0))
+    feet = [np.cross(screws[3:, j], screws[:3, j]) for j in (1, 2, 3)]
+    across = feet[2] - feet[0] - screws[3:, 1] * ((feet[2] - feet[0]) @ screws[3:, 1])
+    z = screws[3:, 1]
+    out_of_plane = np.vstack([z @ screws[:3], (np.eye(3) - np.outer(z, z)) @ screws[3:]])
+    _, sigma, right = np.linalg.svd(out_of_plane)
+    rates = right[np.array([*sigma, *[0.0] * (6 - len(sigma))]) < 1e-9]  # joint rates of motions in the plane
+    assert len(rates) == 3
+    along = np.array([*across, *np.cross(feet[0], across)])  # a force along the line, as a wrench about the base origin
+    assert along @ screws @ rates.T == pytest.approx(0, abs=1e-9)
+    assert np.abs(along @ screws).max() > 1e-3  # other motions have a part along it
+
+
 def test_elbow_and_shoulder_of_jl_lose_what_jl_says():
     words = {part.roles[0]: part.statement for part in decouple(CHAINS["anthropomorphic"]).parts}
     assert words["elbow"].startswith("the wrist centre cannot translate along the line from the shoulder")
@@ -346,12 +397,9 @@ def test_why_not_is_empty_where_it_is():
 
 def test_an_arm_in_one_piece_and_one_always_singular():
     assert "one piece" in why_not(exact_chain(open_robot("xarm6")))
-    aligned = arm([(0.3, "pi/2", 0, 0), (0.3, 0, 0, 0), (0.1, "pi/2", 0, 0), (0, "pi/2", 0.2, 0),
-                   (0, "pi/2", 0, 0), (0, 0, 0, 0)])  # fmt: skip
-    assert decouple(aligned) is not None
-    dead = arm([(0, 0, 0, 0), (0.3, 0, 0, 0), (0.1, "pi/2", 0, 0), (0, "pi/2", 0.2, 0), (0, "pi/2", 0, 0), (0, 0, 0, 0)])
-    assert decouple(dead) is None
-    assert why_not(dead) == "the arm is singular at every configuration"
+    for name, dead in DEAD.items():
+        assert decouple(dead) is None, name
+        assert why_not(dead) == "the arm is singular at every configuration", name
 
 
 def test_too_few_joints_for_the_task():

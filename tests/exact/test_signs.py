@@ -65,7 +65,8 @@ def test_a_lone_half_angle_factor_has_no_sign_of_its_own(rng):
     (factor,) = factors(NO_SIGN)
     assert (factor.text, factor.periodic) == ("sin(θ1/2)", False)
     theta = rng.uniform(-3, 3, (5, 3))
-    assert factor.values(theta + [2 * np.pi, 0, 0], LETTERS) == pytest.approx(-factor.values(theta, LETTERS))
+    turn = np.array([2 * np.pi, 0, 0])
+    assert factor.values(theta + turn, LETTERS) == pytest.approx(-factor.values(theta, LETTERS))
 
 
 def test_half_angle_factors_whose_turns_cancel_are_joined():

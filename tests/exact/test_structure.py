@@ -70,6 +70,11 @@ def test_a_slide_across_keeps_axes_parallel():
     assert structure_of(exact_chain(robot)).parallel == ((1, 3),)
 
 
+def test_axes_on_one_line_are_no_spherical_group():
+    robot = from_dh([(0, 0, 0, 0), (0, "pi/2", 0, 0), (0.2, 0, 0, 0)], convention="standard", task="position")
+    assert structure_of(exact_chain(robot, "pose")).points == ()
+
+
 def test_near_structures_of_gen3_are_told_in_millimetres():
     near = {one.joints: one for one in structure_of(exact_chain(open_robot("gen3"))).near}
     assert near[1, 2, 3].text == "the axes of joints 1, 2, 3 miss a common point by 11.75 mm"

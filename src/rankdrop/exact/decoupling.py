@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rankdrop.errors import OptionError, TaskError
+from rankdrop.exact.across import across_statement
 from rankdrop.exact.centre import centre_statement
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
@@ -21,6 +22,7 @@ from rankdrop.exact.parts import UNSEEN, condition_text, look, merged
 from rankdrop.exact.ring import Atom, Factors
 from rankdrop.exact.splits import POSE, POSITION, Split, flat, split_of
 from rankdrop.exact.structure import ExactStructure, listed, structure_of
+from rankdrop.robot.model import Array
 from rankdrop.task import ROWS
 
 
@@ -37,8 +39,8 @@ class Part:
         text: the condition.
         witness: a configuration q on it [rad, m]; None where no real one was found.
         lost: the motion lost there, seen in a frame in which it stands still or at one configuration.
-        statement: the motion lost at the centre of a spherical group, checked at several configurations; "" where
-            there is none in words.
+        statement: the motion lost at the centre of a spherical group, or beside a planar triple, by the lines of the
+            arm; checked at several configurations; "" where there is none in words.
     """
 
     name: str
@@ -167,9 +169,12 @@ def why_not(chain: Chain) -> str:
     if n < m:
         return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
     split = split_of(chain, structure)
-    if split is None:
-        return "no three axes meet in one point or move in one plane: the Jacobian stays in one piece" + near
-    return "" if decouple(chain, names=False) is not None else "the arm is singular at every configuration"
+    if _always_singular(chain):
+        return "the arm is singular at every configuration"
+    if split is not None:
+        return ""
+    groups = "no three axes meet in one point, are parallel or slide: " if chain.task.rows == POSE else ""
+    return f"{groups}the Jacobian stays in one piece{near}"
 
 
 def frame_jacobian(chain: Chain, k: int) -> list[list[Polynomial]]:
@@ -240,9 +245,6 @@ def _part(
     names: bool,
 ) -> Part:
     seen = look(chain, atoms) if names else UNSEEN
-    statement = ""
-    if len(seen.points) and split.kind == "point":
-        statement = centre_statement(chain.robot, seen.points, split.group, joints, split.names[0])
     return Part(
         name=seen.name or block,
         roles=seen.roles,
@@ -252,8 +254,22 @@ def _part(
         text=condition_text(chain.ring, atoms),
         witness=tuple(float(x) for x in seen.points[0]) if len(seen.points) else None,
         lost=seen.lost,
-        statement=statement,
+        statement=_statement(chain, split, joints, seen.points) if len(seen.points) else "",
     )
+
+
+def _statement(chain: Chain, split: Split, joints: tuple[int, ...], points: Array) -> str:
+    """What is lost, by the lines of the arm."""
+    if split.kind == "point":
+        return centre_statement(chain.robot, points, split.group, joints, split.names[0])
+    if split.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
+        return across_statement(chain.robot, points, split.group, joints)
+    return ""
+
+
+def _always_singular(chain: Chain) -> bool:
+    rows = [list(row) for row in zip(*chain.columns, strict=True)]
+    return bool(chain.ring.determinant(rows) == 0)
 
 
 def _wide(structure: ExactStructure, n: int, m: int) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from math import prod
 
 import numpy as np
 import pytest
+from reference.trig import value
 
-from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.chain import Chain, exact_chain
-from rankdrop.exact.decoupling import decouple, frame_jacobian, why_not
+from rankdrop.exact.decoupling import decouple, why_not
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh
@@ -53,20 +54,6 @@ def sums(ring, *joints):
 
 def is_plus_minus(ring, p, q):
     return ring.reduce(p - q) == 0 or ring.reduce(p + q) == 0
-
-
-def value(chain, p, q):
-    """A trigonometric polynomial at a configuration."""
-    theta = np.asarray(q) + chain.shifts
-    point = dict(chain.numbers)
-    for j in chain.ring.revolute:
-        point |= {f"s{j}": np.sin(theta[j - 1]), f"c{j}": np.cos(theta[j - 1])}
-    point |= {f"q{j}": theta[j - 1] for j in chain.ring.prismatic}
-    names = chain.ring.trig.names()
-    return sum(
-        int(c.p) / int(c.q) * prod(point[name] ** int(e) for name, e in zip(names, powers, strict=True))
-        for powers, c in p.terms()
-    )
 
 
 def arm(rows, kinds=None):
@@ -408,39 +395,6 @@ def test_too_few_joints_for_the_task():
     assert "more rows than columns" in why_not(chain)
 
 
-def test_planar_jacobian_in_link_axes_of_ml():
-    chain = exact_chain(open_robot("planar2r"))
-    ring = chain.ring
-    a1, a2 = ring.letter["a1"], ring.constant(7) / 10
-    s2, c2 = ring.s[2], ring.c[2]
-    found = frame_jacobian(chain, 1)
-    assert found == [[-a2 * s2, -a2 * s2], [a1 + a2 * c2, a2 * c2]]
-    # the inverse with the factors a2 that the print lacks: J⁻¹ a1 a2 s2
-    inverse = [[a2 * c2, a2 * s2], [-a1 - a2 * c2, -a2 * s2]]
-    product = [[ring.reduce(sum((found[i][k] * inverse[k][j] for k in range(2)), ring.zero)) for j in range(2)]
-               for i in range(2)]  # fmt: skip
-    assert product == [[a1 * a2 * s2, 0], [0, a1 * a2 * s2]]
-    assert ring.determinant(found) == a1 * a2 * s2
-
-
-@pytest.mark.parametrize(("name", "task"), [("planar2r", None), ("planar3r", None), ("scara", None), ("ur5", None),
-                                            ("ur5", "position"), ("ur5", "orientation")])  # fmt: skip
-def test_link_jacobian_is_a_turn_of_the_numeric_one(name, task, rng):
-    chain = exact_chain(open_robot(name), task)
-    for k in range(1, chain.n + 1):
-        q = rng.uniform(-np.pi, np.pi, chain.n)
-        numeric = np.array([[value(chain, x, q) for x in row] for row in frame_jacobian(chain, k)])
-        expected = jacobian(chain.robot, q)[list(chain.task.rows)]
-        assert numeric.T @ numeric == pytest.approx(expected.T @ expected, abs=1e-9)
-
-
-def test_link_jacobian_refuses_rows_that_would_change():
-    with pytest.raises(TaskError, match="axes of a link"):
-        frame_jacobian(exact_chain(open_robot("ur5"), "vx,vy,wz"), 2)
-    with pytest.raises(OptionError, match="no such link"):
-        frame_jacobian(exact_chain(open_robot("planar2r")), 3)
-
-
 def test_position_task_of_three_axes_parts_elbow_and_shoulder():
     rows = [(0, "pi/2", 0, 0), (0.5, 0, 0, 0), (0.4, 0, 0, 0)]
     chain = exact_chain(from_dh(rows, convention="standard", task="position"))
@@ -450,6 +404,44 @@ def test_position_task_of_three_axes_parts_elbow_and_shoulder():
         ((1,), [("shoulder",)]),
     ]
     assert is_plus_minus(chain.ring, found.blocks[0].determinant * found.blocks[1].determinant, full_determinant(chain))
+
+
+@pytest.mark.parametrize("twist", [0, "pi/2"])
+def test_scara_on_a_column(twist, rng):
+    # slide first; tilted, its turns are about another direction than the task's rows
+    rows = [(0, 0, 0, 0), (0.3, 0, 0, 0), (0.2, 0, 0, 0), (0, 0, 0, 0)]
+    base = np.eye(4)
+    if twist:
+        base[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    chain = exact_chain(from_dh(rows, convention="standard", kinds="PRRR", task="scara", base=base))
+    found = decouple(chain)
+    if twist:
+        assert found is None
+        return
+    assert [(block.joints, block.rows) for block in found.blocks] == [((2, 3, 4), ("vx", "vy", "wz")), ((1,), ("vz",))]
+    q = rng.uniform(-3, 3, 4)
+    expected = np.linalg.det(jacobian(chain.robot, q)[list(chain.task.rows)])
+    assert abs(value(chain, found.blocks[0].determinant, q)) == pytest.approx(abs(expected))
+
+
+def test_a_decoupling_goes_to_json():
+    found = json.loads(json.dumps(decouple(CHAINS["puma560"]).to_dict()))
+    assert found["blocks"][1]["parts"][0]["condition"] == "θ5 = 0 or π"
+    assert found["blocks"][0]["nonzero_lengths"] == ["a2"]
+
+
+def test_a_snapped_wrist_keeps_its_part_without_the_claim_of_a_name():
+    rows = [(0, "pi/2", 0, 0), (0.5, 0, 0, 0), (0, "pi/2", 0, 0), (0, "-pi/2", 0.4, 0), (0.001, "pi/2", 0, 0),
+            (0, 0, 0, 0)]  # fmt: skip
+    robot = from_dh(rows, convention="standard")
+    assert decouple(exact_chain(robot)) is None
+    assert "miss a common point by 1 mm" in why_not(exact_chain(robot))
+    found = decouple(exact_chain(robot, snap=0.002))
+    assert [block.name for block in found.blocks] == ["arm", "wrist"]
+    wrist = found.blocks[1].parts[0]
+    assert (wrist.text, wrist.name, wrist.roles) == ("θ5 = 0 or π", "wrist", ())
+    assert wrist.witness is not None
+    assert any("a5 = 0.001 m taken as 0" in sentence for sentence in found.structure.sentences())
 
 
 def test_sentences_tell_reason_point_parts():

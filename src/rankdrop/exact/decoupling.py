@@ -5,7 +5,7 @@ ML and JL: with the reference point in the centre of a spherical wrist joints 4,
     J = [[J11, 0], [J21, J22]],    det J = det J11 · det J22,
 
 so that the arm (J11: how joints 1, 2, 3 move the centre) and the wrist (J22: how 4, 5, 6 turn the end effector) are
-singular apart. The same is done for spherical shoulders and for joints that move in planes (`splits`).
+singular apart. The same is done for spherical shoulders and for joints that move in planes (`block_form`).
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.across import across_statement
+from rankdrop.exact.block_form import POSE, BlockForm, block_form
 from rankdrop.exact.centre import centre_statement
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.parts import UNSEEN, condition_text, look, merged
 from rankdrop.exact.ring import Atom, Factors
-from rankdrop.exact.splits import POSE, POSITION, Split, flat, split_of
 from rankdrop.exact.structure import ExactStructure, listed, structure_of
 from rankdrop.robot.model import Array
 from rankdrop.task import ROWS
@@ -105,6 +104,28 @@ class Decoupling:
         """Of all blocks."""
         return tuple(part for block in self.blocks for part in block.parts)
 
+    def to_dict(self) -> dict[str, Any]:
+        """For a result file: polynomials as text, matrices by rows."""
+        return {
+            "kind": self.kind,
+            "reason": self.reason,
+            "point": self.point,
+            "axes": self.axes,
+            "structure": list(self.structure.sentences()),
+            "blocks": [
+                {
+                    "name": block.name,
+                    "joints": list(block.joints),
+                    "rows": list(block.rows),
+                    "matrix": [[str(x) for x in row] for row in zip(*block.columns, strict=True)],
+                    "determinant": str(block.determinant),
+                    "nonzero_lengths": [str(letter) for letter, _ in block.factors.letters],
+                    "parts": [_part_dict(part) for part in block.parts],
+                }
+                for block in self.blocks
+            ],
+        }
+
     def sentences(self) -> tuple[str, ...]:
         """Reason, point, blocks and parts in words."""
         found = [f"{self.reason}.", f"Reference point: {self.point}. Axes: {self.axes}."]
@@ -139,23 +160,23 @@ def decouple(chain: Chain, *, names: bool = True) -> Decoupling | None:
     if chain.n != chain.task.m:
         return None
     structure = structure_of(chain)
-    split = split_of(chain, structure)
-    if split is None:
+    form = block_form(chain, structure)
+    if form is None:
         return None
-    halves = [(split.group, split.group_rows, split.names[0]), (split.rest, split.rest_rows, split.names[1])]
-    blocks = [_block(chain, split, joints, rows, name, names) for joints, rows, name in halves]
+    halves = [(form.group, form.group_rows, form.names[0]), (form.rest, form.rest_rows, form.names[1])]
+    blocks = [_block(chain, form, joints, rows, name, names) for joints, rows, name in halves]
     if any(block is None for block in blocks):
         return None
     found = tuple(block for block in blocks if block is not None)
     return Decoupling(
         chain=chain,
         structure=structure,
-        kind=split.kind,
-        reason=split.reason,
-        point=split.point,
-        axes=split.axes,
-        columns=tuple(tuple(column) for column in split.columns),
-        blocks=found[::-1] if split.kind in ("point", "last axis") else found,
+        kind=form.kind,
+        reason=form.reason,
+        point=form.point,
+        axes=form.axes,
+        columns=tuple(tuple(column) for column in form.columns),
+        blocks=found[::-1] if form.kind in ("point", "last axis") else found,
     )
 
 
@@ -165,65 +186,42 @@ def why_not(chain: Chain) -> str:
     structure = structure_of(chain)
     near = "".join(f"; near-structural: {one.text}" for one in structure.near)
     if n > m:
-        return _wide(structure, n, m) + near
+        return _wide(chain, structure) + near
     if n < m:
         return f"{n} joints never reach the {m} freedoms of the task: the Jacobian has more rows than columns"
-    split = split_of(chain, structure)
+    form = block_form(chain, structure)
     if _always_singular(chain):
         return "the arm is singular at every configuration"
-    if split is not None:
+    if form is not None:
         return ""
     groups = "no three axes meet in one point, are parallel or slide: " if chain.task.rows == POSE else ""
     return f"{groups}the Jacobian stays in one piece{near}"
 
 
-def frame_jacobian(chain: Chain, k: int) -> list[list[Polynomial]]:
-    """ᵏJ: the task's rows of the Jacobian at the tip, in the axes of link k (z along axis k, x along the normal after).
-
-    ᵏJ = ᵏR₀ ⁰J, row by row (ML's ¹J of the planar arm). It has the same singularities.
-
-    Args:
-        chain: from `exact_chain`.
-        k: link, 1 … n.
-
-    Returns:
-        One list of n trigonometric polynomials for each row of the task.
-
-    Raises:
-        OptionError: no such link.
-        TaskError: the task's rows would be others in these axes.
-
-    Example:
-        >>> from rankdrop.exact.chain import exact_chain
-        >>> from rankdrop.robot.open import open_robot
-        >>> [str(x) for x in frame_jacobian(exact_chain(open_robot("planar2r")), 1)[1]]
-        ['7/10*c2 + a1', '7/10*c2']
-    """
-    if not 1 <= k <= chain.n:
-        raise OptionError("there is no such link", got=k, allowed=f"1 … {chain.n}")
-    rows = chain.task.rows
-    paired = (0 in rows) == (1 in rows)
-    if rows not in (POSE, POSITION, (3, 4, 5)) and not (paired and flat(chain)):
-        raise TaskError(
-            "in the axes of a link the rows of this task would be others",
-            got=chain.task.name,
-            allowed="pose, position, orientation, or rows of a plane that all axes are perpendicular to",
-        )
-    return [[column[r] for column in chain.screws_at_tip(k)] for r in rows]
+def _part_dict(part: Part) -> dict[str, Any]:
+    return {
+        "name": part.name,
+        "roles": list(part.roles),
+        "condition": part.text,
+        "multiplicity": part.multiplicity,
+        "witness": None if part.witness is None else list(part.witness),
+        "lost": list(part.lost),
+        "statement": part.statement,
+    }
 
 
 def _block(
-    chain: Chain, split: Split, joints: tuple[int, ...], rows: tuple[int, ...], name: str, names: bool
+    chain: Chain, form: BlockForm, joints: tuple[int, ...], rows: tuple[int, ...], name: str, names: bool
 ) -> Block | None:
     """One diagonal block, factored; None where its determinant is zero."""
     place = [chain.task.rows.index(r) for r in rows]
-    matrix = [[split.columns[j - 1][i] for j in joints] for i in place]
+    matrix = [[form.columns[j - 1][i] for j in joints] for i in place]
     determinant = chain.ring.determinant(matrix)
     if determinant == 0:
         return None
     factors = chain.ring.factor(determinant)
     times = dict(factors.atoms)
-    parts = tuple(_part(chain, split, joints, name, group, times, names) for group in merged(list(times)))
+    parts = tuple(_part(chain, form, joints, name, group, times, names) for group in merged(list(times)))
     return Block(
         name=name,
         joints=joints,
@@ -237,7 +235,7 @@ def _block(
 
 def _part(
     chain: Chain,
-    split: Split,
+    form: BlockForm,
     joints: tuple[int, ...],
     block: str,
     atoms: tuple[Atom, ...],
@@ -254,16 +252,16 @@ def _part(
         text=condition_text(chain.ring, atoms),
         witness=tuple(float(x) for x in seen.points[0]) if len(seen.points) else None,
         lost=seen.lost,
-        statement=_statement(chain, split, joints, seen.points) if len(seen.points) else "",
+        statement=_statement(chain, form, joints, seen.points) if len(seen.points) else "",
     )
 
 
-def _statement(chain: Chain, split: Split, joints: tuple[int, ...], points: Array) -> str:
+def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: Array) -> str:
     """What is lost, by the lines of the arm."""
-    if split.kind == "point":
-        return centre_statement(chain.robot, points, split.group, joints, split.names[0])
-    if split.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
-        return across_statement(chain.robot, points, split.group, joints)
+    if form.kind == "point":
+        return centre_statement(chain.robot, points, form.group, joints, form.names[0])
+    if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
+        return across_statement(chain.robot, points, form.group, joints)
     return ""
 
 
@@ -272,11 +270,12 @@ def _always_singular(chain: Chain) -> bool:
     return bool(chain.ring.determinant(rows) == 0)
 
 
-def _wide(structure: ExactStructure, n: int, m: int) -> str:
+def _wide(chain: Chain, structure: ExactStructure) -> str:
     """Of a redundant arm: the blocks are not both square."""
-    if not structure.wrist and not structure.shoulder:
-        return f"{n} joints for {m} freedoms: the Jacobian is not square, and no three axes at an end meet in one point"
-    part = "wrist" if structure.wrist else "shoulder"
+    n, m = chain.n, chain.task.m
+    part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
+    if chain.task.rows != POSE or not part:
+        return f"{n} joints for {m} freedoms: the Jacobian is not square, and only two square blocks are a proof"
     return (
         f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block "
         f"is 3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"

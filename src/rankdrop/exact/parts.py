@@ -31,9 +31,10 @@ class Place:
     """Where a part was looked at.
 
     Attributes:
-        name: as `analyze` names such a family; "" where none is real or the arm was changed by snapping.
+        name: as `analyze` names such a family; "" where no configuration is real, or singular (of corank 1) for the
+            arm as it was given: then lengths were snapped.
         roles: out of "shoulder", "elbow", "wrist", as the name says.
-        points: (N, n) real configurations on the part, of corank 1 where there are such [rad, m].
+        points: (N, n) real configurations on the part, those of corank 1 where there are such [rad, m].
         lost: one sentence on each direction lost, in a frame where it stands still or at the first point.
     """
 
@@ -84,12 +85,12 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
     rank = generic_rank(robot, task)
     sigma = singular_values(robot, points, task)
     simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
+    if not simple.any():  # snapped lengths are not the arm's own; or the part lies in a family of higher corank
+        return Place("", (), points, ())
     points = points[simple]
-    if not len(points):
-        return UNSEEN
     try:
         name = name_family(robot, task, points)
-    except ConfigurationError:  # singular for the snapped lengths only
+    except ConfigurationError:
         name = ""
     head, colon, _ = name.partition(":")
     roles = tuple(role for role in ROLES if colon and role in head)

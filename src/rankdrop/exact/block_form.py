@@ -13,10 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.geometry import first_and_last
 from rankdrop.exact.structure import ExactStructure, listed
+from rankdrop.frames import BODY
 from rankdrop.robot.model import JointKind
 from rankdrop.tolerances import ALIGNED
 
@@ -30,11 +32,11 @@ KINDS = {
     "last axis": (5,),
 }
 """The rows (out of vx vy vz wx wy wz, z along the axis of the link in use) that a group of each kind moves."""
-_WHOLE = ("point", "slides", "plane and slide")  # kinds that split whole poses only
+_WHOLE = ("point", "slides", "plane and slide")  # they part whole poses only
 
 
 @dataclass(frozen=True, slots=True)
-class Split:
+class BlockForm:
     """A Jacobian made block triangular.
 
     Attributes:
@@ -62,7 +64,7 @@ class Split:
     names: tuple[str, str]
 
 
-def split_of(chain: Chain, structure: ExactStructure) -> Split | None:
+def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
     """The way to make a square Jacobian block triangular that says most: spherical wrist, shoulder, others, planes.
 
     Args:
@@ -78,7 +80,7 @@ def split_of(chain: Chain, structure: ExactStructure) -> Split | None:
     return _best_axes(chain, best) if best.kind == "point" else best
 
 
-def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[Split]:
+def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
     rows = chain.task.rows
     for link, origin, columns in _views(chain):
         for kind, moved in KINDS.items():
@@ -89,7 +91,7 @@ def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[Split]:
             fits = rows == POSE if kind in _WHOLE else kind == "plane" or rows == (0, 1, 5)
             if not (fits and own and others and len(group) == len(own)):
                 continue
-            yield Split(
+            yield BlockForm(
                 kind=kind,
                 reason=_reason(chain, structure, kind, group),
                 point=_point(structure, kind, group, origin),
@@ -123,16 +125,18 @@ def flat(chain: Chain) -> bool:
     if not chain.ring.revolute or 3 in chain.task.rows or 4 in chain.task.rows:
         return False
     one = chain.ring.revolute[0]
-    z = first_and_last(chain.robot)[0][:3, 2]
-    along = abs(float(z[2])) > 1 - ALIGNED or one != 1
-    return along and not any(c[3] != 0 or c[4] != 0 for c in chain.screws(one))
+    if any(column[3] != 0 or column[4] != 0 for column in chain.screws(one)):
+        return False
+    z = chain.robot.home[:3, 2] if chain.task.frame == BODY else np.array([0.0, 0.0, 1.0])
+    axis = chain.robot.joints[one - 1].screw[3:]  # all others are parallel, so it never moves
+    return bool(np.linalg.norm(np.cross(axis, z)) <= ALIGNED)
 
 
-def _best_axes(chain: Chain, split: Split) -> Split:
-    """The same split about the same point in the axes in which the screws are shortest."""
-    views = ((k, chain.screws_about(k, split.origin)) for k in range(1, chain.n + 1))
+def _best_axes(chain: Chain, form: BlockForm) -> BlockForm:
+    """The same form about the same point in the axes in which the screws are shortest."""
+    views = ((k, chain.screws_about(k, form.origin)) for k in range(1, chain.n + 1))
     link, columns = min(views, key=lambda view: _terms(view[1]))
-    return replace(split, link=link, columns=columns, axes=_axes(link))
+    return replace(form, link=link, columns=columns, axes=_axes(link))
 
 
 def _terms(columns: Columns) -> int:

@@ -14,6 +14,7 @@ from rankdrop.exact.decoupling import decouple
 from rankdrop.exact.segment import zeros_between
 from rankdrop.exact.zeros import real_points
 from rankdrop.kinematics import jacobian, task_jacobian
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 
 SIMPLE = ("anthropomorphic", "puma560", "ur5", "irb140", "z1", "scara", "planar2r", "planar3r", "xarm6")
@@ -35,6 +36,25 @@ def test_a_squared_factor_keeps_its_own_sign(rng):
     chain = exact_chain(open_robot("stanford"))
     flags = {flag.factor: flag for flag in configuration_flags(chain, [0.1, 0.5, -0.4, 0.2, 0.6, 0]).flags}
     assert {factor: flag.sign for factor, flag in flags.items()} == {"s2": 1, "s5": 1, "q3": -1}
+
+
+def test_a_factor_not_of_a_part_gives_its_own_label():
+    chain = exact_chain(open_robot("stanford"))
+    assert [flag.label for flag in configuration_flags(chain, [0.1, 0.5, -0.4, 0.2, 0.6, 0]).flags][2] == "q3 −"
+    (flag,) = configuration_flags(exact_chain(open_robot("xarm6")), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).flags
+    assert len(flag.label) < 60 < len(flag.factor)
+
+
+def test_coefficients_beyond_floating_point_are_scaled(rng):
+    twists = ["89.9123456 deg", "0.0123456 deg", "0.0234567 deg", "90.0345678 deg", "-89.9456789 deg", 0]
+    a = (0.0001234, -0.4251234, -0.3921234, 0.0012345, 0.0002345, 0)
+    d = (0.0891234, 0.0011, 0.0012, 0.1091234, 0.0946, 0)
+    robot = from_dh([(a[i], twists[i], d[i], 0) for i in range(6)], convention="standard")
+    chain = exact_chain(robot)
+    signs = signs_of(chain, names=False)
+    q = rng.uniform(-np.pi, np.pi, (40, 6))
+    together = np.sign(signs.values(q)).prod(axis=1) * np.sign(np.linalg.det(jacobian(robot, q)))
+    assert abs(together.sum()) == len(q)
 
 
 def test_flags_of_an_elbow_arm_are_named():
@@ -68,8 +88,6 @@ def test_real_points_are_singular_and_of_the_atom():
 
 def test_a_condition_without_real_zeros_has_no_points_and_no_name():
     # upper arm shorter than the shoulder's offset: the wrist centre never reaches axis 1
-    from rankdrop.robot.dh import from_dh
-
     rows = [(1.5, "pi/2", 0, 0), (0.5, 0, 0, 0), (0, "pi/2", 0, "pi/2"), (0, "-pi/2", 0.4, 0), (0, "pi/2", 0, 0),
             (0, 0, 0.1, 0)]  # fmt: skip
     found = decouple(exact_chain(from_dh(rows, convention="standard")))

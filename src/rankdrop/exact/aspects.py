@@ -23,6 +23,7 @@ from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 
+_LONG = 16  # characters of a factor that is not put into a label
 _ENDS = ("starts on", "ends on", "lies in")
 
 
@@ -44,10 +45,11 @@ class Flag:
 
     @property
     def label(self) -> str:
-        """ "elbow +", or the factor where the family has no name of a part."""
+        """ "elbow +"; where the family is not named after a part, the factor, or the whole name if that is long."""
         mark = {None: "has no sign", 1: "+", -1: "−", 0: "0"}[self.sign]
         head, colon, _ = self.name.partition(":")
-        return f"{head if colon else self.factor} {mark}"
+        long = len(self.factor) > _LONG and self.name
+        return f"{head if colon else self.name if long else self.factor} {mark}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -139,9 +139,13 @@ def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, floa
 
 
 def numeric_terms(ring: Ring, f: Polynomial, letters: Mapping[str, float]) -> Iterator[tuple[float, tuple[int, ...]]]:
-    """(coefficient with the lengths put in, powers) of each term of a half-angle polynomial."""
+    """(coefficient with the lengths put in, powers) of each term of a half-angle polynomial, less a positive factor.
+
+    Whole coefficients of calibrated arms have a hundred digits and more: they are divided by the largest first.
+    """
+    largest = max(abs(value) for value in f.coeffs())
     for powers, value in f.terms():
-        coefficient = int(value.p) / int(value.q)
+        coefficient = int((value / largest).p) / int((value / largest).q)
         for place, name in enumerate(ring.letters, ring.moving):
             coefficient *= letters[name] ** int(powers[place])
         yield coefficient, tuple(int(e) for e in powers)
@@ -170,10 +174,12 @@ def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:
     for j in ring.revolute:
         point |= {f"s{j}": np.sin(theta[best, j - 1]), f"c{j}": np.cos(theta[best, j - 1])}
     names = ring.trig.names()
-    total = sum(
-        int(value.p) / int(value.q) * np.prod([point[name] ** int(e) for name, e in zip(names, powers, strict=True)])
-        for powers, value in trig.terms()
-    )
+    largest = max(abs(value) for value in trig.coeffs())
+    total = 0.0
+    for powers, value in trig.terms():
+        share = value / largest
+        factors = [point[name] ** int(e) for name, e in zip(names, powers, strict=True)]
+        total += int(share.p) / int(share.q) * float(np.prod(factors))
     return 1 if total * values[best] > 0 else -1
 
 

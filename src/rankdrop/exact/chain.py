@@ -254,7 +254,7 @@ def _letters(
         )
     given = {} if isinstance(lengths, str) else {name: Fraction(str(value)) for name, value in lengths.items()}
     for name in given:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d*|pi|sin|cos", name):
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d+|pi|sin|cos", name):
             raise OptionError(
                 "a length cannot have this name",
                 where="lengths",

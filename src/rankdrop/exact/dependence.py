@@ -16,7 +16,7 @@ from rankdrop.exact.deadline import Deadline
 from rankdrop.exact.field import Evaluator, rank
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import Atom
-from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.stratum import Factor, Stratum
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3
@@ -180,7 +180,7 @@ def _zeros(stratum: Stratum, p: Polynomial) -> list[tuple[Atom, ...]] | None:
     """Per piece the atoms under which p may vanish; None where it vanishes on a whole piece."""
     found = []
     for piece in stratum.pieces:
-        atoms = piece.factors(p)
+        atoms = piece.factors(Factor(p), False)
         if atoms is None:
             return None
         found.append(atoms)

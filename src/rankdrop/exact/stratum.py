@@ -10,18 +10,31 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 
 from rankdrop.exact.field import Evaluator, P, Point, common_zeros, complete, roots
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.ring import COS_SIN, SIMPLE, Atom, Ring, primitive, used
+from rankdrop.exact.ring import COS_SIN, SIMPLE, Atom, Ring, coefficients, primitive, used
 
 TRIES = 40
 """Random points tried before a piece counts as one without points: an equation has a root modulo P every other time."""
 TOGETHER = (("0", "pi"), ("pi/2", "-pi/2"))
 """Angles that one condition pins together: sin θ = 0 and cos θ = 0."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A condition: a trigonometric polynomial that vanishes or does not.
+
+    Attributes:
+        polynomial: of the trigonometric ring.
+        atoms: under each of which it vanishes; None where that is found out by factoring it.
+    """
+
+    polynomial: Polynomial
+    atoms: tuple[Atom, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -33,89 +46,158 @@ class Piece:
         pins: simple angle of each pinned joint.
         equations: irreducible primitive half-angle polynomials without the pinned joints.
         excluded: atoms that are nowhere zero on the piece, without the pinned joints.
+        assumed: half-angle polynomials in lengths alone that were taken for ≠ 0, by their text; one record that all
+            pieces of a derivation fill.
     """
 
     ring: Ring
     pins: Mapping[int, str]
     equations: tuple[Polynomial, ...] = ()
     excluded: frozenset[Atom] = frozenset()
+    assumed: dict[str, Polynomial] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
     def key(self) -> tuple[object, ...]:
         """The same for equal pieces."""
         return (tuple(sorted(self.pins.items())), tuple(sorted(map(str, self.equations))), self.excluded)
 
-    def factors(self, p: Polynomial) -> tuple[Atom, ...] | None:
-        """The atoms under which a trigonometric polynomial vanishes here; None where it vanishes everywhere.
+    @cached_property
+    def solved(self) -> dict[int, tuple[Polynomial, Polynomial]]:
+        """Variables of the half-angle ring that lengths alone decide: place -> (N, D), the variable is N / D."""
+        return dict(root for root in (_root(self.ring, f) for f in self.equations) if root is not None)
 
-        Atoms that are nowhere zero on the piece are left out. Exact for one equation at most; with more, only whether
-        an equation itself is among the atoms is seen.
+    def factors(self, condition: Factor, note: bool = True) -> tuple[Atom, ...] | None:
+        """The atoms under which a condition holds here; None where it holds everywhere.
+
+        Atoms that are nowhere zero on the piece are left out. Exact for one equation at most beside solved ones; with
+        more, only whether an equation itself is among the atoms is seen.
+
+        Args:
+            condition: = 0.
+            note: whether factors in lengths alone are put down as assumed.
         """
-        rest = self.ring.at(p, self.pins)
-        if rest == 0:
+        found: list[Atom] = []
+        if condition.atoms is None:
+            rest = self.ring.at(condition.polynomial, self.pins)
+            if rest == 0:
+                return None
+            f, degree = self.ring.to_half(rest)
+            here = self._substituted(f, [2 * m for m in degree], {}, note)
+            if here is None:
+                return None
+            found += here
+        else:
+            for atom in condition.atoms:
+                here = self.restricted(atom, note)
+                if here is None:
+                    return None
+                found += here
+        if any(atom.f is not None and atom.f in self.equations for atom in found):
             return None
-        atoms = [atom for atom, _ in self.ring.factor(rest).atoms]
-        if any(atom.f is not None and atom.f in self.equations for atom in atoms):
-            return None
-        return tuple(atom for atom in atoms if not self.never(atom))
+        return tuple(atom for atom in dict.fromkeys(found) if not self.never(atom))
+
+    def restricted(self, atom: Atom, note: bool = True) -> Sequence[Atom] | None:
+        """The atoms that an atom comes to on the piece; None where it holds everywhere."""
+        if not atom.pinned:
+            degrees = atom.f.degrees()
+            pins = {j: value for j, value in self.pins.items() if degrees[self.ring.index[f"t{j}"]]}
+            return self._substituted(atom.f, degrees, pins, note)
+        here = self.pins.get(atom.joint)
+        if here is not None:
+            return None if here == atom.value else ()
+        return () if self.ring.index[f"t{atom.joint}"] in self.solved else (atom,)
 
     def never(self, atom: Atom) -> bool:
         """Whether an atom is known to be nowhere zero on the piece, over the reals."""
         return atom in self.excluded or (atom.f is not None and is_positive(self.ring, atom.f))
 
     def meet(self, atom: Atom) -> list[Piece]:
-        """Pieces that together are the part where an atom vanishes; none where that is seen to be empty."""
+        """Pieces that together are the part where an atom holds; none where that is seen to be empty.
+
+        Args:
+            atom: from `factors`.
+        """
+        if self.never(atom):
+            return []
         if atom.pinned:
-            here = self.pins.get(atom.joint)
-            if here is not None:
-                return [self] if here == atom.value else []
-            return [] if atom in self.excluded else self._pinned(atom)
-        return self._also([atom.f], self)
+            return self._again({**self.pins, atom.joint: atom.value}, self.equations)
+        if _root(self.ring, atom.f) is not None:
+            return self._again(self.pins, self.equations, atom.f)
+        if any(self._contradict(atom.f, f) for f in self.equations):
+            return []
+        return [replace(self, equations=(*self.equations, atom.f))]
 
     def avoid(self, atoms: Sequence[Atom]) -> Piece:
-        """The part where none of some atoms from `factors` vanishes."""
+        """The part where none of some atoms from `factors` holds."""
         return replace(self, excluded=self.excluded | frozenset(atoms))
 
-    def _pinned(self, atom: Atom) -> list[Piece]:
-        pins = {**self.pins, atom.joint: atom.value}
-        excluded: set[Atom] = set()
-        for other in self.excluded:
-            if other.pinned:
-                if other.joint != atom.joint:
-                    excluded.add(other)
-                continue
-            left = restricted(self.ring, other.f, pins)
+    def inside(self, other: Piece) -> bool:
+        """Whether the piece is seen to lie in the closed set of another, their inequalities aside."""
+        if any(self.pins.get(j) != value for j, value in other.pins.items()):
+            return False
+        return all(f in self.equations or self.restricted(self.ring.atom(f), False) is None for f in other.equations)
+
+    def _again(self, pins: Mapping[int, str], equations: Sequence[Polynomial], *solving: Polynomial) -> list[Piece]:
+        """The piece put together anew with more joints pinned, or another variable solved."""
+        start = replace(self, pins=pins, equations=(*solving, *(f for f in equations if _root(self.ring, f))))
+        excluded: list[Atom] = []
+        for atom in self.excluded:
+            left = start.restricted(atom)
             if left is None:
                 return []
-            excluded.update(left)
-        return self._also(self.equations, Piece(self.ring, pins, (), frozenset(excluded)))
+            excluded += left
+        parts = [replace(start, excluded=frozenset(excluded))]
+        for f in equations:
+            if _root(self.ring, f) is None:
+                parts = [one for part in parts for one in part._holding(f)]
+        return parts
 
-    def _also(self, equations: Sequence[Polynomial], start: Piece) -> list[Piece]:
-        """`start` with equations added one by one; each may fall apart at the pinned joints."""
-        if not equations:
-            return [start]
-        atoms = restricted(self.ring, equations[0], start.pins)
-        if atoms is None:
-            return self._also(equations[1:], start)
-        found: dict[tuple[object, ...], Piece] = {}
-        for atom in atoms:
-            if start.never(atom):
-                continue
-            if atom.pinned:
-                parts = start.meet(atom)
-            elif atom.f in start.equations:
-                parts = [start]
-            else:
-                parts = [replace(start, equations=(*start.equations, atom.f))]
-            for part in parts:
-                for one in self._also(equations[1:], part):
-                    found[one.key] = one
-        return list(found.values())
+    def _holding(self, f: Polynomial) -> list[Piece]:
+        """Pieces that together are the part where f = 0, which may fall apart here."""
+        atoms = self.factors(Factor(None, (Atom(0, "", f, str(f)),)))
+        return [self] if atoms is None else [part for atom in atoms for part in self.meet(atom)]
+
+    def _contradict(self, f: Polynomial, g: Polynomial) -> bool:
+        """Whether two equations in one and the same variable have no common zero for general lengths."""
+        places = [k for k in used(f) if k < self.ring.moving]
+        if len(places) != 1 or places != [k for k in used(g) if k < self.ring.moving]:
+            return False
+        for factor, _ in self.ring.split(f.resultant(g, self.ring.names[places[0]]))[1]:
+            self._note(factor)
+        return True
+
+    def _substituted(
+        self, f: Polynomial, formal: Sequence[int], pins: Mapping[int, str], note: bool
+    ) -> Sequence[Atom] | None:
+        """The atoms of a half-angle polynomial of these degrees with joints pinned and variables solved."""
+        ring = self.ring
+        g = ring.half_at(f, pins)
+        for place, (top, bottom) in self.solved.items():
+            if g != 0 and g.degrees()[place]:
+                parts = coefficients(g, place)
+                g = sum((part * top**k * bottom ** (len(parts) - 1 - k) for k, part in enumerate(parts)), g * 0)
+        if g == 0:
+            return None
+        degrees = g.degrees()
+        at_pi = [
+            ring.pin(j, "pi")  # a lower degree is a zero at θ = π
+            for k, j in enumerate(ring.revolute)
+            if j not in pins and k not in self.solved and degrees[k] < formal[k]
+        ]
+        _, letters, atoms = ring.split(g)
+        if note:
+            for factor, _ in letters:
+                self._note(factor)
+        return [*at_pi, *(atom for atom, _ in atoms)]
+
+    def _note(self, factor: Polynomial) -> None:
+        if len(factor) > 1:  # a length alone is not zero
+            self.assumed[str(factor)] = factor
 
     def vanishes(self, p: Polynomial, rng: random.Random, points: int = 3) -> bool:
-        """Whether p is zero on the whole piece: exact for one equation at most, else at random points modulo P."""
-        if len(self.equations) <= 1:
-            return self.factors(p) is None
+        """Whether p is zero on the whole piece: exact for one equation beside solved ones, else at random points."""
+        if len(self.equations) - len(self.solved) <= 1:
+            return self.factors(Factor(p), False) is None
         p = self.ring.at(p, self.pins)
         if p == 0:
             return True
@@ -165,29 +247,35 @@ class Stratum:
         """Every configuration."""
         return cls(ring, (Piece(ring, {}),))
 
-    def meet(self, p: Polynomial) -> Stratum:
-        """The part where p vanishes.
+    @property
+    def assumed(self) -> dict[str, Polynomial]:
+        """Half-angle polynomials in lengths alone that were taken for ≠ 0 up to now; empty for the empty stratum."""
+        return self.pieces[0].assumed if self.pieces else {}
+
+    def meet(self, condition: Factor) -> Stratum:
+        """The part where a condition = 0 holds.
 
         Example:
             >>> ring = Ring([1, 2])
-            >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(ring.s[2]).pieces]
+            >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Factor(ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]
         """
         found: dict[tuple[object, ...], Piece] = {}
         for piece in self.pieces:
-            atoms = piece.factors(p)
+            atoms = piece.factors(condition)
             parts = [piece] if atoms is None else [part for atom in atoms for part in piece.meet(atom)]
             found.update((part.key, part) for part in parts)
-        return replace(self, pieces=tuple(found.values()), equalities=(*self.equalities, p))
+        kept = _largest(list(found.values()))
+        return replace(self, pieces=kept, equalities=(*self.equalities, condition.polynomial))
 
-    def avoid(self, p: Polynomial) -> Stratum:
-        """The part where p does not vanish."""
+    def avoid(self, condition: Factor) -> Stratum:
+        """The part where a condition ≠ 0 holds."""
         kept = []
         for piece in self.pieces:
-            atoms = piece.factors(p)
+            atoms = piece.factors(condition)
             if atoms is not None:
                 kept.append(piece.avoid(atoms))
-        return replace(self, pieces=tuple(kept), inequalities=(*self.inequalities, p))
+        return replace(self, pieces=tuple(kept), inequalities=(*self.inequalities, condition.polynomial))
 
     def apart(self, other: Stratum) -> Polynomial | None:
         """A polynomial that is = 0 on one of the two strata and ≠ 0 on the other: they have no point in common."""
@@ -252,19 +340,13 @@ class Stratum:
         return _once(found)
 
 
-def restricted(ring: Ring, f: Polynomial, pins: Mapping[int, str]) -> tuple[Atom, ...] | None:
-    """The atoms of a half-angle polynomial with joints at simple angles; None where it vanishes there."""
-    pins = {j: value for j, value in pins.items() if f.degrees()[ring.index[f"t{j}"]]}
-    if not pins:
-        return (ring.atom(f),) if f.total_degree() else ()
-    g = ring.half_at(f, pins)
-    if g == 0:
+def _root(ring: Ring, f: Polynomial) -> tuple[int, tuple[Polynomial, Polynomial]] | None:
+    """(place, (N, D)) where f is linear in one variable that moves and holds no other: that variable is N / D."""
+    places = [k for k in used(f) if k < ring.moving]
+    if len(places) != 1 or f.degrees()[places[0]] != 1:
         return None
-    before, after = f.degrees(), g.degrees()
-    at_pi = [
-        ring.pin(j, "pi") for k, j in enumerate(ring.revolute) if j not in pins and after[k] < before[k]
-    ]  # a lower degree is a zero at θ = π
-    return (*at_pi, *(atom for atom, _ in ring.split(g)[2]))
+    constant, slope = coefficients(f, places[0])
+    return places[0], (-constant, slope)
 
 
 def is_positive(ring: Ring, f: Polynomial) -> bool:
@@ -273,6 +355,16 @@ def is_positive(ring: Ring, f: Polynomial) -> bool:
     alike = len({value > 0 for _, value in terms}) == 1
     even = all(power % 2 == 0 for powers, _ in terms for power in powers)
     return alike and even and any(not any(powers[: ring.moving]) for powers, _ in terms)
+
+
+def _largest(pieces: Sequence[Piece]) -> tuple[Piece, ...]:
+    """The pieces less those that lie in another."""
+    kept: list[Piece] = []
+    for k, piece in enumerate(pieces):
+        others = [*kept, *pieces[k + 1 :]]
+        if not any(piece.inside(other) for other in others):
+            kept.append(piece)
+    return tuple(kept)
 
 
 def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:

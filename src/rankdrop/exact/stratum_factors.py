@@ -15,7 +15,7 @@ from itertools import combinations
 from rankdrop.exact.field import Evaluator, P, Point, complete
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import Atom, Ring, primitive
-from rankdrop.exact.stratum import TOGETHER, Stratum
+from rankdrop.exact.stratum import TOGETHER, Factor, Stratum
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class Product:
 
     Attributes:
         polynomial: as it reads on the stratum.
-        factors: trigonometric polynomials; it vanishes where one of them does. Those known to be nowhere zero on the
-            stratum are left out.
+        factors: it vanishes where one of these conditions holds. Those known to be nowhere zero on the stratum are
+            left out.
         letters: factors in lengths alone (trigonometric ring), with multiplicities.
         written: all factors that depend on the configuration, with multiplicities, as they are printed.
         outer: c with polynomial = c · Π letters · Π written: a number, or one times cosines and sines that are ±1 on
@@ -33,7 +33,7 @@ class Product:
     """
 
     polynomial: Polynomial
-    factors: tuple[Polynomial, ...]
+    factors: tuple[Factor, ...]
     letters: tuple[tuple[Polynomial, int], ...]
     written: tuple[tuple[Polynomial, int], ...]
     outer: Polynomial | None
@@ -46,20 +46,22 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     if p == 0:
         return None
     every: list[dict[Atom, int]] = []
-    open_atoms: list[list[Atom]] = []
     letters: dict[str, tuple[Polynomial, int]] = {}  # by text: polynomials have no hash
     for pins in stratum.combinations:
         here = ring.at(p, pins)
         if here == 0:
             return None
         found = ring.factor(here)
+        every.append(dict(found.atoms))
         for f, power in found.letters:
             letters[str(f)] = (letters_polynomial(ring, f), max(power, letters.get(str(f), (f, 0))[1]))
+    open_atoms: list[list[Atom]] = []
+    for atoms, pins in zip(every, stratum.combinations, strict=True):
         pieces = [piece for piece in stratum.pieces if piece.pins == pins]
-        if any(atom.f is not None and atom.f in piece.equations for atom, _ in found.atoms for piece in pieces):
+        lists = [{atom: piece.factors(Factor(None, (atom,)), False) for atom in atoms} for piece in pieces]
+        if any(found is None for one in lists for found in one.values()):
             return None
-        every.append(dict(found.atoms))
-        open_atoms.append([a for a, _ in found.atoms if not all(piece.never(a) for piece in pieces)])
+        open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
     powers = list(letters.values())
     shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
     factors = joined(ring, shared)
@@ -68,9 +70,9 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     written = _with_powers(ring, common)
     if any(rests):
         rest = _rest(stratum, without_letters(p, powers), shared, rests)
-        factors.append(rest)
+        factors.append(Factor(rest, tuple(rests[0]) if len(rests) == 1 else None))
         written.append((rest, 1))
-    factors.sort(key=_length)
+    factors.sort(key=lambda f: _length(f.polynomial))
     written.sort(key=lambda pair: _length(pair[0]))
     return Product(p, tuple(factors), tuple(powers), tuple(written), _outer(stratum, p, [*powers, *written]))
 
@@ -116,17 +118,17 @@ def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
     return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
 
 
-def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Polynomial]:
-    """Trigonometric polynomials, one per atom or per pair of angles that one sine or cosine pins."""
+def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
+    """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
     left = list(atoms)
     found = []
     for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
-            both = [ring.pin(j, value) for value in pair]
+            both = tuple(ring.pin(j, value) for value in pair)
             if all(one in left for one in both):
-                found.append(generator)
+                found.append(Factor(generator, both))
                 left = [atom for atom in left if atom not in both]
-    return found + [polynomial_of(ring, atom) for atom in left]
+    return found + [Factor(polynomial_of(ring, atom), (atom,)) for atom in left]
 
 
 def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:
@@ -143,10 +145,10 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     if not shared or not stratum.regular:
         return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
     point = _random_point(ring)
-    common = _times(ring, joined(ring, shared))
+    common = _times(ring, [f.polynomial for f in joined(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
-        part = _times(ring, joined(ring, atoms))
+        part = _times(ring, [f.polynomial for f in joined(ring, atoms)])
         ratio = _value(ring, ring.at(p, pins), point) * pow(_value(ring, ring.reduce(common * part), point), -1, P) % P
         first = first or ratio
         if (ratio + first) % P == 0:

@@ -19,8 +19,9 @@ from rankdrop.exact.chain import Chain
 from rankdrop.exact.deadline import Deadline, OutOfTime
 from rankdrop.exact.dependence import Dependence, Sampled, find
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.stratum import Stratum
-from rankdrop.exact.stratum_factors import letters_polynomial, polynomial_of, taken_apart
+from rankdrop.exact.ring import primitive
+from rankdrop.exact.stratum import Factor, Stratum
+from rankdrop.exact.stratum_factors import joined, letters_polynomial, taken_apart
 from rankdrop.exact.text_of import conditions_text, product_text, text_of
 
 Progress = Callable[[str, int, int], None]
@@ -121,7 +122,7 @@ class Suppression:
     @property
     def factors(self) -> tuple[Polynomial, ...]:
         """The factors of that determinant which depend on the configuration."""
-        return self.start.basic.product.factors if self.start.basic is not None else ()
+        return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
 
 def suppress(
@@ -212,6 +213,7 @@ class _Derivation:
             start = self.determinant(start, ())
         except OutOfTime:
             self.left.append("the determinant of the basic screws")
+        self.assume(letters_polynomial(self.ring, f) for f in whole.assumed.values())
         assumed, found, left = tuple(self.assumptions.values()), tuple(self.families), tuple(self.left)
         return Suppression(self.chain, self.frame, self.columns, start, found, assumed, left)
 
@@ -234,7 +236,7 @@ class _Derivation:
         self,
         case: Case,
         above: tuple[Case, ...],
-        factors: Sequence[Polynomial],
+        factors: Sequence[Factor],
         go_on: Callable[[Case, tuple[Case, ...]], Case],
     ) -> Case:
         """A case for each factor = 0 with the earlier ones ≠ 0."""
@@ -263,6 +265,8 @@ class _Derivation:
 
     def suppressed(self, case: Case, above: tuple[Case, ...]) -> Case:
         """Step 2: suppress a dependent screw and go on with the rest."""
+        if not case.stratum.regular:
+            return self.apart(case, above)
         if len(case.joints) == 6:
             return self.family(case, above)
         sampled = Sampled(self.columns, case.stratum, self.rng)
@@ -284,20 +288,23 @@ class _Derivation:
     def apart(self, case: Case, above: tuple[Case, ...]) -> Case:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
         stratum = case.stratum
-        for one in stratum.pieces:
-            atoms = [self.ring.pin(j, value) for j, value in one.pins.items()]
-            for atom in [*atoms, *(self.ring.atom(f) for f in one.equations)]:
-                p = polynomial_of(self.ring, atom)
-                holds = [piece.factors(p) is None for piece in stratum.pieces]
-                if any(holds) and not all(holds):
-                    return self.split(case, above, [p], self.suppressed)
+        atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
+        atoms += [self.ring.atom(f) for one in stratum.pieces for f in one.equations]
+        for condition in joined(self.ring, list(dict.fromkeys(atoms))):
+            holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
+            if any(holds) and not all(holds):
+                return self.split(case, above, [condition], self.suppressed)
+        for condition in (Factor(p.polynomial, (atom,)) for p in joined(self.ring, atoms) for atom in p.atoms or ()):
+            holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
+            if any(holds) and not all(holds):
+                return self.split(case, above, joined(self.ring, condition.atoms or ()), self.suppressed)
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
     def split(
         self,
         case: Case,
         above: tuple[Case, ...],
-        factors: Sequence[Polynomial],
+        factors: Sequence[Factor],
         go_on: Callable[[Case, tuple[Case, ...]], Case],
     ) -> Case:
         """A case for each factor = 0 with the earlier ones ≠ 0, and one with all of them ≠ 0."""
@@ -332,7 +339,7 @@ class _Derivation:
         """Remember factors in lengths; a length alone is not zero."""
         for f in letters:
             if len(f) > 1:
-                self.assumptions.setdefault(str(f), f)
+                self.assumptions.setdefault(str(primitive(f)), primitive(f))
 
     def tell(self) -> None:
         """Report a case done."""

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
+from rankdrop.exact.chain import Chain
 from rankdrop.exact.deadline import Deadline
 from rankdrop.exact.field import Evaluator, rank
 from rankdrop.exact.flint import Polynomial
@@ -33,11 +34,13 @@ class Proof:
 
     Attributes:
         kind: "minor", "minors" (without a common zero) or "gram".
+        frame: link in whose frame the screws are taken.
         rows: of each minor, numbers 0 … 5 of (v; ω); empty for "gram".
         polynomials: the minors or the Gram determinant, as they read on the stratum.
     """
 
     kind: str
+    frame: int
     rows: tuple[tuple[int, ...], ...]
     polynomials: tuple[Polynomial, ...]
 
@@ -123,33 +126,38 @@ def candidates(sampled: Sampled, joints: Sequence[int]) -> Iterator[tuple[int, t
 
 
 def find(
-    columns: Columns, stratum: Stratum, sampled: Sampled, joints: Sequence[int], deadline: Deadline
+    chain: Chain, frame: int, stratum: Stratum, sampled: Sampled, joints: Sequence[int], deadline: Deadline
 ) -> tuple[Dependence | None, Obstacle | None]:
-    """A dependent screw among these joints, smallest circuit and lowest number first; else the best place to split.
+    """A dependent screw among these joints, fewest others and lowest number first; else the best place to split.
 
     Args:
-        columns: every screw (v; ω) of the chain.
+        chain: whose screws they are.
+        frame: link in whose frame a proof is looked for first; then in those of the other links.
         stratum: where.
         sampled: the screws there.
         joints: numbers of the joints to look among.
         deadline: asked before each proof.
     """
     obstacle: Obstacle | None = None
-    for screw, others in candidates(sampled, joints):
-        if not others:
-            return Dependence(screw, (), None), None
-        deadline.check()
-        proof, here = independent(columns, stratum, others)
-        if proof is not None:
-            return Dependence(screw, others, proof), None
-        if here is not None and (obstacle is None or here.weight < obstacle.weight):
-            obstacle = here
+    found = list(candidates(sampled, joints))
+    for k in [frame, *(k for k in range(1, chain.n) if k != frame)]:
+        for screw, others in found:
+            if not others:
+                return Dependence(screw, (), None), None
+            deadline.check()
+            proof, here = independent(chain, k, stratum, others)
+            if proof is not None:
+                return Dependence(screw, others, proof), None
+            if here is not None and (obstacle is None or here.weight < obstacle.weight):
+                obstacle = here
     return None, obstacle
 
 
-def independent(columns: Columns, stratum: Stratum, joints: Sequence[int]) -> tuple[Proof | None, Obstacle | None]:
+def independent(
+    chain: Chain, frame: int, stratum: Stratum, joints: Sequence[int]
+) -> tuple[Proof | None, Obstacle | None]:
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
-    ring = stratum.ring
+    ring, columns = stratum.ring, chain.screws(frame)
     chosen = [[stratum.short(x) for x in columns[j - 1]] for j in joints]
     minors = []
     for rows in combinations(range(6), len(joints)):
@@ -160,18 +168,19 @@ def independent(columns: Columns, stratum: Stratum, joints: Sequence[int]) -> tu
         if zeros is None:
             continue
         if not any(zeros):
-            return Proof("minor", (rows,), (minor,)), None
+            return Proof("minor", frame, (rows,), (minor,)), None
         minors.append((sum(atom.weight for atoms in zeros for atom in atoms), rows, minor, zeros))
     minors.sort(key=lambda one: one[0])
     if not minors:
         return None, None
     gram = _gram(stratum, chosen) if len(joints) <= GRAM else None
     if gram is not None:
-        return Proof("gram", (), (gram,)), None
+        return Proof("gram", frame, (), (gram,)), None
     for size in (2, 3):
         for some in combinations(minors[:TOGETHER_AT_MOST], size):
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
-                return Proof("minors", tuple(rows for _, rows, _, _ in some), tuple(m for _, _, m, _ in some)), None
+                rows_of, polynomials = tuple(one[1] for one in some), tuple(one[2] for one in some)
+                return Proof("minors", frame, rows_of, polynomials), None
     weight, _, minor, _ = minors[0]
     return None, Obstacle(minor, weight)
 

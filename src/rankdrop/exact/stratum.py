@@ -412,8 +412,10 @@ def _solve(
             return False
         values[x], values[y] = found
     for f, name in reversed(later):
-        candidates = roots(half.in_one(f, name, values))
-        if not candidates:
-            return False
-        values[name] = rng.choice(candidates)
+        line = half.in_one(f, name, values)
+        candidates = roots(line)
+        if any(line):  # else it follows from the others
+            if not candidates:
+                return False
+            values[name] = rng.choice(candidates)
     return True

@@ -230,15 +230,9 @@ class _Derivation:
             return self.apart(case, above)
         self.assume(f for f, _ in basic.product.letters)
         case = replace(case, basic=basic)
-        return self.branch(case, above, basic.product.factors, self.suppressed)
+        return self.branch(case, above, basic.product.factors)
 
-    def branch(
-        self,
-        case: Case,
-        above: tuple[Case, ...],
-        factors: Sequence[Factor],
-        go_on: Callable[[Case, tuple[Case, ...]], Case],
-    ) -> Case:
+    def branch(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
         """A case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, []
         self.known += len(factors)
@@ -246,19 +240,17 @@ class _Derivation:
         for f in factors:
             here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
             if here.pieces:
-                cases.append(self.finished(Case(f"{prefix}{len(cases) + 1}", here, case.joints), (*above, case), go_on))
+                cases.append(self.finished(Case(f"{prefix}{len(cases) + 1}", here, case.joints), (*above, case)))
             self.tell()
         return replace(case, cases=tuple(cases))
 
-    def finished(
-        self, case: Case, above: tuple[Case, ...], go_on: Callable[[Case, tuple[Case, ...]], Case]
-    ) -> Case:
+    def finished(self, case: Case, above: tuple[Case, ...]) -> Case:
         """The case followed to its end, or named in `left` where the time is up."""
         try:
             self.deadline.check()
             if max(len(piece.equations) for piece in case.stratum.pieces) > DEEPEST:
                 raise OutOfTime
-            return go_on(case, above)
+            return self.suppressed(case, above)
         except OutOfTime:
             self.left.append(f"case {case.number}: {conditions_text(case.stratum)}")
             return case
@@ -270,7 +262,7 @@ class _Derivation:
         if len(case.joints) == 6:
             return self.family(case, above)
         sampled = Sampled(self.columns, case.stratum, self.rng)
-        found, obstacle = find(self.columns, case.stratum, sampled, case.joints, self.deadline)
+        found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.deadline)
         if found is not None:
             if found.proof is not None:
                 for pins in case.stratum.combinations:
@@ -283,7 +275,7 @@ class _Derivation:
         if product is None or not product.factors:
             return self.apart(case, above)
         self.assume(f for f, _ in product.letters)
-        return self.split(case, above, product.factors, self.determinant)
+        return self.split(case, above, product.factors)
 
     def apart(self, case: Case, above: tuple[Case, ...]) -> Case:
         """Split a case whose pieces behave differently: by a condition that holds on some of them only."""
@@ -293,29 +285,23 @@ class _Derivation:
         for condition in joined(self.ring, list(dict.fromkeys(atoms))):
             holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
-                return self.split(case, above, [condition], self.suppressed)
+                return self.split(case, above, [condition])
         for condition in (Factor(p.polynomial, (atom,)) for p in joined(self.ring, atoms) for atom in p.atoms or ()):
             holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
-                return self.split(case, above, joined(self.ring, condition.atoms or ()), self.suppressed)
+                return self.split(case, above, joined(self.ring, condition.atoms or ()))
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
-    def split(
-        self,
-        case: Case,
-        above: tuple[Case, ...],
-        factors: Sequence[Factor],
-        go_on: Callable[[Case, tuple[Case, ...]], Case],
-    ) -> Case:
+    def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
         """A case for each factor = 0 with the earlier ones ≠ 0, and one with all of them ≠ 0."""
-        case = self.branch(replace(case, split=True), above, factors, go_on)
+        case = self.branch(replace(case, split=True), above, factors)
         rest = case.stratum
         for f in factors:
             rest = rest.avoid(f)
         rest = self.inhabited(rest)
         if rest.pieces:
             last = Case(f"{case.number}.{len(case.cases) + 1}", rest, case.joints)
-            case = replace(case, cases=(*case.cases, self.finished(last, (*above, case), self.suppressed)))
+            case = replace(case, cases=(*case.cases, self.finished(last, (*above, case))))
         return case
 
     def family(self, case: Case, above: tuple[Case, ...]) -> Case:

@@ -277,14 +277,11 @@ def _letters(
     written: dict[tuple[int, str], tuple[int, str]] = {}
     for (i, which), value in values.items():
         # a distance along an axis and one across it may agree by chance: they keep letters of their own
-        name = next(
-            (name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)), None
-        )
-        if name is None:
-            if given:
-                continue
-            name = f"{which}{i + 1}"
-            letters[name] = value
+        same = [name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)]
+        if given and not same:
+            continue
+        name = same[0] if same else f"{which}{i + 1}"
+        letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     unused = set(given) - {name for _, name in written.values()}
     if unused:

@@ -4,17 +4,16 @@ the shortest determinant (KG's conditions a, b, c).
 
 from __future__ import annotations
 
-import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.chain import Chain
-from rankdrop.exact.deadline import Deadline
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.stratum_factors import Product, taken_apart
+from rankdrop.exact.work import Work
 
 Columns = Sequence[Sequence[Polynomial]]
 
@@ -41,14 +40,14 @@ def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
 
 
 def determinants(
-    columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, deadline: Deadline
+    columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, work: Work
 ) -> list[tuple[tuple[int, ...], Polynomial]]:
     """The determinant of every six of these joints' screws (v; ω), or of the six asked for, as it reads on a stratum."""
     ring = stratum.ring
     short = {j: [stratum.short(x) for x in columns[j - 1]] for j in joints}
     found = []
     for six in combinations(joints, 6) if asked is None else (asked,):
-        deadline.check()
+        work.check()
         found.append((six, stratum.short(ring.determinant([[short[j][r] for j in six] for r in range(6)]))))
     return found
 
@@ -57,8 +56,7 @@ def choose(
     chain: Chain,
     stratum: Stratum,
     options: Sequence[tuple[tuple[int, ...], Polynomial]],
-    rng: random.Random,
-    deadline: Deadline,
+    work: Work,
 ) -> Basic | None:
     """The best six whose determinant vanishes on no whole piece of a stratum; None where there is none."""
     known = triples(chain)
@@ -70,8 +68,8 @@ def choose(
 
     found = None
     for six, p in sorted(options, key=place):
-        deadline.check()
-        if p == 0 or any(piece.vanishes(p, rng) for piece in stratum.pieces):
+        work.check()
+        if p == 0 or any(piece.vanishes(p, work.rng) for piece in stratum.pieces):
             continue
         product = taken_apart(stratum, p)
         if product is not None:

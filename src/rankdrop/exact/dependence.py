@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 from rankdrop.exact.chain import Chain
-from rankdrop.exact.deadline import Deadline
-from rankdrop.exact.field import Evaluator, rank
+from rankdrop.exact.field import rank, trig_evaluator
 from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.piece import Factor
 from rankdrop.exact.ring import Atom
-from rankdrop.exact.stratum import Factor, Stratum
+from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.work import Work
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3
@@ -71,11 +72,21 @@ class Obstacle:
 
     Attributes:
         minor: as it reads on the stratum.
-        weight: of the atoms that are not known to be nowhere zero.
+        atoms: those that are not known to be nowhere zero.
     """
 
     minor: Polynomial
-    weight: int
+    atoms: tuple[Atom, ...]
+
+    @property
+    def weight(self) -> int:
+        """Of the atoms: how much there is to split at."""
+        return sum(atom.weight for atom in self.atoms)
+
+    @property
+    def light(self) -> bool:
+        """Whether the minor vanishes at pinned joints only."""
+        return all(atom.pinned for atom in self.atoms)
 
 
 class Sampled:
@@ -91,8 +102,7 @@ class Sampled:
     """
 
     def __init__(self, columns: Columns, stratum: Stratum, rng: random.Random) -> None:
-        ring = stratum.ring
-        evaluate = Evaluator(ring.trig.names())
+        evaluate = trig_evaluator(stratum.ring)
         self.points: list[list[list[list[int]]]] = []
         for piece in stratum.pieces:
             drawn = [point for point in (piece.point(rng) for _ in range(SAMPLES)) if point is not None]
@@ -126,17 +136,18 @@ def candidates(sampled: Sampled, joints: Sequence[int]) -> Iterator[tuple[int, t
 
 
 def find(
-    chain: Chain, frame: int, stratum: Stratum, sampled: Sampled, joints: Sequence[int], deadline: Deadline
+    chain: Chain, frame: int, stratum: Stratum, sampled: Sampled, joints: Sequence[int], work: Work
 ) -> tuple[Dependence | None, Obstacle | None]:
     """A dependent screw among these joints, fewest others and lowest number first; else the best place to split.
 
     Args:
         chain: whose screws they are.
-        frame: link in whose frame a proof is looked for first; then in those of the other links.
+        frame: link in whose frame a proof is looked for first; then, unless it is clear where to split, in those of
+            the other links.
         stratum: where.
         sampled: the screws there.
         joints: numbers of the joints to look among.
-        deadline: asked before each proof.
+        work: deadline, asked before each proof.
     """
     obstacle: Obstacle | None = None
     found = list(candidates(sampled, joints))
@@ -144,12 +155,14 @@ def find(
         for screw, others in found:
             if not others:
                 return Dependence(screw, (), None), None
-            deadline.check()
+            work.check()
             proof, here = independent(chain, k, stratum, others)
             if proof is not None:
                 return Dependence(screw, others, proof), None
             if here is not None and (obstacle is None or here.weight < obstacle.weight):
                 obstacle = here
+        if obstacle is not None and obstacle.light:
+            break
     return None, obstacle
 
 
@@ -169,8 +182,8 @@ def independent(
             continue
         if not any(zeros):
             return Proof("minor", frame, (rows,), (minor,)), None
-        minors.append((sum(atom.weight for atoms in zeros for atom in atoms), rows, minor, zeros))
-    minors.sort(key=lambda one: one[0])
+        minors.append((Obstacle(minor, tuple(atom for atoms in zeros for atom in atoms)), rows, minor, zeros))
+    minors.sort(key=lambda one: one[0].weight)
     if not minors:
         return None, None
     gram = _gram(stratum, chosen) if len(joints) <= GRAM else None
@@ -181,8 +194,7 @@ def independent(
             if all(_no_common(atoms) for atoms in zip(*(zeros for *_, zeros in some), strict=True)):
                 rows_of, polynomials = tuple(one[1] for one in some), tuple(one[2] for one in some)
                 return Proof("minors", frame, rows_of, polynomials), None
-    weight, _, minor, _ = minors[0]
-    return None, Obstacle(minor, weight)
+    return None, minors[0][0]
 
 
 def _zeros(stratum: Stratum, p: Polynomial) -> list[tuple[Atom, ...]] | None:

@@ -12,10 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from rankdrop.exact.field import Evaluator, P, Point, complete
+from rankdrop.exact.field import P, Point, complete, trig_evaluator
 from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.piece import Factor
 from rankdrop.exact.ring import Atom, Ring, primitive
-from rankdrop.exact.stratum import TOGETHER, Factor, Stratum
+from rankdrop.exact.stratum import TOGETHER, Stratum
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class Product:
         polynomial: as it reads on the stratum.
         factors: it vanishes where one of these conditions holds. Those known to be nowhere zero on the stratum are
             left out.
-        letters: factors in lengths alone (trigonometric ring), with multiplicities.
+        letters: factors in lengths alone (half-angle ring), with multiplicities.
         written: all factors that depend on the configuration, with multiplicities, as they are printed.
         outer: c with polynomial = c · Π letters · Π written: a number, or one times cosines and sines that are ±1 on
             the stratum; None where that is not how the polynomial factors on all pieces at once.
@@ -54,7 +55,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         found = ring.factor(here)
         every.append(dict(found.atoms))
         for f, power in found.letters:
-            letters[str(f)] = (letters_polynomial(ring, f), max(power, letters.get(str(f), (f, 0))[1]))
+            letters[str(f)] = (f, max(power, letters.get(str(f), (f, 0))[1]))
     open_atoms: list[list[Atom]] = []
     for atoms, pins in zip(every, stratum.combinations, strict=True):
         pieces = [piece for piece in stratum.pieces if piece.pins == pins]
@@ -62,7 +63,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         if any(found is None for one in lists for found in one.values()):
             return None
         open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
-    powers = list(letters.values())
+    powers = [(letters_polynomial(ring, f), power) for f, power in letters.values()]
     shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
     factors = joined(ring, shared)
     rests = [[atom for atom in atoms if atom not in shared] for atoms in open_atoms]
@@ -74,7 +75,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         written.append((rest, 1))
     factors.sort(key=lambda f: _length(f.polynomial))
     written.sort(key=lambda pair: _length(pair[0]))
-    return Product(p, tuple(factors), tuple(powers), tuple(written), _outer(stratum, p, [*powers, *written]))
+    return Product(p, tuple(factors), tuple(letters.values()), tuple(written), _outer(stratum, p, [*powers, *written]))
 
 
 def _length(f: Polynomial) -> tuple[int, int, str]:
@@ -212,4 +213,4 @@ def _random_point(ring: Ring) -> Point:
 
 
 def _value(ring: Ring, p: Polynomial, point: Point) -> int:
-    return Evaluator(ring.trig.names())(p, point)
+    return trig_evaluator(ring)(p, point)

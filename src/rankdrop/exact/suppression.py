@@ -9,20 +9,20 @@ way. An arm of six joints has step 1 alone.
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.basic_screws import Basic, check_basic, choose, determinants
 from rankdrop.exact.chain import Chain
-from rankdrop.exact.deadline import Deadline, OutOfTime
 from rankdrop.exact.dependence import Dependence, Sampled, find
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.ring import primitive
-from rankdrop.exact.stratum import Factor, Stratum
-from rankdrop.exact.stratum_factors import joined, letters_polynomial, taken_apart
-from rankdrop.exact.text_of import conditions_text, product_text, text_of
+from rankdrop.exact.piece import Factor
+from rankdrop.exact.split import plainly_positive
+from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.stratum_factors import Product, joined, letters_polynomial, taken_apart
+from rankdrop.exact.text_of import conditions_text, product_text
+from rankdrop.exact.work import OutOfTime, Work
 
 Progress = Callable[[str, int, int], None]
 """Called with (what is done, cases done, cases known so far)."""
@@ -167,7 +167,7 @@ def suppress(
     if not 1 <= frame < chain.n:
         raise OptionError("no such link frame", where="frame", got=str(frame), allowed=f"1 … {chain.n - 1}")
     check_basic(chain, basic)
-    return _Derivation(chain, frame, basic, Deadline(seconds), random.Random(seed), progress).run()
+    return _Derivation(chain, frame, basic, Work(seconds, seed), progress).run()
 
 
 def closed_pieces(suppression: Suppression) -> list[tuple[Polynomial, ...]]:
@@ -186,23 +186,21 @@ class _Derivation:
         chain: Chain,
         frame: int,
         basic: Sequence[int] | None,
-        deadline: Deadline,
-        rng: random.Random,
+        work: Work,
         progress: Progress | None,
     ) -> None:
         self.chain, self.ring, self.frame = chain, chain.ring, frame
         self.columns = chain.screws(frame)
         self.asked = tuple(sorted(basic)) if basic is not None else None
-        self.deadline, self.rng, self.progress = deadline, rng, progress
+        self.work, self.progress = work, progress
         self.families: list[SuppressedFamily] = []
-        self.assumptions: dict[str, Polynomial] = {}
         self.left: list[str] = []
         self.done, self.known = 0, 1
 
     def run(self) -> Suppression:
-        whole = Stratum.whole(self.ring)
+        whole = Stratum.whole(self.ring, self.work.assumed)
         everything = tuple(range(1, self.chain.n + 1))
-        if max(Sampled(self.columns, whole, self.rng).ranks(everything)) < 6:
+        if max(Sampled(self.columns, whole, self.work.rng).ranks(everything)) < 6:
             raise TaskError(
                 "the screws never span all six freedoms: every configuration is singular",
                 where=f"robot {self.chain.robot.name!r}",
@@ -213,28 +211,32 @@ class _Derivation:
             start = self.determinant(start, ())
         except OutOfTime:
             self.left.append("the determinant of the basic screws")
-        self.assume(letters_polynomial(self.ring, f) for f in whole.assumed.values())
-        assumed, found, left = tuple(self.assumptions.values()), tuple(self.families), tuple(self.left)
+        assumed = tuple(
+            letters_polynomial(self.ring, f)
+            for f in self.work.assumed.values()
+            if len(f) > 1 and not plainly_positive(self.ring, f)  # a length alone is not zero
+        )
+        found, left = tuple(self.families), tuple(self.left)
         return Suppression(self.chain, self.frame, self.columns, start, found, assumed, left)
 
     def determinant(self, case: Case, above: tuple[Case, ...]) -> Case:
         """Step 1 with the screws that are left: a case for each factor of the determinant of six of them."""
         first = not case.number
-        options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.deadline)
-        basic = choose(self.chain, case.stratum, options, self.rng, self.deadline)
+        options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.work)
+        basic = choose(self.chain, case.stratum, options, self.work)
         if basic is None:
             if first:
                 raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
-            if all(case.stratum.vanishes(p, self.rng) for _, p in options):
+            if all(case.stratum.vanishes(p, self.work.rng) for _, p in options):
                 return self.family(case, above)
             return self.apart(case, above)
-        self.assume(f for f, _ in basic.product.letters)
+        self.assume(basic.product)
         case = replace(case, basic=basic)
         return self.branch(case, above, basic.product.factors)
 
     def branch(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
         """A case for each factor = 0 with the earlier ones ≠ 0."""
-        rest, cases = case.stratum, []
+        rest, cases = case.stratum, list[Case]()
         self.known += len(factors)
         prefix = f"{case.number}." if case.number else ""
         for f in factors:
@@ -247,7 +249,7 @@ class _Derivation:
     def finished(self, case: Case, above: tuple[Case, ...]) -> Case:
         """The case followed to its end, or named in `left` where the time is up."""
         try:
-            self.deadline.check()
+            self.work.check()
             if max(len(piece.equations) for piece in case.stratum.pieces) > DEEPEST:
                 raise OutOfTime
             return self.suppressed(case, above)
@@ -261,20 +263,20 @@ class _Derivation:
             return self.apart(case, above)
         if len(case.joints) == 6:
             return self.family(case, above)
-        sampled = Sampled(self.columns, case.stratum, self.rng)
-        found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.deadline)
+        sampled = Sampled(self.columns, case.stratum, self.work.rng)
+        found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
         if found is not None:
             if found.proof is not None:
                 for pins in case.stratum.combinations:
                     for p in found.proof.polynomials:
-                        letters = self.ring.factor(self.ring.at(p, pins)).letters
-                        self.assume(letters_polynomial(self.ring, f) for f, _ in letters)
+                        for f, _ in self.ring.factor(self.ring.at(p, pins)).letters:
+                            self.work.assume(f)
             left = tuple(j for j in case.joints if j != found.screw)
             return self.determinant(replace(case, joints=left, dependence=found), above)
         product = taken_apart(case.stratum, obstacle.minor) if obstacle is not None else None
         if product is None or not product.factors:
             return self.apart(case, above)
-        self.assume(f for f, _ in product.letters)
+        self.assume(product)
         return self.split(case, above, product.factors)
 
     def apart(self, case: Case, above: tuple[Case, ...]) -> Case:
@@ -308,7 +310,7 @@ class _Derivation:
         """The case is a family."""
         number = len(self.families) + 1
         case = replace(case, family=number)
-        sampled = Sampled(self.columns, case.stratum, self.rng)
+        sampled = Sampled(self.columns, case.stratum, self.work.rng)
         ranks = tuple(sorted(sampled.ranks(range(1, self.chain.n + 1))))
         self.families.append(SuppressedFamily(number, case.stratum, (*above, case), ranks))
         return case
@@ -317,15 +319,15 @@ class _Derivation:
         """The stratum without pieces that lie in the excluded set: the closed piece has points, the piece has none."""
         kept = []
         for piece in stratum.pieces:
-            if piece.point(self.rng) is not None or replace(piece, excluded=frozenset()).point(self.rng) is None:
+            closed = replace(piece, excluded=frozenset())
+            if piece.point(self.work.rng) is not None or closed.point(self.work.rng) is None:
                 kept.append(piece)
         return replace(stratum, pieces=tuple(kept))
 
-    def assume(self, letters: Iterable[Polynomial]) -> None:
-        """Remember factors in lengths; a length alone is not zero."""
-        for f in letters:
-            if len(f) > 1:
-                self.assumptions.setdefault(str(primitive(f)), primitive(f))
+    def assume(self, product: Product) -> None:
+        """Take the factors in lengths alone for ≠ 0."""
+        for f, _ in product.letters:
+            self.work.assume(f)
 
     def tell(self) -> None:
         """Report a case done."""

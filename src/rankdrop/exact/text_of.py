@@ -5,7 +5,7 @@ from __future__ import annotations
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import Ring
 from rankdrop.exact.stratum import Stratum
-from rankdrop.exact.stratum_factors import Product
+from rankdrop.exact.stratum_factors import Product, letters_polynomial
 
 
 def text_of(ring: Ring, p: Polynomial) -> str:
@@ -25,7 +25,7 @@ def product_text(ring: Ring, product: Product) -> str:
     if product.outer is None:
         return text_of(ring, product.polynomial)
     parts = []
-    for f, power in [*product.letters, *product.written]:
+    for f, power in [*((letters_polynomial(ring, f), power) for f, power in product.letters), *product.written]:
         text = text_of(ring, f)
         text = f"({text})" if len(f) > 1 else text
         parts.append(text if power == 1 else f"{text}^{power}")

@@ -1,5 +1,5 @@
-"""Which six screws are the basic ones: independent in general, with a triple that is a joint of its own, contiguous, and
-the shortest determinant (KG's conditions a, b, c).
+"""Which six screws are the basic ones: independent in general, with a triple that is a joint of its own, contiguous,
+and the shortest determinant (KG's conditions a, b, c).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
 def determinants(
     columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, work: Work
 ) -> list[tuple[tuple[int, ...], Polynomial]]:
-    """The determinant of every six of these joints' screws (v; ω), or of the six asked for, as it reads on a stratum."""
+    """The determinant of every six of these screws (v; ω), or of the six asked for, as it reads on a stratum."""
     ring = stratum.ring
     short = {j: [stratum.short(x) for x in columns[j - 1]] for j in joints}
     found = []

@@ -26,7 +26,9 @@ GRAM = 3
 TOGETHER_AT_MOST = 6
 """Most minors that are looked at together."""
 SAMPLES = 3
-"""Random points of each piece at which ranks are compared."""
+"""Random points of an irreducible piece at which ranks are compared."""
+MORE_SAMPLES = 10
+"""Of a piece with two equations or more, which may have several components."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,8 @@ class Sampled:
         evaluate = trig_evaluator(stratum.ring)
         self.points: list[list[list[list[int]]]] = []
         for piece in stratum.pieces:
-            drawn = [point for point in (piece.point(rng) for _ in range(SAMPLES)) if point is not None]
+            count = SAMPLES if piece.irreducible else MORE_SAMPLES
+            drawn = [point for point in (piece.point(rng) for _ in range(count)) if point is not None]
             self.points.append([[[evaluate(x, point) for x in column] for column in columns] for point in drawn])
 
         self._ranks: dict[tuple[int, ...], set[int]] = {}
@@ -117,6 +120,18 @@ class Sampled:
             matrices = ([point[j - 1] for j in key] for piece in self.points for point in piece)
             self._ranks[key] = {rank(matrix) for matrix in matrices}
         return self._ranks[key]
+
+
+    def mixed(self, joints: Sequence[int]) -> tuple[int, ...] | None:
+        """The smallest set of joints whose rank differs from point to point of one piece: it has several components."""
+        if max(map(len, self.points), default=0) <= SAMPLES:
+            return None
+        for size in range(1, len(joints) + 1):
+            for chosen in combinations(joints, size):
+                for piece in self.points:
+                    if len({rank([point[j - 1] for j in chosen]) for point in piece}) > 1:
+                        return chosen
+        return None
 
 
 def candidates(sampled: Sampled, joints: Sequence[int]) -> Iterator[tuple[int, tuple[int, ...]]]:
@@ -156,7 +171,7 @@ def find(
             if not others:
                 return Dependence(screw, (), None), None
             work.check()
-            proof, here = independent(chain, k, stratum, others)
+            proof, here = independent(chain, k, stratum, others, work)
             if proof is not None:
                 return Dependence(screw, others, proof), None
             if here is not None and (obstacle is None or here.weight < obstacle.weight):
@@ -166,8 +181,18 @@ def find(
     return None, obstacle
 
 
+def lightest(chain: Chain, stratum: Stratum, joints: Sequence[int], work: Work) -> Obstacle | None:
+    """Of all minors of some screws, in the frames of all links, the one with the least to split at."""
+    found = []
+    for k in range(1, chain.n):
+        work.check()
+        _, obstacle = independent(chain, k, stratum, joints, work)
+        found += [obstacle] if obstacle is not None else []
+    return min(found, key=lambda one: one.weight, default=None)
+
+
 def independent(
-    chain: Chain, frame: int, stratum: Stratum, joints: Sequence[int]
+    chain: Chain, frame: int, stratum: Stratum, joints: Sequence[int], work: Work
 ) -> tuple[Proof | None, Obstacle | None]:
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
     ring, columns = stratum.ring, chain.screws(frame)
@@ -177,7 +202,7 @@ def independent(
         minor = stratum.short(ring.determinant([[column[r] for column in chosen] for r in rows]))
         if minor == 0:
             continue
-        zeros = _zeros(stratum, minor)
+        zeros = _zeros(stratum, minor, work)
         if zeros is None:
             continue
         if not any(zeros):
@@ -186,7 +211,7 @@ def independent(
     minors.sort(key=lambda one: one[0].weight)
     if not minors:
         return None, None
-    gram = _gram(stratum, chosen) if len(joints) <= GRAM else None
+    gram = _gram(stratum, chosen, work) if len(joints) <= GRAM else None
     if gram is not None:
         return Proof("gram", frame, (), (gram,)), None
     for size in (2, 3):
@@ -197,18 +222,18 @@ def independent(
     return None, minors[0][0]
 
 
-def _zeros(stratum: Stratum, p: Polynomial) -> list[tuple[Atom, ...]] | None:
+def _zeros(stratum: Stratum, p: Polynomial, work: Work) -> list[tuple[Atom, ...]] | None:
     """Per piece the atoms under which p may vanish; None where it vanishes on a whole piece."""
     found = []
     for piece in stratum.pieces:
         atoms = piece.factors(Factor(p), False)
-        if atoms is None:
+        if atoms is None or (not piece.irreducible and piece.vanishes(p, work.rng)):
             return None
         found.append(atoms)
     return found
 
 
-def _gram(stratum: Stratum, chosen: Columns) -> Polynomial | None:
+def _gram(stratum: Stratum, chosen: Columns, work: Work) -> Polynomial | None:
     """|KᵀK| where it has no zero on the stratum."""
     ring = stratum.ring
     products = [
@@ -216,7 +241,7 @@ def _gram(stratum: Stratum, chosen: Columns) -> Polynomial | None:
         for a in chosen
     ]
     found = stratum.short(ring.determinant(products))
-    zeros = _zeros(stratum, found) if found != 0 else None
+    zeros = _zeros(stratum, found, work) if found != 0 else None
     return found if zeros is not None and not any(zeros) else None
 
 

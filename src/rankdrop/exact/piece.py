@@ -61,6 +61,11 @@ class Piece:
         """Variables of the half-angle ring that lengths alone decide: place -> (N, D), the variable is N / D."""
         return dict(root for root in (_root(self.ring, f) for f in self.equations) if root is not None)
 
+    @property
+    def irreducible(self) -> bool:
+        """Whether it is known to be: one equation at most beside solved ones."""
+        return len(self.equations) - len(self.solved) <= 1
+
     def factors(self, condition: Factor, note: bool = True) -> tuple[Atom, ...] | None:
         """The atoms under which a condition holds here; None where it holds everywhere.
 
@@ -190,7 +195,7 @@ class Piece:
 
     def vanishes(self, p: Polynomial, rng: random.Random, points: int = 3) -> bool:
         """Whether p is zero on the whole piece: exact for one equation beside solved ones, else at random points."""
-        if len(self.equations) - len(self.solved) <= 1:
+        if self.irreducible:
             return self.factors(Factor(p), False) is None
         p = self.ring.at(p, self.pins)
         if p == 0:
@@ -234,28 +239,23 @@ def _solve(
 ) -> bool:
     """Change some of the values so that the equations hold; whether that was done."""
     names = {id(f): [ring.names[k] for k in used(f) if k < ring.moving] for f in equations}
-    waiting, later = list(equations), []
+    waiting = sorted(equations, key=len)
+    later: list[tuple[Polynomial, str]] = []  # solved last, for a variable of their own
+    implied: list[Polynomial] = []  # more equations than can be solved: the long ones have to follow from the others
     while waiting:
-        # an equation with a variable of its own can be solved last
-        own = [(f, [x for x in names[id(f)] if all(x not in names[id(g)] for g in waiting if g is not f)])
-               for f in waiting]  # fmt: skip
+        own = ((f, [x for x in names[id(f)] if all(x not in names[id(g)] for g in waiting if g is not f)])
+               for f in waiting)  # fmt: skip
         free = [(f, mine) for f, mine in own if mine]
-        if not free:
+        if free:
+            f, mine = rng.choice(free)
+            later.append((f, rng.choice(mine)))
+            waiting = [g for g in waiting if g is not f]
+        elif len(waiting) > 2:
+            implied.append(waiting.pop())
+        else:
             break
-        f, mine = rng.choice(free)
-        later.append((f, rng.choice(mine)))
-        waiting = [g for g in waiting if g is not f]
-    if waiting:
-        if len(waiting) != 2:
-            return False
-        shared = [x for x in names[id(waiting[0])] if x in names[id(waiting[1])]]
-        if len(shared) < 2:
-            return False
-        x, y = rng.sample(shared, 2)
-        found = common_zeros(half.in_two(waiting[0], x, y, values), half.in_two(waiting[1], x, y, values), rng)
-        if found is None:
-            return False
-        values[x], values[y] = found
+    if waiting and not _solve_two(half, waiting, names, values, rng):
+        return False
     for f, name in reversed(later):
         line = half.in_one(f, name, values)
         candidates = roots(line)
@@ -263,4 +263,22 @@ def _solve(
             if not candidates:
                 return False
             values[name] = rng.choice(candidates)
+    return all(half(f, values) == 0 for f in implied)
+
+
+def _solve_two(
+    half: Evaluator,
+    two: Sequence[Polynomial],
+    names: Mapping[int, list[str]],
+    values: dict[str, int],
+    rng: random.Random,
+) -> bool:
+    shared = [x for x in names[id(two[0])] if x in names[id(two[1])]]
+    if len(shared) < 2:
+        return False
+    x, y = rng.sample(shared, 2)
+    found = common_zeros(half.in_two(two[0], x, y, values), half.in_two(two[1], x, y, values), rng)
+    if found is None:
+        return False
+    values[x], values[y] = found
     return True

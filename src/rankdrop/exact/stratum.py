@@ -1,8 +1,8 @@
 """A set of configurations given by conditions = 0 and conditions ≠ 0, as the hand calculation splits it into cases.
 
 A stratum is kept twice: as its two lists of trigonometric polynomials, which are what is read and what makes strata
-disjoint, and as `Piece`s that together are the stratum: each with joints pinned at simple angles, irreducible half-angle
-equations, and atoms that are nowhere zero on it. Pieces of one stratum may meet: sin θ4 = 0 is one condition with the
+disjoint, and as `Piece`s that together are the stratum: each with joints pinned at simple angles, irreducible
+half-angle equations, and atoms that are nowhere zero on it. Pieces of one stratum may meet: sin θ4 = 0 is one condition with the
 pieces θ4 = 0 and θ4 = π.
 """
 

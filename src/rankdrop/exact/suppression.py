@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.basic_screws import Basic, check_basic, choose, determinants
 from rankdrop.exact.chain import Chain
-from rankdrop.exact.dependence import Dependence, Sampled, find
+from rankdrop.exact.dependence import Dependence, Obstacle, Sampled, find, lightest
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.piece import Factor
 from rankdrop.exact.split import plainly_positive
@@ -264,6 +264,9 @@ class _Derivation:
         if len(case.joints) == 6:
             return self.family(case, above)
         sampled = Sampled(self.columns, case.stratum, self.work.rng)
+        mixed = sampled.mixed(case.joints)
+        if mixed is not None:
+            return self.at(case, above, lightest(self.chain, case.stratum, mixed, self.work))
         found, obstacle = find(self.chain, self.frame, case.stratum, sampled, case.joints, self.work)
         if found is not None:
             if found.proof is not None:
@@ -273,6 +276,10 @@ class _Derivation:
                             self.work.assume(f)
             left = tuple(j for j in case.joints if j != found.screw)
             return self.determinant(replace(case, joints=left, dependence=found), above)
+        return self.at(case, above, obstacle)
+
+    def at(self, case: Case, above: tuple[Case, ...], obstacle: Obstacle | None) -> Case:
+        """Split a case at the zeros of a minor."""
         product = taken_apart(case.stratum, obstacle.minor) if obstacle is not None else None
         if product is None or not product.factors:
             return self.apart(case, above)
@@ -316,12 +323,14 @@ class _Derivation:
         return case
 
     def inhabited(self, stratum: Stratum) -> Stratum:
-        """The stratum without pieces that lie in the excluded set: the closed piece has points, the piece has none."""
+        """The stratum without pieces that lie in the excluded set, or on which no point is found, which is told."""
         kept = []
         for piece in stratum.pieces:
-            closed = replace(piece, excluded=frozenset())
-            if piece.point(self.work.rng) is not None or closed.point(self.work.rng) is None:
+            if piece.point(self.work.rng) is not None:
                 kept.append(piece)
+            elif replace(piece, excluded=frozenset()).point(self.work.rng) is None:
+                alone = replace(stratum, pieces=(piece,))
+                self.left.append(f"no point modulo p was found on: {conditions_text(alone)}")
         return replace(stratum, pieces=tuple(kept))
 
     def assume(self, product: Product) -> None:

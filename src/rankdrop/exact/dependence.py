@@ -197,7 +197,7 @@ def independent(
     """A proof that screws are independent everywhere on a stratum, or the minor that comes closest to one."""
     ring, columns = stratum.ring, chain.screws(frame)
     chosen = [[stratum.short(x) for x in columns[j - 1]] for j in joints]
-    minors = []
+    minors, proofs = [], list[Proof]()
     for rows in combinations(range(6), len(joints)):
         minor = stratum.short(ring.determinant([[column[r] for column in chosen] for r in rows]))
         if minor == 0:
@@ -206,8 +206,10 @@ def independent(
         if zeros is None:
             continue
         if not any(zeros):
-            return Proof("minor", frame, (rows,), (minor,)), None
+            proofs.append(Proof("minor", frame, (rows,), (minor,)))
         minors.append((Obstacle(minor, tuple(atom for atoms in zeros for atom in atoms)), rows, minor, zeros))
+    if proofs:
+        return min(proofs, key=lambda one: (len(one.polynomials[0]), one.polynomials[0].total_degree())), None
     minors.sort(key=lambda one: one[0].weight)
     if not minors:
         return None, None

@@ -18,7 +18,7 @@ from rankdrop.robot.open import open_robot
 
 QUICK = ["puma560", "ur5", "stanford", "xarm6", "pa10", "iiwa14", "canadarm2", "rcrrrr", "rail", "xarm7", "panda", "fetch8"]
 LONG = ["gen3", "sawyer"]
-HOLDS = 1e-5  # |p| ≤ this times the sum of its terms' sizes: p = 0, where a double zero is known to √σ only
+HOLDS = 1e-4  # |p| ≤ this times the sum of its terms' sizes: p = 0; σ tells powers and products of the p only
 FOUND = {}
 
 

@@ -109,12 +109,10 @@ def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
     """One trigonometric polynomial with the zeros of atoms that are not trigonometric one by one."""
     f, at_pi = ring.half.constant(1), []
     for atom in atoms:
-        if atom.f is not None:
-            f = f * atom.f
-        elif atom.value == "pi":
+        if atom.value == "pi":
             at_pi.append(atom.joint)
         else:
-            f = f * (ring.t[atom.joint] - {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value])
+            f = f * _half_of(ring, atom)
     p = ring.trig_zero_set(f)
     return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
 
@@ -149,7 +147,7 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     common = _times(ring, [f.polynomial for f in joined(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
-        part = _times(ring, [f.polynomial for f in joined(ring, atoms)])
+        part = _unsquared(ring, atoms, shared)
         ratio = _value(ring, ring.at(p, pins), point) * pow(_value(ring, ring.reduce(common * part), point), -1, P) % P
         first = first or ratio
         if (ratio + first) % P == 0:
@@ -161,6 +159,27 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
                 part = part * (1 + ring.s[j] * (1 if pins[j] == "pi/2" else -1))
         total += part
     return primitive(stratum.short(total))
+
+
+def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
+    """A trigonometric polynomial with the zeros of some atoms and, rather than their squares, of a few spare ones."""
+    for count in range(len(spare) + 1):
+        for some in combinations(spare, count):
+            every = [*atoms, *some]
+            if any(atom.value == "pi" for atom in every):
+                continue
+            f = ring.half.constant(1)
+            for atom in every:
+                f = f * _half_of(ring, atom)
+            found = ring.to_trig(f)
+            if found is not None:
+                return found
+    return _times(ring, [f.polynomial for f in joined(ring, atoms)])
+
+
+def _half_of(ring: Ring, atom: Atom) -> Polynomial:
+    """The half-angle polynomial of an atom other than θ = π."""
+    return atom.f if atom.f is not None else ring.t[atom.joint] - {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
 
 
 def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:

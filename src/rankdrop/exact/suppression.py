@@ -21,6 +21,7 @@ from rankdrop.exact.piece import Factor
 from rankdrop.exact.split import plainly_positive
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.stratum_factors import Product, joined, letters_polynomial, taken_apart
+from rankdrop.exact.suppression_steps import Step, steps
 from rankdrop.exact.text_of import conditions_text, product_text
 from rankdrop.exact.work import OutOfTime, Work
 
@@ -123,6 +124,11 @@ class Suppression:
     def factors(self) -> tuple[Polynomial, ...]:
         """The factors of that determinant which depend on the configuration."""
         return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
+
+
+    def steps(self) -> tuple[Step, ...]:
+        """The derivation step by step, as it is done by hand."""
+        return steps(self)
 
 
 def suppress(

@@ -13,7 +13,7 @@ from rankdrop.exact.dependence import Proof
 from rankdrop.exact.text_of import condition_text, conditions_text, product_text, text_of
 
 if TYPE_CHECKING:
-    from rankdrop.exact.suppression import Case, Suppression, SuppressedFamily
+    from rankdrop.exact.suppression import Case, SuppressedFamily, Suppression
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 LONG = 60

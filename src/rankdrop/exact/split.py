@@ -17,6 +17,8 @@ from rankdrop.exact.slice import binds_more
 from rankdrop.exact.variety import Solved, Variety, independent
 from rankdrop.exact.work import Work
 
+_LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
+
 Done = frozenset[tuple[str, str, int]]
 """Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
 
@@ -265,7 +267,7 @@ def _reduced(
         work.check()
         one, two = sorted((str(f), str(g)))
         pair = (one, two, k)
-        if pair in done:
+        if pair in done or len(f) * len(g) > _LARGE:
             continue
         done |= {pair}
         combined = _combined(f, g, k) if f.degrees()[k] == g.degrees()[k] == 2 else f.resultant(g, ring.names[k])

@@ -9,7 +9,7 @@ search goes on to the drops inside it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 from rankdrop.exact.chain import Chain
@@ -21,6 +21,7 @@ from rankdrop.exact.variety import Variety
 from rankdrop.exact.work import OutOfTime, Work
 
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
+_SEVERAL = 12  # random points on a set that may be several
 _SHORT = 4  # a minor with so short factors is taken at once
 
 
@@ -95,29 +96,59 @@ def largest(found: Sequence[Drop]) -> list[Drop]:
 
 
 def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tree: Tree, work: Work) -> None:
-    """Find the drops inside one set, and append them to `found`."""
-    waiting = [start.piece]
+    """Find the drops inside one set, and append them to `found`.
+
+    A piece of the set where an m × n matrix has rank ≤ r binds at most (m − r)(n − r) freedoms, so pieces that bind
+    more lie inside others.
+    """
+    n, m = len(columns), len(columns[0])
+    bound = (m - start.rank + 1) * (n - start.rank + 1)
+    waiting: list[tuple[Variety, tuple[Variety, ...]]] = [(start.piece, ())]  # each with the sets it was cut from
     seen: list[Variety] = []
     while waiting:
-        piece = waiting.pop(0)
+        piece, above = waiting.pop(0)
         work.check()
         tree.visited += 1
         minor = _minor(columns, piece, start.rank, work)
         if minor is None:
-            tree.complete = False
-            tree.left.append(f"no minor could be formed on {piece.key}")
+            found.append(Drop(piece, _rank(columns, piece)))  # its random points lay on a part of higher rank before
             continue
         for part in cut(piece, minor, work):
             if any(part.inside(drop.piece) for drop in found if drop.rank < start.rank):
                 continue  # whatever drops inside it is found there
             if not part.samples:
                 continue  # no point modulo P: no real one either
-            here = _rank(columns, part)
-            if here < start.rank:
-                found.append(Drop(part, here))
-            elif not any(part.inside(other) for other in seen):
+            dropped = _dropped(columns, part, start.rank, work)
+            found += dropped
+            if (dropped and dropped[0].piece is part) or part.codimension >= bound:
+                continue
+            if not any(part.inside(other) for other in seen if other not in above and other is not piece):
                 seen.append(part)
-                waiting.append(part)
+                waiting.append((part, (*above, piece)))
+
+
+def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:
+    """The part as a drop where its rank is lower; where two conditions hold on several sets, the one it is lower on."""
+    if len(part.rest) < 2:
+        here = _rank(columns, part)
+        return [Drop(part, here)] if here < above else []
+    points = part.points(work.rng, _SEVERAL)
+    ranks = [rank(_matrix(columns, point, part)) for point in points]
+    if not ranks or min(ranks) >= above:
+        return []
+    if max(ranks) < above:
+        return [Drop(part, max(ranks))]
+    full = points[ranks.index(max(ranks))]
+    evaluate = trig_evaluator(part.ring)
+    for minor in _minors(columns, part, max(ranks)):
+        work.check()
+        if evaluate(minor, full) != 0:
+            inside = replace(part, also=(minor,))
+            atoms = [atom.f for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms if not atom.pinned]
+            more = tuple(f for f in atoms if inside.half_vanishes(f))
+            inside = replace(inside, equations=(*part.equations, *more))
+            return [Drop(inside, _rank(columns, inside))] if inside.samples else []
+    return []
 
 
 def _rank(columns: list[list[Polynomial]], piece: Variety) -> int:
@@ -132,24 +163,26 @@ def _matrix(columns: list[list[Polynomial]], point: Point, piece: Variety) -> li
 
 def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> Polynomial | None:
     """A minor of the given order that is not zero on a set, with short factors there."""
+    best: tuple[int, Polynomial] | None = None
+    for tried, minor in enumerate(_minors(columns, piece, order), 1):
+        work.check()
+        weight = _weight(piece, minor)
+        if best is None or weight < best[0]:
+            best = (weight, minor)
+        if weight <= _SHORT or tried >= _TRIED:
+            break
+    return None if best is None else best[1]
+
+
+def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iterator[Polynomial]:
+    """Minors of the given order that are not zero on all of a set, those with short entries first."""
     ring = piece.ring
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
     residues = [_matrix(here, point, piece) for point in piece.samples]
-    best: tuple[int, Polynomial] | None = None
-    tried = 0
     for columns_used, rows_used in _by_length(lengths, order):
-        if not any(rank([[m[c][r] for r in rows_used] for c in columns_used]) == order for m in residues):
-            continue
-        work.check()
-        minor = ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
-        weight = _weight(piece, minor)
-        if best is None or weight < best[0]:
-            best = (weight, minor)
-        tried += 1
-        if weight <= _SHORT or tried >= _TRIED:
-            break
-    return None if best is None else best[1]
+        if any(rank([[m[c][r] for r in rows_used] for c in columns_used]) == order for m in residues):
+            yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
 
 
 def _by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:

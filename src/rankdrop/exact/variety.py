@@ -52,7 +52,10 @@ class Variety:
         ring: of its polynomials.
         pins: simple angles (out of `ring.SIMPLE`) of pinned joints, by number.
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
-        rest: irreducible conditions that are not linear in any variable.
+        rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
+            `also` and `apart` tell which.
+        also: trigonometric polynomials that vanish on this set.
+        apart: trigonometric polynomials that do not vanish on all of it.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
     """
 
@@ -60,6 +63,8 @@ class Variety:
     pins: Mapping[int, str]
     solved: tuple[Solved, ...] = ()
     rest: tuple[Polynomial, ...] = ()
+    also: tuple[Polynomial, ...] = ()
+    apart: tuple[Polynomial, ...] = ()
     equations: tuple[Polynomial, ...] = ()
 
     @classmethod
@@ -93,8 +98,14 @@ class Variety:
                     values[f"t{joint}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[value]
             if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
                 continue
-            return complete(ring, values, self.pins)
+            point = complete(ring, values, self.pins)
+            if point is not None and self._chosen(point):
+                return point
         return None
+
+    def _chosen(self, point: Point) -> bool:
+        evaluate = trig_evaluator(self.ring)
+        return all(evaluate(p, point) == 0 for p in self.also) and all(evaluate(p, point) for p in self.apart)
 
     def _fill_in(self, values: dict[str, int], evaluate: Evaluator) -> bool:
         for one in reversed(self.solved):

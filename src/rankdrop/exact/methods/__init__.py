@@ -1,0 +1,66 @@
+"""The methods that KG lists besides its own, for comparison: each derives the whole singular set in its own way.
+
+| method | idea | what stands in the way |
+|---|---|---|
+| determinant | det J, or det(J Jᵀ) | a redundant arm's is one long polynomial, and never negative |
+| cofactors | all maximal minors vanish | their common solution is still to be found |
+| decomposition | arm and wrist apart, from the wrist centre | spherical wrists only |
+| reciprocity | a screw reciprocal to all joint screws | it vanishes somewhere itself |
+| singular_vector | Jᵀ u = 0 by elimination | pivots vanish: many cases, some empty |
+
+    >>> from rankdrop.exact.chain import exact_chain
+    >>> from rankdrop.robot.open import open_robot
+    >>> found = derive(exact_chain(open_robot("scara")), "determinant")
+    >>> [[atom.key for equality in c.equal for atom in equality.atoms] for c in found.conditions]
+    [['θ2=0'], ['θ2=pi']]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.methods.cofactors import cofactors
+from rankdrop.exact.methods.decomposition import decomposition
+from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
+from rankdrop.exact.methods.determinant import determinant
+from rankdrop.exact.methods.draft import Draft, OutOfTimeError
+from rankdrop.exact.methods.reciprocity import reciprocity
+from rankdrop.exact.methods.singular_vector import singular_vector
+
+__all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
+
+_METHODS: dict[str, Callable[[Draft], None]] = {
+    "determinant": determinant,
+    "cofactors": cofactors,
+    "decomposition": decomposition,
+    "reciprocity": reciprocity,
+    "singular_vector": singular_vector,
+}
+METHODS = tuple(_METHODS)
+"""Names of the methods."""
+
+
+def derive(chain: Chain, method: str, seconds: float = 30.0) -> Derivation:
+    """Derive the singular set by one of the methods.
+
+    Args:
+        chain: the arm and its task.
+        method: one of `METHODS`.
+        seconds: wall time that may be spent; what is not done by then is told in `Derivation.left`.
+
+    Returns:
+        The conditions, and what they cost.
+
+    Raises:
+        OptionError: no such method; a rank that is not full anywhere; for decomposition no spherical wrist.
+    """
+    if method not in _METHODS:
+        raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
+    draft = Draft(chain, method, seconds)
+    try:
+        _METHODS[method](draft)
+    except OutOfTimeError as error:
+        draft.left.append(str(error))
+    return draft.finished()

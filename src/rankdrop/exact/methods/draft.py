@@ -1,0 +1,168 @@
+"""A derivation in the making: minors, factors and conjunctions, all against one clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from itertools import combinations
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.methods.apart import factors_within
+from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
+from rankdrop.exact.ring import Atom, order
+from rankdrop.exact.verify import random_points, rank_check
+
+Columns = Sequence[Sequence[Polynomial]]
+"""Columns of a matrix over the trigonometric ring."""
+
+
+class OutOfTimeError(Exception):
+    """The clock has run out; says what was about to be done."""
+
+
+class Draft:
+    """What a method fills in; all that it may spend.
+
+    Args:
+        chain: the arm.
+        method: its name.
+        seconds: of wall time.
+
+    Attributes:
+        conditions, notes, sizes, left, generic: as of `Derivation`.
+    """
+
+    def __init__(self, chain: Chain, method: str, seconds: float) -> None:
+        self.chain, self.ring, self.method = chain, chain.ring, method
+        self.conditions: list[Conjunction] = []
+        self.notes: list[str] = []
+        self.sizes: dict[str, int] = {}
+        self.left: list[str] = []
+        self.generic = False
+        self._assumptions: dict[str, Polynomial] = {}
+        self._begun = time.perf_counter()
+        self._seconds = seconds
+
+    @property
+    def remaining(self) -> float:
+        """Wall time that is left [s]."""
+        return self._seconds - (time.perf_counter() - self._begun)
+
+    def check(self, what: str) -> None:
+        """Go on with `what` if there is time.
+
+        Raises:
+            OutOfTimeError: there is none.
+        """
+        if self.remaining <= 0:
+            raise OutOfTimeError(what)
+
+    def finished(self) -> Derivation:
+        """The derivation as it stands."""
+        return Derivation(
+            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._assumptions.values()),
+            tuple(self.notes), self.sizes, tuple(self.left), time.perf_counter() - self._begun,
+        )  # fmt: skip
+
+    def full_rank(self) -> int:
+        """The rank of almost every configuration, which has to be that of a matrix of full rank.
+
+        Raises:
+            OptionError: the task asks for more than the arm can do anywhere.
+        """
+        rank, full = max(rank_check(self.chain, random_points(self.chain, 3))), min(self.chain.task.m, self.chain.n)
+        if rank < full:
+            raise OptionError(
+                f"the method {self.method} sees a rank that is not full, and this one never is",
+                where=f"robot {self.chain.robot.name!r}, task {self.chain.task.name}",
+                got=f"rank {rank} of {full}",
+                mend="leave out of the task what the arm cannot do anywhere, or use the rank tree",
+            )
+        return rank
+
+    def minor(self, columns: Columns, rows: Iterable[int]) -> Polynomial:
+        """Determinant of the given rows of as many columns.
+
+        Raises:
+            OutOfTimeError: no time is left.
+        """
+        self.check("minors")
+        return self.ring.determinant([[column[row] for column in columns] for row in rows])
+
+    def minors(self, columns: Columns, size: int) -> Iterator[Polynomial]:
+        """Every minor of one size.
+
+        Raises:
+            OutOfTimeError: no time is left.
+        """
+        for chosen in combinations(columns, size):
+            for rows in combinations(range(len(columns[0])), size):
+                yield self.minor(chosen, rows)
+
+    def atoms(self, p: Polynomial) -> tuple[Atom, ...] | None:
+        """The atoms of p ≠ 0, shortest first; None where there was not the time. Lengths are taken not to vanish.
+
+        Raises:
+            OutOfTimeError: no time is left.
+        """
+        self.check(f"factors of a polynomial of {len(p)} terms")
+        found = factors_within(self.ring, p, self.remaining)
+        if found is None:
+            return None
+        for factor, _ in found.letters:
+            self._assume(factor)
+        return tuple(atom for atom, _ in found.atoms)
+
+    def equality(self, p: Polynomial) -> Equality:
+        """p = 0, factored if there is time."""
+        atoms = self.atoms(p)
+        if atoms is None:
+            self.left.append(f"factors of a polynomial of {len(p)} terms")
+            return Equality((), p)
+        return Equality(atoms)
+
+    def _assume(self, factor: Polynomial) -> None:
+        key = str(factor)
+        if key in self._assumptions:
+            return
+        self._assumptions[key] = factor
+        total = Fraction(0)
+        for powers, coefficient in factor.terms():
+            term = Fraction(int(coefficient.p), int(coefficient.q))
+            for name, power in zip(self.ring.names, powers, strict=True):
+                if power:
+                    term *= self.chain.letters[name] ** int(power)
+            total += term
+        if total == 0:
+            self.left.append(f"the arm with {key} = 0, which this arm has: its conditions are not these")
+
+
+def pieces(
+    equalities: Iterable[Equality], unequal: tuple[tuple[Equality, ...], ...] = ()
+) -> tuple[Conjunction, ...]:
+    """Polynomials that all vanish, as conjunctions: each common factor alone, and what is left of all of them.
+
+    Args:
+        equalities: all of which hold.
+        unequal: goes with each conjunction.
+
+    Returns:
+        One conjunction without equalities where none was given: it holds everywhere. None at all where a polynomial
+        never vanishes.
+    """
+    given = list(equalities)
+    whole = [equality for equality in given if equality.whole is not None]
+    sets = {frozenset(equality.atoms) for equality in given if equality.whole is None}
+    common = frozenset.intersection(*sets) if sets and not whole else frozenset()
+    rest = {found - common for found in sets}
+    found = [Conjunction((Equality((atom,)),), unequal) for atom in sorted(common, key=order)]
+    if all(rest):  # a polynomial that is the common factors alone leaves no more
+        least = [one for one in rest if not any(other < one for other in rest)]
+        kept = [Equality(tuple(sorted(one, key=order))) for one in least]
+        kept.sort(key=lambda equality: (equality.terms, [atom.key for atom in equality.atoms]))
+        found.append(Conjunction((*kept, *whole), unequal))
+    return tuple(found)
+

@@ -1,0 +1,129 @@
+"""Reciprocity: in a singular configuration some screw is reciprocal to every joint screw.
+
+To one less of the joint screws than the task has rows, five of six, one screw w is reciprocal: its components are the
+cofactors of these columns. Where w ≠ 0 they are independent, and the configuration is singular where the remaining
+joint screws are reciprocal to w, too: their reciprocal products with it are maximal minors of J.
+
+Where every component of w vanishes the expression says nothing (KG section 1): the five are dependent, which for a
+redundant arm need not be a singularity. This exceptional locus is treated apart, by another choice of five.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.methods.case import Case, branches, size
+from rankdrop.exact.methods.derivation import Equality
+from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError, pieces
+from rankdrop.exact.ring import order
+
+
+@dataclass(frozen=True)
+class _Choice:
+    joints: tuple[int, ...]  # from 0
+    screw: tuple[Polynomial, ...]  # reciprocal to them: one component per row of the task
+
+
+def reciprocity(draft: Draft) -> None:
+    """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
+
+    Args:
+        draft: filled in. Sizes: "cases", "choices" of five that were made, "terms" of the longest screw, "exceptional"
+            components that do not vanish everywhere for the first choice.
+
+    Raises:
+        OptionError: the rank is not full anywhere.
+        OutOfTimeError: no time is left; what was found until then is in the draft.
+    """
+    draft.full_rank()
+    draft.sizes |= {"cases": 0, "choices": 0, "terms": 0}
+    draft.generic = True
+    waiting = [Case()]
+    made: set[tuple[int, ...]] = set()
+    while waiting:
+        case = waiting.pop(0)
+        try:
+            draft.check(f"{len(waiting) + 1} exceptional cases")
+            waiting += _one_case(draft, case, made)
+        except OutOfTimeError as error:
+            raise OutOfTimeError(f"{error}; {len(waiting) + 1} exceptional cases") from error
+    draft.generic = False
+    draft.notes.append(f"the exceptional loci are treated apart, by {draft.sizes['choices']} choices, {len(made)} different")
+
+
+def _one_case(draft: Draft, case: Case, made: set[tuple[int, ...]]) -> list[Case]:
+    """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
+    ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
+    draft.sizes["cases"] += 1
+    for choice in _choices(draft, columns):
+        components = [case.factors(draft, w) for w in choice.screw if w != 0]
+        known = [found for found in components if found is not None]
+        if not known:  # the screw vanishes in all of this case
+            continue
+        made.add(choice.joints)
+        draft.sizes["choices"] += 1
+        draft.sizes["terms"] = max(draft.sizes["terms"], size(list(choice.screw)))
+        if draft.sizes["choices"] == 1:
+            _note(draft, choice, known)
+        nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
+        products = [_product(draft, columns, choice, j) for j in range(len(columns)) if j not in choice.joints]
+        factors = [case.factors(draft, p) for p in products]
+        met = pieces([_equality(found) for found in factors if found is not None])
+        always = frozenset.intersection(*known)  # where one of these vanishes, w does
+        for piece in met:
+            if not (len(piece.equal) == 1 and set(piece.equal[0].atoms) <= always):
+                draft.conditions.append(case.conjunction(ring, piece, nowhere))
+        if frozenset() in known:
+            return []
+        if len(columns) == len(columns[0]):  # every case is singular: five dependent screws and one more
+            parts = pieces([_equality(found) for found in known])
+            draft.conditions += [case.conjunction(ring, part) for part in parts]
+            return []
+        return branches(ring, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
+    draft.conditions += [case.conjunction(ring, part) for part in pieces([])]
+    return []
+
+
+def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
+    """Every choice of joints with its screw, short ones first; those that are dependent everywhere left out."""
+    m = len(columns[0])
+    found = []
+    for joints in combinations(range(len(columns)), m - 1):
+        chosen = [columns[j] for j in joints]
+        screw = []
+        for row in range(m):
+            minor = draft.minor(chosen, [i for i in range(m) if i != row])
+            screw.append(-minor if row % 2 else minor)
+        if any(w != 0 for w in screw):
+            found.append(_Choice(joints, tuple(screw)))
+    return sorted(found, key=lambda choice: (size(list(choice.screw)), choice.joints))
+
+
+def _product(draft: Draft, columns: Columns, choice: _Choice, j: int) -> Polynomial:
+    """Reciprocal product of the screw with joint screw j."""
+    return draft.ring.reduce(
+        sum((w * x for w, x in zip(choice.screw, columns[j], strict=True)), draft.ring.zero)
+    )
+
+
+def _note(draft: Draft, choice: _Choice, known: list[frozenset[object]]) -> None:
+    joints = ", ".join(str(j + 1) for j in choice.joints)
+    draft.notes.append(f"first choice: the screw reciprocal to joints {joints}, {size(list(choice.screw))} terms")
+    if frozenset() in known:
+        draft.notes.append("it never vanishes")
+        return
+    words = []
+    for piece in pieces([_equality(found) for found in known]):  # type: ignore[arg-type]
+        words.append(" and ".join(_text(equality) for equality in piece.equal))
+    draft.notes.append("invalid, since all its components vanish, where " + ", or where ".join(words))
+    draft.sizes["exceptional"] = len(known)
+
+
+def _text(equality: Equality) -> str:
+    return "(" + " or ".join(atom.key if atom.pinned else f"{atom.key} = 0" for atom in equality.atoms) + ")"
+
+
+def _equality(found: frozenset) -> Equality:  # type: ignore[type-arg]
+    return Equality(tuple(sorted(found, key=order)))

@@ -84,6 +84,13 @@ def test_missing_and_extra_sets_are_named():
     assert "°" in text
 
 
+def test_a_joint_at_pi_satisfies_what_vanishes_there():
+    result = checked("s2; cos(q2/2) = 0; 1 + c2", "planar2r")
+    assert [one.conditions for one in result.missing] == ["θ2 = 0"]
+    assert not result.extra
+    assert [one.conditions for one in checked("s1; 1 + c1", "planar2r").extra] == ["θ1 = π"]
+
+
 def test_a_condition_without_a_real_zero_is_told():
     result = checked("s5**2 + 1", "puma560")
     assert not result.real
@@ -156,7 +163,9 @@ def test_the_deadline_holds():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("text", "verdict"), [("s4", "both"), ("s4; s2", "both"), ("s4; s6", "both"), ("s2; s6", "too small")])
+@pytest.mark.parametrize(
+    ("text", "verdict"), [("s4", "both"), ("s4; s2", "both"), ("s4; s6", "both"), ("s2; s6", "too small")]
+)
 def test_redundant_arms(text, verdict):
     """KG: of two sines of the Canadarm2's joints 2, 4 and 6 only those of 2 and 6 make a singularity together."""
     result = checked(text, "canadarm2")

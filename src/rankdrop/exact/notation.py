@@ -142,12 +142,15 @@ class Text(Notation):
     minus = "−"
 
     def number(self, value: Fraction) -> str:
+        """Whole, or six digits."""
         return _readable(value)
 
     def symbol(self, symbol: Symbol) -> str:
+        """Its name."""
         return symbol.name
 
     def wave(self, wave: Wave) -> str:
+        """c23, s(θ1 − θ2), cos(θ4/2)."""
         if _joined(wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
         name = wave.kind if wave.halved else wave.kind[0]
@@ -155,6 +158,7 @@ class Text(Notation):
         return f"{name}({text})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """A raised number, before an angle in brackets."""
         if isinstance(factor, Wave) and text[-1] == ")":
             name, rest = text.split("(", 1)
             return f"{name}{str(power).translate(SUPERSCRIPT)}({rest}"
@@ -165,6 +169,7 @@ class Latex(Notation):
     r"""LaTeX: a_2 c_2 + a_3 c_{23}; names in full where the angles are no plain sum: \cos(\theta_3 - \theta_5)."""
 
     def number(self, value: Fraction) -> str:
+        """As in text, powers of ten spelled out."""
         text = _readable(value)
         if "/" in text:
             top, bottom = text.split("/")
@@ -175,9 +180,11 @@ class Latex(Notation):
         return text
 
     def symbol(self, symbol: Symbol) -> str:
+        """With a subscript."""
         return latex_name(symbol.name)
 
     def wave(self, wave: Wave) -> str:
+        """c_{23}, or the name in full."""
         if _joined(wave.turns):
             return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
         text = latex_subscripts(_spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}"))
@@ -185,6 +192,7 @@ class Latex(Notation):
         return rf"\{wave.kind}({text})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """A superscript, before an angle in brackets."""
         if isinstance(factor, Wave):
             head = re.match(r"\\?[a-z]+", text)
             assert head is not None
@@ -226,9 +234,11 @@ class Python(Notation):
     exact = True
 
     def number(self, value: Fraction) -> str:
+        """Whole numbers as such, others as floats."""
         return str(value.numerator) if value.denominator == 1 and value <= EXACT else repr(float(value))
 
     def symbol(self, symbol: Symbol) -> str:
+        """Its name, the name given for it, or its value."""
         if symbol.slide:
             return self.joint(symbol.slide)
         if symbol.name in self.letters:
@@ -237,6 +247,7 @@ class Python(Notation):
         return self.names.get(symbol.name, symbol.name)
 
     def wave(self, wave: Wave) -> str:
+        """A call."""
         return f"{wave.kind}({self.angle(wave.turns)})"
 
     def angle(self, turns: Sequence[tuple[int, int]], value: str = "0") -> str:
@@ -269,6 +280,7 @@ class Python(Notation):
         return value
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """With **."""
         return f"{text}**{power}"
 
 
@@ -277,12 +289,15 @@ class C(Python):
     """C99, with <math.h>."""
 
     def number(self, value: Fraction) -> str:
+        """A double."""
         return repr(float(value))
 
     def simple(self, value: str) -> str:
+        """To the last digit: <math.h> need not know π."""
         return repr(pi if value == "pi" else pi / 2)
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """A call of pow."""
         return f"pow({text}, {power}.0)"
 
 

@@ -84,20 +84,31 @@ def bare(form: Product, exact: bool) -> tuple[Product, ...]:
         form: any.
         exact: only where that leaves decimals that a float holds, or where the numbers are longer than a float.
     """
-    rescaled = _rescaled(form, exact)
+    rescaled = _rescaled(form, exact, not exact and _long(form))
     if len(rescaled.factors) == 1 and isinstance(rescaled.factors[0][0], Sum):
         return rescaled.factors[0][0].parts
     return (Product(Fraction(1), rescaled.factors),)
 
 
-def _rescaled(form: Product, exact: bool) -> Product:
+def _long(form: Product) -> bool:
+    """Whether a number anywhere in the form is too long to be read."""
+    sums = [factor.parts for factor, _ in form.factors if isinstance(factor, Sum)]
+    return any(_too_long(part.number) or _long(part) for parts in sums for part in parts)
+
+
+def _too_long(value: Fraction) -> bool:
+    return max(abs(value.numerator), value.denominator) > LONG
+
+
+def _rescaled(form: Product, exact: bool, every: bool) -> Product:
+    """Sums divided by their largest number: those with long numbers, or every one."""
     number = form.number
     factors: list[tuple[Factor, int]] = []
     for factor, power in form.factors:
         if isinstance(factor, Sum):
-            parts = [_rescaled(part, exact) for part in factor.parts]
+            parts = [_rescaled(part, exact, every) for part in factor.parts]
             most = max(abs(part.number) for part in parts)
-            if any(max(abs(p.number.numerator), p.number.denominator) > LONG for p in parts):
+            if every or any(_too_long(part.number) for part in parts):
                 divided = [Product(part.number / most, part.factors) for part in parts]
                 if not exact or most > EXACT or all(Fraction(repr(float(p.number))) == p.number for p in divided):
                     parts, number = divided, number * most**power
@@ -111,7 +122,7 @@ def _readable(value: Fraction) -> str:
     if value.denominator == 1 and value.numerator <= LONG:
         return str(value.numerator)
     short = f"{float(value):.{DIGITS}g}"
-    if value.denominator > 1 and Fraction(short) != value and value.numerator * value.denominator < 1000:
+    if value.denominator > 1 and Fraction(short) != value and value.denominator <= 12:
         return f"{value.numerator}/{value.denominator}"
     return short
 

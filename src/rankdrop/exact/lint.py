@@ -12,6 +12,8 @@ from dataclasses import asdict, dataclass
 from math import degrees
 from typing import Any
 
+import numpy as np
+
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.example import real_points, words
 from rankdrop.exact.field import rank, trig_evaluator
@@ -114,7 +116,7 @@ def _at(example: Example) -> str:
 
 
 def _number(value: float, digits: int = 4) -> str:
-    return f"{value:.{digits}g}".replace("-", "−")
+    return f"{value + 0.0:.{digits}g}".replace("-", "−")
 
 
 def lint(text: str, pieces: Sequence[Variety], chain: Chain, *, work: Work | None = None) -> LintResult:
@@ -285,6 +287,8 @@ class _Comparison:
         """The condition and σ at angles; and the largest σ."""
         robot, task = self.chain.robot, self.chain.task
         q = theta - self.chain.shifts
+        turning = [j - 1 for j in self.ring.revolute]
+        q[turning] = np.pi - np.remainder(np.pi - q[turning], 2 * np.pi) + 0.0
         values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
         sigma = singular_values(robot, q, task)
         slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]

@@ -158,6 +158,17 @@ def test_real_points_lie_on_their_set_and_have_round_free_angles():
             assert (np.abs(steps - np.round(steps)) < 1e-9).sum() >= 5
 
 
+def test_what_could_not_be_decided_is_told():
+    chain, pieces = singular("planar2r")
+    work = Work()
+    work.leave({1: "pi"}, [])
+    result = lint("s2", pieces, chain, work=work)
+    assert not result.complete
+    assert result.sentences()[0].startswith("As far as could be decided")
+    assert "Not decided: θ1 = pi." in result.sentences()
+    assert checked("s2", "planar2r").complete
+
+
 def test_the_deadline_holds():
     chain, pieces = singular("puma560")
     with pytest.raises(OutOfTime):

@@ -8,7 +8,6 @@ random points modulo a prime, and shown at a real configuration of the arm.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from math import degrees
 from typing import Any
 
@@ -18,6 +17,7 @@ from rankdrop.exact.chain import Chain
 from rankdrop.exact.example import real_points, words
 from rankdrop.exact.field import rank, trig_evaluator
 from rankdrop.exact.flint import Polynomial, flint
+from rankdrop.exact.lint_record import Difference, Example, LintResult
 from rankdrop.exact.parse import Parsed, parse_conditions
 from rankdrop.exact.split import cut_half, pinned
 from rankdrop.exact.variety import Variety, independent
@@ -30,93 +30,6 @@ ZERO = 1e-9
 CLEAR = 1e-6
 """Above this they are not; a counter-example between the two is not shown."""
 _LOOKED = 12  # real points of a set among which the clearest counter-example is chosen
-
-
-@dataclass(frozen=True, slots=True)
-class Example:
-    """A configuration that shows the difference.
-
-    Attributes:
-        q: joint variables [rad, m].
-        degrees: the same with angles in degrees, slides in m.
-        value: of the user's condition there, the largest in size where there are several.
-        sigma: the singular value that is zero at a singularity.
-    """
-
-    q: tuple[float, ...]
-    degrees: tuple[float, ...]
-    value: float
-    sigma: float
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """A set of configurations about which the condition is wrong.
-
-    Attributes:
-        conditions: what the set is, in words.
-        example: on it.
-    """
-
-    conditions: str
-    example: Example
-
-
-@dataclass(frozen=True, slots=True)
-class LintResult:
-    """A user's condition against the singular set.
-
-    Attributes:
-        text: the condition.
-        verdict: "exact", "too small", "too large", or "both", for the arm's own lengths.
-        missing: singular sets that the condition leaves out.
-        extra: sets of regular configurations that it takes in.
-        real: whether it holds at any real configuration.
-        any_lengths: whether it is exact for all lengths that are symbols, special ones aside; None where none is.
-        remarks: what else is to be known.
-    """
-
-    text: str
-    verdict: str
-    missing: tuple[Difference, ...]
-    extra: tuple[Difference, ...]
-    real: bool
-    any_lengths: bool | None
-    remarks: tuple[str, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
-
-    def sentences(self) -> tuple[str, ...]:
-        """The result in words."""
-        said = {
-            "exact": "is exactly the singular set",
-            "too small": "is too small: some singular configurations do not satisfy it",
-            "too large": "is too large: some regular configurations satisfy it",
-            "both": "is too small and too large",
-        }[self.verdict]
-        found = [f"The condition {said}." if self.real else f"The condition has no real zero: it {said}."]
-        for one in self.missing:
-            at = _at(one.example)
-            found.append(
-                f"Singular but left out: {one.conditions}; at {at} it is {_number(one.example.value)}, "
-                f"σ = {_number(one.example.sigma, 2)}."
-            )
-        for one in self.extra:
-            at = _at(one.example)
-            found.append(f"Taken in but regular: {one.conditions}; at {at} σ = {_number(one.example.sigma)}.")
-        if self.any_lengths is False and self.verdict == "exact":
-            found.append("That is so for the lengths of this arm, not for all lengths.")
-        return (*found, *self.remarks)
-
-
-def _at(example: Example) -> str:
-    return f"q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, slides m]"
-
-
-def _number(value: float, digits: int = 4) -> str:
-    return f"{value + 0.0:.{digits}g}".replace("-", "−")
 
 
 def lint(text: str, pieces: Sequence[Variety], chain: Chain, *, work: Work | None = None) -> LintResult:
@@ -148,10 +61,11 @@ def lint(text: str, pieces: Sequence[Variety], chain: Chain, *, work: Work | Non
     remarks = [f"No real configuration was found where {one}; it is not counted." for one in (*unreal, *more)]
     for one in parsed:
         remarks += [f"For lengths with {factor} = 0 “{one.text}” always holds." for factor in one.letters]
-    remarks += [f"Not decided: {left}." for left in (*work.unresolved, *(words(one) for one in own.unknown))]
+    undecided = [*work.unresolved, *(words(one) for one in own.unknown)]
+    remarks += [f"Not decided: {left}." for left in undecided]
     verdict = {(0, 0): "exact", (1, 0): "too small", (0, 1): "too large", (1, 1): "both"}[bool(missing), bool(extra)]
     any_lengths = verdict == "exact" and same if chain.letters else None
-    return LintResult(text, verdict, missing, extra, own.real, any_lengths, tuple(remarks))
+    return LintResult(text, verdict, missing, extra, own.real, any_lengths, not undecided, tuple(remarks))
 
 
 class _Comparison:

@@ -108,6 +108,19 @@ class Chain:
             ]
         return self._screws[k]
 
+    def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
+        if k == m:
+            return self.screws(k)
+        pose = self._poses(k)[m - 1]
+        if m > k:  # the frame before joint m turns and slides
+            pose = _times(self.ring, pose, self._joint(m))
+        return [_moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
+
+    def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the tip."""
+        return self._at_tip(k)
+
     @cached_property
     def _screws(self) -> dict[int, list[list[Polynomial]]]:
         return {}

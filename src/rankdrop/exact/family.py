@@ -1,4 +1,4 @@
-"""The records of exact conditions: one family, what was assumed of the lengths, and counts of checks."""
+"""The records of exact conditions: one family, and what was assumed of the lengths."""
 
 from __future__ import annotations
 
@@ -6,22 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rankdrop.atlas.equation import Equation
+from rankdrop.exact.check import Check
 from rankdrop.exact.condition import Condition
 from rankdrop.exact.pins import pin_equation, pin_latex, pin_text
 from rankdrop.exact.variety import Variety
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """Of `tested` random points `agree` behaved as claimed."""
-
-    tested: int
-    agree: int
-
-    @property
-    def holds(self) -> bool:
-        """All of them, and there was at least one."""
-        return 0 < self.tested == self.agree
 
 
 @dataclass(frozen=True, eq=False)

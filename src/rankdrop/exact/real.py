@@ -18,7 +18,8 @@ from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 
-_STARTS = 96
+STARTS = 96
+"""Random starts from which a real point of a set is looked for."""
 _SMOOTH = 1e-5  # singular values of the gradients above this: the set is smooth there, and of the dimension claimed
 
 
@@ -72,17 +73,18 @@ def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -
 def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool]:
     """(k, n) real configurations on a set with exactly its rank, and whether the set is smooth at one of them."""
     n = chain.n
-    theta = rng.uniform(-np.pi, np.pi, (_STARTS, n))
+    theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
     for j in chain.ring.prismatic:
         theta[:, j - 1] *= _span(chain)
     pinned = list(piece.pins)
     for j, value in piece.pins.items():
         theta[:, j - 1] = RADIANS[value]
     q = theta - chain.shifts
-    equations = tuple(Condition(chain.ring, f).equation(chain.numbers, n, chain.shifts.tolist()) for f in piece.equations)
+    shifts = chain.shifts.tolist()
+    equations = tuple(Condition(chain.ring, f).equation(chain.numbers, n, shifts) for f in piece.equations)
     system = System(equations)
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
-    good = np.ones(_STARTS, dtype=np.bool_)
+    good = np.ones(STARTS, dtype=np.bool_)
     if equations:
         q, good = system.solve(q, along=moving, iterations=60)
     sigma = singular_values(chain.robot, q, chain.task)

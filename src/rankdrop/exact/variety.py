@@ -170,13 +170,29 @@ class Variety:
         cosine, sine = (x % P for x in COS_SIN[value])
         return bool(self.samples) and all(p[f"c{joint}"] == cosine and p[f"s{joint}"] == sine for p in self.samples)
 
+    def holds_at(self, points: Sequence[Point]) -> bool:
+        """Whether every condition of this set holds at points modulo P that give values to all its variables."""
+        ring = self.ring
+        evaluate, trig = half_evaluator(ring), trig_evaluator(ring)
+        for point in points:
+            for joint, value in self.pins.items():
+                cosine, sine = COS_SIN[value]
+                if (point[f"c{joint}"] - cosine) % P or (point[f"s{joint}"] - sine) % P:
+                    return False
+            far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
+            for f in self.equations:
+                g = ring.half_at(f, far)
+                if g != 0 and evaluate(g, point):
+                    return False
+            if any(trig(p, point) for p in self.also):
+                return False
+        return True
+
     def inside(self, other: Variety) -> bool:
         """Whether every condition of another set holds on this one."""
         if self.codimension < other.codimension or not self.samples:
             return False
-        return all(self.stands(j, value) for j, value in other.pins.items()) and all(
-            map(self.half_vanishes, other.equations)
-        )
+        return other.holds_at(self.samples)
 
 
 def independent(found: Sequence[Variety]) -> list[Variety]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import chain as joined
-
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Draft
 
@@ -42,7 +40,7 @@ def determinant(draft: Draft) -> None:
         f"det({product}) is the sum of the squares of {len(minors)} minors, {len(total)} terms: never negative, "
         "it vanishes without a change of sign"
     )
-    _factored(draft, Equality((), total, order=2))
+    _factored(draft, Equality((), total))
 
 
 def _factored(draft: Draft, square: Equality) -> None:
@@ -55,11 +53,9 @@ def _factored(draft: Draft, square: Equality) -> None:
     lengths = {atom: 1 if atom.f is None else len(atom.f) for atom in found}
     draft.sizes["half-angle terms"] = max(lengths.values())
     for atom in found:
-        # the common factors of the minors stand in it squared; what is left is a sum of squares still
-        alone = len(found) == 1
-        part = square if alone else Equality((atom,), order=1 if atom.pinned else 2)
-        draft.conditions.append(Conjunction((part,)))
-    texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in joined(found))
+        alone = len(found) == 1  # then the sum itself is the shorter text
+        draft.conditions.append(Conjunction((square if alone else Equality((atom,)),)))
+    texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in found)
     draft.notes.append(
         f"it is one irreducible polynomial, of {texts} in half angles" if len(found) == 1
         else f"its factors in half angles: {texts}"

@@ -12,7 +12,7 @@ from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
-from rankdrop.exact.ring import Atom, order
+from rankdrop.exact.ring import Atom, Ring, order
 from rankdrop.exact.verify import random_points, rank_check
 
 Columns = Sequence[Sequence[Polynomial]]
@@ -43,6 +43,8 @@ class Draft:
         self.left: list[str] = []
         self.generic = False
         self._assumptions: dict[str, Polynomial] = {}
+        self._atoms: dict[str, tuple[Atom, ...]] = {}
+        self._pinned: dict[tuple[Atom, Atom], frozenset[Atom] | None] = {}
         self._begun = time.perf_counter()
         self._seconds = seconds
 
@@ -108,13 +110,23 @@ class Draft:
         Raises:
             OutOfTimeError: no time is left.
         """
-        self.check(f"factors of a polynomial of {len(p)} terms")
-        found = factors_within(self.ring, p, self.remaining)
-        if found is None:
-            return None
-        for factor, _ in found.letters:
-            self._assume(factor)
-        return tuple(atom for atom, _ in found.atoms)
+        key = str(p)
+        if key not in self._atoms:
+            self.check(f"factors of a polynomial of {len(p)} terms")
+            found = factors_within(self.ring, p, self.remaining)
+            if found is None:
+                return None
+            for factor, _ in found.letters:
+                self._assume(factor)
+            self._atoms[key] = tuple(atom for atom, _ in found.atoms)
+        return self._atoms[key]
+
+    def pinned(self, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
+        """Atoms of an atom once a joint is pinned; None where it vanishes, empty where it never does."""
+        key = (atom, pin)
+        if key not in self._pinned:
+            self._pinned[key] = _pinned(self.ring, atom, pin)
+        return self._pinned[key]
 
     def equality(self, p: Polynomial) -> Equality:
         """p = 0, factored if there is time."""
@@ -166,3 +178,18 @@ def pieces(
         found.append(Conjunction((*kept, *whole), unequal))
     return tuple(found)
 
+
+def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
+    """As `Draft.pinned`. A degree that falls is a zero at θ = π."""
+    if atom.f is None:
+        if atom.joint != pin.joint:
+            return frozenset({atom})
+        return None if atom.value == pin.value else frozenset()
+    f = ring.half_at(atom.f, {pin.joint: pin.value})
+    if f == 0:
+        return None
+    degrees, before = f.degrees(), atom.f.degrees()
+    fallen = {
+        ring.pin(j, "pi") for place, j in enumerate(ring.revolute) if j != pin.joint and degrees[place] < before[place]
+    }
+    return frozenset(fallen | {found for found, _ in ring.split(f)[2]})

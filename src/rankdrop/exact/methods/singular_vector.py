@@ -41,9 +41,9 @@ def singular_vector(draft: Draft) -> None:
     draft.sizes |= {"cases": 0, "longest": 0}
     waiting = [_Step(Case())]
     while waiting:
-        step = waiting.pop()
+        step = waiting.pop(0)
         try:
-            waiting += _eliminated(draft, step)
+            waiting[:0] = _eliminated(draft, step)  # pivots that do not vanish first: that case holds most
         except OutOfTimeError as error:
             draft.generic = True
             raise OutOfTimeError(f"{error}; {len(waiting) + 1} cases") from error
@@ -70,7 +70,7 @@ def _eliminated(draft: Draft, step: _Step) -> list[_Step]:
         row, column, factors = pivot
         following = _Step(case.with_nonzero(*factors), (*step.rows, row), (*step.columns, column))
         if factors:
-            parts = [_Step(part, step.rows, step.columns) for part in branches(ring, case, factors)]
+            parts = [_Step(part, step.rows, step.columns) for part in branches(draft, case, factors)]
             return [following, *parts]
         step = following
     draft.sizes["cases"] += 1

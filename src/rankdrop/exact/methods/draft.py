@@ -43,6 +43,7 @@ class Draft:
         self.left: list[str] = []
         self.generic = False
         self._assumptions: dict[str, Polynomial] = {}
+        self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
         self._pinned: dict[tuple[Atom, Atom], frozenset[Atom] | None] = {}
         self._begun = time.perf_counter()
@@ -64,6 +65,8 @@ class Draft:
 
     def finished(self) -> Derivation:
         """The derivation as it stands."""
+        if self._whole:
+            self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
         return Derivation(
             self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._assumptions.values()),
             tuple(self.notes), self.sizes, tuple(self.left), time.perf_counter() - self._begun,
@@ -129,10 +132,10 @@ class Draft:
         return self._pinned[key]
 
     def equality(self, p: Polynomial) -> Equality:
-        """p = 0, factored if there is time."""
-        atoms = self.atoms(p)
+        """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
+        atoms = self.atoms(p) if self.remaining > 0 else None
         if atoms is None:
-            self.left.append(f"factors of a polynomial of {len(p)} terms")
+            self._whole += 1
             return Equality((), p)
         return Equality(atoms)
 

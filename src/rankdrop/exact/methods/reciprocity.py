@@ -20,6 +20,9 @@ from rankdrop.exact.methods.derivation import Equality
 from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError, pieces
 from rankdrop.exact.ring import order
 
+Pins = tuple[tuple[int, str], ...]
+"""Pinned joints of a case: its columns depend on nothing else."""
+
 
 @dataclass(frozen=True)
 class _Choice:
@@ -49,11 +52,12 @@ def reciprocity(draft: Draft) -> None:
     draft.generic = True
     waiting = [Case()]
     made: set[tuple[int, ...]] = set()
+    choices: dict[Pins, list[_Choice]] = {}
     while waiting:
         case = waiting.pop(0)
         try:
             draft.check(f"{len(waiting) + 1} exceptional cases")
-            waiting += _one_case(draft, case, made)
+            waiting += _one_case(draft, case, made, choices)
         except OutOfTimeError as error:
             raise OutOfTimeError(f"{error}; {len(waiting) + 1} exceptional cases") from error
     draft.generic = False
@@ -64,11 +68,15 @@ def reciprocity(draft: Draft) -> None:
         )
 
 
-def _one_case(draft: Draft, case: Case, made: set[tuple[int, ...]]) -> list[Case]:
+def _one_case(
+    draft: Draft, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+) -> list[Case]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
     ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
     draft.sizes["cases"] += 1
-    for choice in _choices(draft, columns):
+    if case.pins not in choices:
+        choices[case.pins] = _choices(draft, columns)
+    for choice in choices[case.pins]:
         components = [case.factors(draft, w) for w in choice.screw if w != 0]
         known = [found for found in components if found is not None]
         if not known:  # the screw vanishes in all of this case

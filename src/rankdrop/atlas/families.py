@@ -24,10 +24,9 @@ from rankdrop.atlas.rows import Cover, find_rows
 from rankdrop.atlas.sampling import Setting
 from rankdrop.atlas.search import Outcome, Search, search
 from rankdrop.atlas.signature import Inspection
+from rankdrop.atlas.told import told
 from rankdrop.atlas.unnamed import Leftover, leftovers
 from rankdrop.atlas.witness import witness
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.words import words
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -166,18 +165,7 @@ def _name(setting: Setting, generic: Array, pinned: tuple[Pinned, ...], coupled:
 
 
 def _lost(setting: Setting, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
-    """Lost directions at the witness in the task's frame, and in words.
-
-    The words are for the whole family where some frame of the chain sees the same directions at all its points; else
-    they are for the witness, in the frame where they are sparsest, and say so.
-    """
-    robot, task, corank = setting.robot, setting.task, setting.corank
-    directions = lost_directions(robot, at, task, corank)
-    steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)
-    if steady is not None:
-        return directions, tuple(words(direction, steady.name) for direction in steady.directions)
-    plain = lost_in_sparsest_frame(robot, at, task, corank)
-    return directions, tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
+    return told(setting.robot, at, points, setting.task, setting.corank)
 
 
 def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -> Array:

@@ -108,6 +108,19 @@ class Chain:
             ]
         return self._screws[k]
 
+    def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
+        if k == m:
+            return self.screws(k)
+        pose = self._poses(k)[m - 1]
+        if m > k:  # the frame before joint m turns and slides
+            pose = _times(self.ring, pose, self._joint(m))
+        return [_moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
+
+    def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the tip."""
+        return self._at_tip(k)
+
     @cached_property
     def _screws(self) -> dict[int, list[list[Polynomial]]]:
         return {}
@@ -254,7 +267,7 @@ def _letters(
         )
     given = {} if isinstance(lengths, str) else {name: Fraction(str(value)) for name, value in lengths.items()}
     for name in given:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d*|pi|sin|cos", name):
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d+|pi|sin|cos", name):
             raise OptionError(
                 "a length cannot have this name",
                 where="lengths",
@@ -277,14 +290,11 @@ def _letters(
     written: dict[tuple[int, str], tuple[int, str]] = {}
     for (i, which), value in values.items():
         # a distance along an axis and one across it may agree by chance: they keep letters of their own
-        name = next(
-            (name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)), None
-        )
-        if name is None:
-            if given:
-                continue
-            name = f"{which}{i + 1}"
-            letters[name] = value
+        same = [name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)]
+        if given and not same:
+            continue
+        name = same[0] if same else f"{which}{i + 1}"
+        letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     unused = set(given) - {name for _, name in written.values()}
     if unused:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 from rankdrop.exact.flint import Polynomial, flint
@@ -16,6 +17,8 @@ from rankdrop.exact.ring import COS_SIN, Ring
 
 P = (1 << 61) - 1
 """A Mersenne prime, ≡ 3 mod 4."""
+
+_KEPT = 50_000  # polynomials that an evaluator remembers
 
 Point = dict[str, int]
 """Values modulo P of the variables of both rings, by name; t_j is absent where θ_j = π."""
@@ -52,6 +55,8 @@ class Evaluator:
         """(coefficient, [(variable, power), …]) of each term."""
         kept = self._terms.get(id(f))
         if kept is None or kept[0] is not f:
+            if len(self._terms) > _KEPT:
+                self._terms.clear()
             terms = [
                 (modulo(value), [(name, int(e)) for name, e in zip(self._names, powers, strict=True) if e])
                 for powers, value in f.terms()
@@ -87,6 +92,18 @@ class Evaluator:
         module = flint()
         context = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
         return context.from_dict({key: value for key, value in parts.items() if value})
+
+
+@lru_cache(maxsize=32)
+def half_evaluator(ring: Ring) -> Evaluator:
+    """Evaluates half-angle polynomials of a ring."""
+    return Evaluator(ring.names)
+
+
+@lru_cache(maxsize=32)
+def trig_evaluator(ring: Ring) -> Evaluator:
+    """Evaluates trigonometric polynomials of a ring."""
+    return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))
 
 
 def roots(values: Sequence[int]) -> list[int]:

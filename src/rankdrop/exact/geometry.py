@@ -127,8 +127,8 @@ def turn(angle: float) -> Turn:
         cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters % 4]
         return Turn(Fraction(cosine), Fraction(sine), error)
     t = Fraction(tan(angle / 2)).limit_denominator(10**6)
-    cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
-    return Turn(cosine, sine, atan2(sin(angle - _angle(cosine, sine)), cos(angle - _angle(cosine, sine))))
+    c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+    return Turn(c, s, atan2(sin(angle - _angle(c, s)), cos(angle - _angle(c, s))))
 
 
 def _angle(cosine: Fraction, sine: Fraction) -> float:

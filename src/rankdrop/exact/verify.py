@@ -10,7 +10,6 @@ import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from rankdrop.atlas.search import search
 from rankdrop.atlas.system import System
 from rankdrop.atlas.which import families_at
 from rankdrop.exact.chain import Chain
+from rankdrop.exact.check import Check
 from rankdrop.exact.field import Evaluator, P, Point, complete, rank
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -30,13 +30,6 @@ ROUNDS = 20
 """The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
 WITHIN = 1e-3
 """Longest way from a point of a cloud to a family that is walked [rad]."""
-
-
-class Check(NamedTuple):
-    """Of `tested` points, `agree` behaved as claimed."""
-
-    tested: int
-    agree: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,79 @@
+"""The result of an exact derivation: a frozen record that goes to JSON and shows itself as sections of text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rankdrop.exact.check import Check
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+
+SCHEMA = "rankdrop/conditions/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand: a heading, and lines under it."""
+
+    title: str
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """The singularity conditions of an arm, exactly.
+
+    Attributes:
+        robot, task: the arm, and the rows that matter.
+        generic_rank: of the task Jacobian almost everywhere; corank k means rank `generic_rank − k`.
+        letters: the lengths that are symbols, and their values [m].
+        shifts: θ = q + shift, per joint: conditions speak of θ [rad, m].
+        remarks: what was rounded, snapped, or is nearly so.
+        method, reason: how the conditions of corank 1 were derived, and why so.
+        steps: that derivation, step by step.
+        families: of every corank that was derived, large ones first.
+        lowest: rank down to which drops were looked for.
+        assumptions: lengths for which more happens.
+        not_real: sets without a real point for the arm's lengths, and why.
+        explained: of singular configurations found numerically, how many lie on a family.
+        disagreements: whatever two methods, or the derivation and a check, say differently. None is as it should be.
+        complete: nothing was left unfinished.
+        left: what was, in words.
+        seconds: spent.
+        seed: of every random choice.
+        version: of rankdrop.
+    """
+
+    robot: Robot
+    task: Task
+    generic_rank: int
+    letters: Mapping[str, float]
+    shifts: tuple[float, ...]
+    remarks: tuple[str, ...]
+    method: str
+    reason: str
+    steps: tuple[Step, ...]
+    families: tuple[ExactFamily, ...]
+    lowest: int
+    assumptions: tuple[Assumption, ...]
+    not_real: tuple[str, ...]
+    explained: Check
+    disagreements: tuple[str, ...]
+    complete: bool
+    left: tuple[str, ...]
+    seconds: float
+    seed: int
+    version: str
+
+    @property
+    def verified(self) -> bool:
+        """Whether every check that was made holds and nothing was left unfinished."""
+        ranks = all(family.rank_check.holds for family in self.families)
+        points = self.explained.tested == self.explained.agree
+        return self.complete and ranks and points and not self.disagreements
+
+    def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
+        """The families of one corank."""
+        return tuple(family for family in self.families if family.corank == corank)

@@ -1,0 +1,151 @@
+"""From irreducible sets to families as people list them: real, merged over 0 and π, named, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.check import Check
+from rankdrop.exact.condition import Condition
+from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
+from rankdrop.exact.real import STARTS, Reality, reality
+from rankdrop.exact.split import decompose
+from rankdrop.exact.tidy import tidy
+from rankdrop.exact.tree import Drop, largest
+from rankdrop.exact.variety import Variety
+from rankdrop.exact.verify import rank_modulo
+from rankdrop.exact.work import Work
+from rankdrop.robot.model import Array
+
+_CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
+
+
+@dataclass(frozen=True, eq=False)
+class RealSet:
+    """An irreducible set with real points of the arm on it."""
+
+    piece: Variety
+    rank: int
+    reality: Reality
+
+
+def real_sets(chain: Chain, drops: Sequence[Drop], work: Work, seed: int = 0) -> tuple[list[RealSet], list[str]]:
+    """The sets that have real points, in short words, and sentences on those that do not.
+
+    Where the real points of a set are fewer than its conditions say (a sum of squares vanishes), the set is cut down to
+    them by the derivatives of its conditions.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    kept: list[RealSet] = []
+    left_out: list[str] = []
+    waiting = list(drops)
+    while waiting:
+        work.check()
+        drop = waiting.pop(0)
+        piece = tidy(drop.piece, work)
+        found = reality(chain, piece, drop.rank, np.random.default_rng([seed, len(kept), drop.rank]))
+        if found.real:
+            kept.append(RealSet(piece, drop.rank, found))
+        elif found.proof:
+            left_out.append(f"{_words(piece)}: not real, for {found.proof}")
+        else:
+            thinner = _thinner(chain, piece, drop.rank, work)
+            waiting += thinner
+            if not thinner:
+                left_out.append(f"{_words(piece)}: no real point was found from {STARTS} random starts")
+    remaining = largest([Drop(one.piece, one.rank) for one in kept])
+    return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], left_out
+
+
+def _words(piece: Variety) -> str:
+    return ", ".join(row_texts(alone(piece)))
+
+
+def _thinner(chain: Chain, piece: Variety, rank: int, work: Work) -> list[Drop]:
+    """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
+    if len(piece.equations) != 1 or piece.also:
+        return []
+    f = piece.equations[0]
+    ring = chain.ring
+    slopes = [f.derivative(name) for name in ring.names[: ring.moving]]
+    found = decompose(ring, piece.pins, [f, *slopes], chain.n, work)
+    return [Drop(one, rank) for one in found if one.codimension > piece.codimension]
+
+
+def families(
+    chain: Chain,
+    sets: Sequence[RealSet],
+    generic_rank: int,
+    work: Work,
+    describe: Callable[[int, Array, Pins], tuple[str, tuple[str, ...], tuple[float, ...]]],
+) -> list[ExactFamily]:
+    """Merge sets that differ in the simple angle of a joint only, and describe each family.
+
+    Args:
+        chain: the arm.
+        sets: from `real_sets`.
+        generic_rank: of the task Jacobian.
+        work: random points.
+        describe: (corank, points, pins) -> (name, sentences on lost motions, witness).
+
+    Returns:
+        Families by corank, large ones first, with their numbers.
+    """
+    result: list[ExactFamily] = []
+    seen = {id(one.piece): one.reality for one in sets}
+    for corank in range(1, generic_rank + 1):
+        rank = generic_rank - corank
+        by_reality: dict[str, list[Variety]] = {}
+        for one in sets:
+            if one.rank == rank:
+                by_reality.setdefault(one.reality.condition, []).append(one.piece)
+        rows = [row for pieces in by_reality.values() for row in merge(pieces)]
+        for number, (pins, pieces) in enumerate(sorted(rows, key=lambda row: row[1][0].codimension), 1):
+            work.check()
+            realities = [seen[id(piece)] for piece in pieces]
+            points = np.concatenate([one.points for one in realities])
+            told = describe(corank, points, pins)
+            ranks = [rank_modulo(chain, point) for piece in pieces for point in piece.points(work.rng, _CHECKED)]
+            check = Check(len(ranks), sum(one == rank for one in ranks))
+            row = (pins, pieces)
+            result.append(_family(chain, f"k{corank}.f{number}", corank, row, realities[0].condition, told, check))
+    return result
+
+
+def _family(
+    chain: Chain,
+    identifier: str,
+    corank: int,
+    row: Row,
+    condition: str,
+    told: tuple[str, tuple[str, ...], tuple[float, ...]],
+    check: Check,
+) -> ExactFamily:
+    pins, pieces = row
+    piece = pieces[0]
+    conditions = tuple(Condition(chain.ring, f) for f in sorted(piece.equations, key=len))
+    coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
+    return ExactFamily(
+        id=identifier,
+        name=told[0],
+        corank=corank,
+        dimension=piece.dimension,
+        codimension=piece.codimension,
+        pins=tuple(sorted(pins.items())),
+        conditions=conditions,
+        free=tuple(j for j in range(1, chain.n + 1) if j not in pins and j not in coupled),
+        coupled=coupled,
+        reality=condition,
+        witness=told[2],
+        lost_words=told[1],
+        rank_check=check,
+        numbers=chain.numbers,
+        shifts=tuple(float(x) for x in chain.shifts),
+        pieces=tuple(pieces),
+    )

@@ -1,0 +1,87 @@
+"""The records of exact conditions: one family, and what was assumed of the lengths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from rankdrop.atlas.equation import Equation
+from rankdrop.exact.check import Check
+from rankdrop.exact.condition import Condition
+from rankdrop.exact.pins import pin_equation, pin_latex, pin_text
+from rankdrop.exact.variety import Variety
+
+
+@dataclass(frozen=True, eq=False)
+class ExactFamily:
+    """One family of singular configurations, exactly.
+
+    Attributes:
+        id: "k1.f1": corank 1, first family.
+        name: as `analyze` names it.
+        corank: rank lost on the family.
+        dimension, codimension: of the family in joint space, and what it lacks of the number of joints.
+        pins: (joint number, simple angles it stands at): every combination belongs to the family.
+        conditions: what else has to hold, irreducible polynomials; all of them at once.
+        free, coupled: numbers of the joints that do not matter, and of those in `conditions`.
+        reality: "" where the family is real whatever the lengths are; else when it is, in words.
+        witness: a real configuration on it, of exactly this corank [rad, m].
+        lost_words: the motions lost, one sentence each.
+        rank_check: exact rank modulo a prime at random points of the family: is it as claimed?
+        numbers: values of the letters [m].
+        shifts: θ = q + shift, per joint [rad].
+        pieces: its irreducible sets, one for each combination of pins.
+    """
+
+    id: str
+    name: str
+    corank: int
+    dimension: int
+    codimension: int
+    pins: tuple[tuple[int, tuple[str, ...]], ...]
+    conditions: tuple[Condition, ...]
+    free: tuple[int, ...]
+    coupled: tuple[int, ...]
+    reality: str
+    witness: tuple[float, ...]
+    lost_words: tuple[str, ...]
+    rank_check: Check
+    numbers: dict[str, float]
+    shifts: tuple[float, ...]
+    pieces: tuple[Variety, ...]
+
+    @cached_property
+    def texts(self) -> tuple[str, ...]:
+        """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
+        pins = (pin_text(joint, values) for joint, values in self.pins)
+        return (*pins, *(condition.text() for condition in self.conditions))
+
+    @cached_property
+    def latex(self) -> tuple[str, ...]:
+        """Every condition as LaTeX mathematics."""
+        pins = (pin_latex(joint, values) for joint, values in self.pins)
+        return (*pins, *(condition.latex() for condition in self.conditions))
+
+    @cached_property
+    def equations(self) -> tuple[Equation, ...]:
+        """Every condition as an equation in q with numbers for the lengths, as `analyze` has them."""
+        n = len(self.shifts)
+        pins = (pin_equation(joint, values, n, self.shifts) for joint, values in self.pins)
+        return (*pins, *(condition.equation(self.numbers, n, self.shifts) for condition in self.conditions))
+
+
+@dataclass(frozen=True, slots=True)
+class Assumption:
+    """Lengths for which the derivation does not hold as it stands.
+
+    Attributes:
+        text: what was assumed: "d3 ≠ d5".
+        holds: whether it is true of the arm's own lengths.
+        words: what happens where it fails: "if d3 = d5, θ4 = π alone loses two freedoms"; "" where nothing is known.
+        derived: whether the special arm was derived.
+    """
+
+    text: str
+    holds: bool
+    words: str
+    derived: bool

@@ -1,0 +1,118 @@
+"""Which exact sets have real points, and for which lengths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.atlas.system import System
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.condition import Condition
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.letters import letters_text, sign_of
+from rankdrop.exact.pins import RADIANS
+from rankdrop.exact.ring import coefficients, used
+from rankdrop.exact.variety import Variety
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
+
+STARTS = 96
+"""Random starts from which a real point of a set is looked for."""
+_SMOOTH = 1e-5  # singular values of the gradients above this: the set is smooth there, and of the dimension claimed
+
+
+@dataclass(frozen=True, eq=False)
+class Reality:
+    """Real points of an irreducible set.
+
+    Attributes:
+        points: (k, n) real configurations q on it, of the rank claimed; none where it is not real [rad, m].
+        smooth: at one of them the gradients have full rank: near it the real set has the dimension claimed.
+        proof: why it is not real, where that is proven; "" where none was found only.
+        condition: when it is real, in words; "" where that is plain.
+    """
+
+    points: Array
+    smooth: bool
+    proof: str
+    condition: str
+
+    @property
+    def real(self) -> bool:
+        """Whether real points of the dimension claimed were found."""
+        return self.smooth and len(self.points) > 0
+
+
+def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> Reality:
+    """Look for real points on a set, with the arm's own lengths.
+
+    Args:
+        chain: the arm.
+        piece: irreducible set.
+        rank: of the task Jacobian almost everywhere on it.
+        rng: source of starts.
+    """
+    n = chain.n
+    words: list[str] = []
+    for f in piece.equations:
+        found = _discriminant(piece, f)
+        if found is None:
+            continue
+        text = letters_text(chain.ring, found)
+        if sign_of(chain, found) < 0:
+            return Reality(np.empty((0, n)), False, f"{text} ≥ 0 does not hold", text)
+        if text and not _always(chain, found):
+            words.append(f"{text} ≥ 0")
+    points, smooth = real_points(chain, piece, rank, rng)
+    condition = "real if and only if " + " and ".join(words) if words else ""
+    return Reality(points, smooth, "", condition)
+
+
+def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool]:
+    """(k, n) real configurations on a set with exactly its rank, and whether the set is smooth at one of them."""
+    n = chain.n
+    theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
+    for j in chain.ring.prismatic:
+        theta[:, j - 1] *= _span(chain)
+    pinned = list(piece.pins)
+    for j, value in piece.pins.items():
+        theta[:, j - 1] = RADIANS[value]
+    q = theta - chain.shifts
+    shifts = chain.shifts.tolist()
+    equations = tuple(Condition(chain.ring, f).equation(chain.numbers, n, shifts) for f in piece.equations)
+    system = System(equations)
+    moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
+    good = np.ones(STARTS, dtype=np.bool_)
+    if equations:
+        q, good = system.solve(q, along=moving, iterations=60)
+    sigma = singular_values(chain.robot, q, chain.task)
+    good &= (sigma[:, rank] <= DEFAULT.singular) if rank < sigma.shape[1] else True
+    good &= (sigma[:, rank - 1] > 1e3 * DEFAULT.singular) if rank else True
+    q = q[good]
+    if not equations or not len(q):
+        return q, len(q) > 0
+    gradients = np.linalg.svd(system.jacobian(q) @ moving, compute_uv=False)
+    wanted = piece.codimension - len(pinned)
+    smooth = (gradients > _SMOOTH).sum(axis=1) >= wanted
+    return (q[smooth], True) if smooth.any() else (q, False)
+
+
+def _span(chain: Chain) -> float:
+    return max((abs(value) for value in chain.numbers.values()), default=1.0)
+
+
+def _discriminant(piece: Variety, f: Polynomial) -> Polynomial | None:
+    """b² − 4ac of a condition on one angle alone; None for another one."""
+    ring = piece.ring
+    places = [place for place in used(f) if place < ring.moving]
+    if len(places) != 1 or f.degrees()[places[0]] != 2:
+        return None
+    c, b, a = coefficients(f, places[0])
+    return b * b - 4 * a * c
+
+
+def _always(chain: Chain, f: Polynomial) -> bool:
+    """Whether f ≥ 0 for a plain reason: a number, a sum of squares times positive numbers."""
+    return all(value > 0 and not any(e % 2 for e in powers) for powers, value in f.terms())

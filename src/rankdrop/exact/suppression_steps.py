@@ -1,0 +1,166 @@
+"""Dependent-screw suppression told step by step, as KG does it by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from rankdrop.exact.basic_screws import triples
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.dependence import Proof
+from rankdrop.exact.text_of import condition_text, conditions_text, product_text, text_of
+
+if TYPE_CHECKING:
+    from rankdrop.exact.suppression import Case, Suppression, SuppressedFamily
+
+ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
+LONG = 60
+"""Terms of a screw's entries above which it is not written out once more with a case's angles put in."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A heading and the lines under it.
+
+    Attributes:
+        title: heading.
+        lines: sentences and formulas.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+
+
+def steps(suppression: Suppression) -> tuple[Step, ...]:
+    """The whole derivation: screws, basic determinant, every case with its dependent screw, families."""
+    found = [Step("Screws", tuple(_screws(suppression)))]
+    if suppression.start.basic is not None:
+        found.append(Step("Step 1: the determinant of the basic screws", tuple(_first(suppression))))
+        found += _cases(suppression, suppression.start)
+    found.append(Step("Families", tuple(_families(suppression))))
+    if suppression.left:
+        found.append(Step("Not finished", suppression.left))
+    return tuple(found)
+
+
+def _screws(suppression: Suppression) -> Iterator[str]:
+    ring = suppression.chain.ring
+    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}: z along its axis, x along the normal after it"
+    for j, column in enumerate(suppression.columns, 1):
+        yield _screw(j, [text_of(ring, x) for x in column])
+
+
+def _screw(j: int, entries: Sequence[str]) -> str:
+    return f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})"
+
+
+def _first(suppression: Suppression) -> Iterator[str]:
+    start, chain = suppression.start, suppression.chain
+    assert start.basic is not None
+    joints = start.basic.joints
+    yield f"basic screws: {_names(joints)}, independent in general{_triples(chain, joints)}"
+    yield f"|{_names(joints)}| = {product_text(chain.ring, start.basic.product)}"
+    if chain.n == 6:
+        yield "with six joints there is no other screw: the arm is singular where a factor is zero"
+    yield from _branches(start)
+
+
+def _triples(chain: Chain, joints: Sequence[int]) -> str:
+    said = [f"{_joints(three)} are a {kind} joint" for three, kind in triples(chain) if set(three) <= set(joints)]
+    return "; " + ", ".join(said) if said else ""
+
+
+def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
+    """A step for every case below, in order."""
+    for inner in case.cases:
+        yield Step(
+            f"Case {inner.number}: {conditions_text(inner.stratum)}" if not inner.family else _family_title(inner),
+            tuple(_case(suppression, inner)),
+        )
+        yield from _cases(suppression, inner)
+
+
+def _family_title(case: Case) -> str:
+    return f"Case {case.number} is family {case.family}: {conditions_text(case.stratum)}"
+
+
+def _case(suppression: Suppression, case: Case) -> Iterator[str]:
+    ring, dependence = suppression.chain.ring, case.dependence
+    if dependence is not None:
+        yield from _put_in(suppression, case)
+        if not dependence.on:
+            yield f"${dependence.screw} is zero"
+        else:
+            yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
+            assert dependence.proof is not None
+            yield from _proof(suppression, dependence.proof, dependence.on)
+        yield f"${dependence.screw} is suppressed; left: {_names(case.joints)}"
+    if case.basic is not None:
+        yield f"|{_names(case.basic.joints)}| = {product_text(ring, case.basic.product)}"
+        if not case.cases:
+            yield "which has no zero here: no singular configuration"
+    if case.split:
+        yield "no screw is a combination of the same others everywhere here: the case is split"
+    if case.family and len(case.joints) > 6:
+        yield "every determinant of six of the screws that are left is zero here"
+    yield from _branches(case)
+
+
+def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
+    """The screws of the circuit with the case's angles put in, where that changes short ones."""
+    assert case.dependence is not None
+    ring = suppression.chain.ring
+    for j in case.dependence.circuit:
+        column = suppression.columns[j - 1]
+        short = [case.stratum.short(x) for x in column]
+        if short != column and sum(map(len, short)) <= LONG:
+            yield f"here {_screw(j, [text_of(ring, x) for x in short])}"
+
+
+def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+    ring = suppression.chain.ring
+    there = "" if proof.frame == suppression.frame else f" in the frame of link {proof.frame}"
+    if proof.kind == "gram":
+        yield f"their Gram determinant{there} is {text_of(ring, proof.polynomials[0])} ≠ 0"
+        return
+    for rows, minor in zip(proof.rows, proof.polynomials, strict=True):
+        told = " ≠ 0" if proof.kind == "minor" else ""
+        names = " ".join(ROWS[r] for r in rows)
+        yield f"|{_names(on)}| of rows {names}{there} is {text_of(ring, minor)}{told}"
+    if proof.kind == "minors":
+        yield "which have no common zero here"
+
+
+def _branches(case: Case) -> Iterator[str]:
+    for inner in case.cases:
+        name = f"family {inner.family}" if inner.family else f"case {inner.number}"
+        yield f"{name}: {conditions_text(inner.stratum)}"
+
+
+def _families(suppression: Suppression) -> Iterator[str]:
+    ring = suppression.chain.ring
+    for family in suppression.families:
+        yield f"family {family.number}: {conditions_text(family.stratum)}"
+    for one, two in combinations(suppression.families, 2):
+        yield _apart(suppression, one, two)
+    for p in suppression.assumptions:
+        yield f"assumed: {text_of(ring, p)} ≠ 0"
+
+
+def _apart(suppression: Suppression, one: SuppressedFamily, two: SuppressedFamily) -> str:
+    """Why two families do not meet."""
+    p = one.stratum.apart(two.stratum)
+    assert p is not None
+    zero, other = (one, two) if p in one.stratum.equalities and p in two.stratum.inequalities else (two, one)
+    text = condition_text(suppression.chain.ring, p)
+    return f"families {one.number} and {two.number} do not meet: {text} in {zero.number}, not in {other.number}"
+
+
+def _names(joints: Sequence[int]) -> str:
+    return " ".join(f"${j}" for j in joints)
+
+
+def _joints(joints: Sequence[int]) -> str:
+    return ", ".join(map(str, joints))

@@ -1,0 +1,203 @@
+"""Every set of configurations on which the rank drops, of every rank, by branching on minors.
+
+On an irreducible set the rank is some ρ almost everywhere, found at random points modulo a prime. Where it drops, every
+minor of order ρ vanishes; one that is not zero on the set is factored, the set is cut by each factor, and every
+irreducible piece is looked at in the same way. A piece with a lower rank is a find; from a piece with the same rank the
+search goes on to the drops inside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.field import Point, rank, trig_evaluator
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.ring import Atom
+from rankdrop.exact.split import cut
+from rankdrop.exact.variety import Variety
+from rankdrop.exact.work import OutOfTime, Work
+
+_TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
+_SEVERAL = 12  # random points on a set that may be several
+_SHORT = 4  # a minor with so short factors is taken at once
+
+
+@dataclass(frozen=True)
+class Drop:
+    """An irreducible closed set on which the rank is `rank` almost everywhere, and lower than around it."""
+
+    piece: Variety
+    rank: int
+
+
+@dataclass
+class Tree:
+    """All drops of rank.
+
+    Attributes:
+        generic_rank: almost everywhere.
+        drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
+        complete: False when time ran out, or where a set could not be looked into.
+        left: what was not finished, in words.
+        visited: sets looked at.
+    """
+
+    generic_rank: int
+    drops: list[Drop] = field(default_factory=list)
+    complete: bool = True
+    left: list[str] = field(default_factory=list)
+    visited: int = 0
+
+
+def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
+    """Find all sets on which rank J ≤ r, for every r from the generic rank − 1 down to `lowest`.
+
+    Args:
+        chain: the arm.
+        work: deadline and random points; assumptions on lengths are noted there.
+        lowest: drops to this rank are the last ones looked for.
+
+    Returns:
+        Tree; incomplete, with what is left in words, where time ran out.
+    """
+    columns = chain.columns
+    whole = Variety.whole(chain.ring)
+    generic = _rank(columns, whole)
+    tree = Tree(generic)
+    found: list[Drop] = [Drop(whole, generic)]
+    at = 0
+    try:
+        while at < len(found):
+            drop = found[at]
+            if drop.rank > lowest:
+                _explore(columns, drop, found, tree, work)
+            at += 1
+    except OutOfTime:
+        tree.complete = False
+        missing = sorted({drop.rank for drop in found[at:] if drop.rank > lowest}, reverse=True)
+        tree.left.append(
+            "time ran out while looking for drops below rank " + ", ".join(map(str, missing))
+            + f": {len(found) - at} of {len(found)} sets were not looked into to the end"
+        )  # fmt: skip
+    tree.drops = largest(found[1:])
+    return tree
+
+
+def largest(found: Sequence[Drop]) -> list[Drop]:
+    """The drops that do not lie inside another one of the same or a lower rank."""
+    kept: list[Drop] = []
+    for one in sorted(found, key=lambda drop: (drop.rank, drop.piece.codimension)):
+        if not any(one.piece.inside(other.piece) for other in kept if other.rank <= one.rank):
+            kept.append(one)
+    return sorted(kept, key=lambda drop: (-drop.rank, drop.piece.codimension, drop.piece.key))
+
+
+def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tree: Tree, work: Work) -> None:
+    """Find the drops inside one set, and append them to `found`.
+
+    A piece of the set where an m × n matrix has rank ≤ r binds at most (m − r)(n − r) freedoms, so pieces that bind
+    more lie inside others.
+    """
+    n, m = len(columns), len(columns[0])
+    bound = (m - start.rank + 1) * (n - start.rank + 1)
+    waiting: list[tuple[Variety, tuple[Variety, ...]]] = [(start.piece, ())]  # each with the sets it was cut from
+    seen: list[Variety] = []
+    while waiting:
+        piece, above = waiting.pop(0)
+        work.check()
+        tree.visited += 1
+        minor = _minor(columns, piece, start.rank, work)
+        if minor is None:
+            found.append(Drop(piece, _rank(columns, piece)))  # its random points lay on a part of higher rank before
+            continue
+        for part in cut(piece, minor, work):
+            if any(part.inside(drop.piece) for drop in found if drop.rank < start.rank):
+                continue  # whatever drops inside it is found there
+            if not part.samples:
+                continue  # no point modulo P: no real one either
+            dropped = _dropped(columns, part, start.rank, work)
+            found += dropped
+            if (dropped and dropped[0].piece is part) or part.codimension >= bound:
+                continue
+            if not any(part.inside(other) for other in seen if other not in above and other is not piece):
+                seen.append(part)
+                waiting.append((part, (*above, piece)))
+
+
+def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:
+    """The part as a drop where its rank is lower; where two conditions hold on several sets, the one it is lower on."""
+    if len(part.rest) < 2:
+        here = _rank(columns, part)
+        return [Drop(part, here)] if here < above else []
+    points = part.points(work.rng, _SEVERAL)
+    ranks = [rank(_matrix(columns, point, part)) for point in points]
+    if not ranks or min(ranks) >= above:
+        return []
+    if max(ranks) < above:
+        return [Drop(part, max(ranks))]
+    full = points[ranks.index(max(ranks))]
+    evaluate = trig_evaluator(part.ring)
+    for minor in _minors(columns, part, max(ranks)):
+        work.check()
+        if evaluate(minor, full) != 0:
+            inside = replace(part, also=(minor,))
+            atoms = [atom.f for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms if not atom.pinned]
+            more = tuple(f for f in atoms if inside.half_vanishes(f))
+            inside = replace(inside, equations=(*part.equations, *more))
+            return [Drop(inside, _rank(columns, inside))] if inside.samples else []
+    return []
+
+
+def _rank(columns: list[list[Polynomial]], piece: Variety) -> int:
+    """Rank almost everywhere on a set."""
+    return max((rank(_matrix(columns, point, piece)) for point in piece.samples), default=0)
+
+
+def _matrix(columns: list[list[Polynomial]], point: Point, piece: Variety) -> list[list[int]]:
+    evaluate = trig_evaluator(piece.ring)
+    return [[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns]
+
+
+def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> Polynomial | None:
+    """A minor of the given order that is not zero on a set, with short factors there."""
+    best: tuple[int, Polynomial] | None = None
+    for tried, minor in enumerate(_minors(columns, piece, order), 1):
+        work.check()
+        weight = _weight(piece, minor)
+        if best is None or weight < best[0]:
+            best = (weight, minor)
+        if weight <= _SHORT or tried >= _TRIED:
+            break
+    return None if best is None else best[1]
+
+
+def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iterator[Polynomial]:
+    """Minors of the given order that are not zero on all of a set, those with short entries first."""
+    ring = piece.ring
+    here = [[ring.at(x, piece.pins) for x in column] for column in columns]
+    lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
+    residues = [_matrix(here, point, piece) for point in piece.samples]
+    for columns_used, rows_used in _by_length(lengths, order):
+        if any(rank([[m[c][r] for r in rows_used] for c in columns_used]) == order for m in residues):
+            yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
+
+
+def _by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Choices of columns and rows for a minor, short entries first."""
+    n, m = len(lengths), len(lengths[0])
+    choices = []
+    for chosen in combinations(range(n), order):
+        for rows in combinations(range(m), order):
+            sums = [[lengths[c][r] for r in rows] for c in chosen]
+            if all(map(any, sums)) and all(map(any, zip(*sums, strict=True))):
+                choices.append((sum(map(sum, sums)), chosen[-1] - chosen[0], chosen, rows))
+    choices.sort()
+    return ((chosen, rows) for _, _, chosen, rows in choices)
+
+
+def _weight(piece: Variety, minor: Polynomial) -> int:
+    atoms: list[tuple[Atom, int]] = list(piece.ring.factor(minor).atoms)
+    return sum(atom.weight for atom, _ in atoms)

@@ -1,0 +1,64 @@
+"""What a derivation carries along: its deadline, its source of random points, what it had to assume."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Mapping, Sequence
+from time import monotonic
+
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.ring import primitive
+
+
+class OutOfTime(Exception):
+    """The time limit has passed; whoever catches it says what is left."""
+
+
+class Work:
+    """One derivation in progress.
+
+    Args:
+        seconds: time limit from now on; infinity for none.
+        seed: of the random points.
+        tick: called now and then, to show progress; may raise KeyboardInterrupt.
+
+    Attributes:
+        rng: source of random numbers.
+        unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
+        assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
+    """
+
+    def __init__(self, seconds: float = float("inf"), seed: int = 0, tick: Callable[[], None] | None = None) -> None:
+        self._end = monotonic() + seconds
+        self._tick = tick
+        self.rng = random.Random(seed)
+        self.assumed: dict[str, Polynomial] = {}
+        self.unresolved: list[str] = []
+
+    def check(self) -> None:
+        """Call this in every loop that may be long.
+
+        Raises:
+            OutOfTime: the time limit has passed.
+        """
+        if self._tick is not None:
+            self._tick()
+        if monotonic() > self._end:
+            raise OutOfTime
+
+    @property
+    def left(self) -> float:
+        """Seconds until the time limit."""
+        return self._end - monotonic()
+
+    def assume(self, f: Polynomial) -> None:
+        """Keep a factor in lengths alone as assumed ≠ 0."""
+        f = primitive(f)
+        if not f.is_constant():
+            self.assumed.setdefault(str(f), f)
+
+    def leave(self, pins: Mapping[int, str], system: Sequence[Polynomial]) -> None:
+        """Keep a system that could not be taken apart."""
+        self.unresolved.append(
+            "; ".join([*(f"θ{j} = {value}" for j, value in pins.items()), *(f"{f} = 0" for f in system)])
+        )

@@ -1,0 +1,53 @@
+"""Pinned joints: every subset of the simple angles vanishes there and nowhere else."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.pins import RADIANS, pin_c_code, pin_equation, pin_expression, pin_latex, pin_text
+from rankdrop.exact.ring import SIMPLE
+
+SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
+
+
+@pytest.mark.parametrize("values", SUBSETS)
+@pytest.mark.parametrize("shift", [0.0, 0.3, -2.1])
+def test_expression_and_equation_vanish_exactly_there(values, shift):
+    shifts = [0.0, shift, 0.0]
+    equation = pin_equation(2, values, 3, shifts)
+    text = pin_expression(2, values, shifts)
+    theta = np.concatenate([[RADIANS[value] for value in SIMPLE], np.linspace(-3, 3, 40)])
+    q = np.zeros((len(theta), 3))
+    q[:, 1] = theta - shift
+    one = equation(q)
+    two = eval(text, {"q2": q[:, 1], "sin": np.sin, "cos": np.cos, "pi": np.pi})
+    expected = np.array([value in values for value in SIMPLE] + [False] * 40)
+    assert ((np.abs(one) < 1e-9) == expected).all()
+    assert ((np.abs(two) < 1e-9) == expected).all()
+    assert not pin_c_code(2, values, shifts).count("pi")
+
+
+@pytest.mark.parametrize(
+    ("values", "text", "latex", "expression"),
+    [
+        (("0", "pi"), "θ4 = 0 or π", r"\theta_4 \in \{0, \pi\}", "sin(q4)"),
+        (("pi/2", "-pi/2"), "θ4 = ±π/2", r"\theta_4 = \pm\frac{\pi}{2}", "cos(q4)"),
+        (("pi",), "θ4 = π", r"\theta_4 = \pi", "cos(q4/2)"),
+        (("-pi/2",), "θ4 = −π/2", r"\theta_4 = -\frac{\pi}{2}", "sin((q4 + pi/2)/2)"),
+    ],
+)
+def test_pins_read_as_in_tables(values, text, latex, expression):
+    assert pin_text(4, values) == text
+    assert pin_latex(4, values) == latex
+    assert pin_expression(4, values) == expression
+
+
+def test_other_angles_are_refused():
+    with pytest.raises(OptionError, match="pi/3"):
+        pin_text(1, ("pi/3",))
+    with pytest.raises(OptionError, match="none"):
+        pin_equation(1, (), 2)

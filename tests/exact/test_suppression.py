@@ -1,0 +1,172 @@
+"""Dependent-screw suppression on many arms: sound modulo p, disjoint, and nothing that a numeric search finds is left."""
+
+import random
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+from rankdrop.atlas.search import Outcome, search
+from rankdrop.errors import OptionError, TaskError
+from rankdrop.exact.chain import exact_chain
+from rankdrop.exact.field import rank, trig_evaluator
+from rankdrop.exact.suppression import closed_pieces, suppress
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.open import open_robot
+
+QUICK = ["puma560", "ur5", "stanford", "xarm6", "pa10", "iiwa14", "canadarm2", "rcrrrr", "rail", "xarm7", "panda", "fetch8"]
+LONG = ["gen3", "sawyer"]
+HOLDS = 1e-4  # |p| ≤ this times the sum of its terms' sizes: p = 0; σ tells powers and products of the p only
+FOUND = {}
+
+
+def arm(name):
+    if name != "rail":
+        return open_robot(name)
+    # an arm with spherical shoulder and wrist on a rail along the ground
+    rows = [(0, "pi/2", 0, 0), (0, "-pi/2", 0.4, 0), (0, "pi/2", 0, 0), (0, "-pi/2", 0.45, 0), (0, "pi/2", 0, 0),
+            (0, "-pi/2", 0.5, 0), (0, "pi/2", 0, 0), (0, 0, 0.1, 0)]  # fmt: skip
+    return from_dh(rows, convention="standard", kinds="PRRRRRRR", name="rail")
+
+
+def derived(name):
+    if name not in FOUND:
+        FOUND[name] = suppress(exact_chain(arm(name)))
+    return FOUND[name]
+
+
+def size(chain, p, q):
+    """|p| over the sum of its terms' sizes, at the configurations q (N, n)."""
+    ring, theta = chain.ring, q + chain.shifts
+    values = [f(theta[:, j - 1]) for j in ring.revolute for f in (np.sin, np.cos)]
+    values += [theta[:, j - 1] for j in ring.prismatic]
+    values += [np.full(len(q), chain.numbers[name]) for name in ring.letters]
+    total, sizes = np.zeros(len(q)), 0.0
+    for powers, coefficient in p.terms():
+        term = np.full(len(q), int(coefficient.p) / int(coefficient.q))
+        for value, power in zip(values, powers, strict=True):
+            term = term * value ** int(power)
+        letters = [abs(chain.numbers[x]) ** int(e) for x, e in zip(ring.letters, powers[-len(ring.letters) :])] if (
+            ring.letters) else []  # fmt: skip
+        total, sizes = total + term, sizes + abs(int(coefficient.p) / int(coefficient.q)) * float(np.prod(letters))
+    return np.abs(total) / sizes
+
+
+def singular_configurations(robot, starts):
+    found = search(robot, 1, starts=starts, threads=1, seed=3)
+    return found.q[found.outcome == Outcome.CONVERGED]
+
+
+def closures(found, q):
+    """(N, families) whether all equalities of a family hold."""
+    return np.array(
+        [np.all([size(found.chain, p, q) < HOLDS for p in f.equalities], axis=0) for f in found.families]
+    ).T
+
+
+def strictly(found, q, inside, margin):
+    """(N, families) whether the inequalities of a family hold, too, by a margin."""
+    others = [
+        np.all([size(found.chain, p, q) > margin for p in f.stratum.inequalities], axis=0) for f in found.families
+    ]
+    return inside & np.array([np.broadcast_to(one, len(q)) for one in others]).T
+
+
+@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(x, marks=pytest.mark.slow) for x in LONG)])
+class TestEveryArm:
+    def test_is_finished(self, name):
+        found = derived(name)
+        assert found.complete and found.families
+
+    def test_is_sound_modulo_p(self, name):
+        """Every family has rank 5 at random points, for random lengths."""
+        for family in derived(name).families:
+            assert family.ranks == (5,), family.number
+
+    def test_has_families_that_do_not_meet(self, name):
+        families = derived(name).families
+        for one, two in combinations(families, 2):
+            assert one.stratum.apart(two.stratum) is not None, (one.number, two.number)
+
+    def test_explains_every_singular_configuration_found_numerically(self, name):
+        found = derived(name)
+        q = singular_configurations(found.chain.robot, 300)
+        assert len(q) > 100
+        inside = closures(found, q)
+        assert inside.any(axis=1).all(), f"{(~inside.any(axis=1)).sum()} of {len(q)} left over"
+        assert (strictly(found, q, inside, 100 * HOLDS).sum(axis=1) <= 1).all()
+        assert strictly(found, q, inside, 1e-4 * HOLDS).any(axis=1).all()
+
+    def test_proves_what_it_suppresses(self, name):
+        """At random points of every case the proof's minors are not all zero and the screw lies in the others' span."""
+        found = derived(name)
+        rng, evaluate, seen = random.Random(5), trig_evaluator(found.chain.ring), 0
+
+        def walk(case):
+            nonlocal seen
+            if case.dependence is not None:
+                seen += 1
+                screw, on, proof = case.dependence.screw, case.dependence.on, case.dependence.proof
+                for piece in case.stratum.pieces:
+                    point = piece.point(rng)
+                    matrix = {j: [evaluate(x, point) for x in found.columns[j - 1]] for j in (screw, *on)}
+                    assert rank([matrix[j] for j in on]) == len(on) == rank(list(matrix.values()))
+                    assert any(evaluate(p, point) for p in proof.polynomials)
+            for inner in case.cases:
+                walk(inner)
+
+        walk(found.start)
+        assert (seen > 0) == (found.chain.n > 6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", QUICK + LONG)
+def test_a_thousand_starts_leave_nothing_unexplained(name):
+    found = derived(name)
+    q = singular_configurations(found.chain.robot, 1000)
+    assert strictly(found, q, closures(found, q), 1e-4 * HOLDS).any(axis=1).all()
+
+
+def test_six_joints_have_the_factors_of_their_determinant():
+    found = derived("puma560")
+    assert [len(family.equalities) for family in found.families] == [1, 1, 1]
+    assert found.determinant.count("(") == 2
+    assert found.start.cases[0].dependence is None
+
+
+def test_assumptions_are_told_for_the_panda():
+    assert [str(p) for p in derived("panda").assumptions] == ["d3 + d5", "d3 - d5"]
+
+
+def test_closed_pieces_are_the_equalities_family_by_family():
+    found = derived("canadarm2")
+    assert closed_pieces(found) == [family.equalities for family in found.families]
+
+
+def test_a_time_limit_holds_and_what_is_left_is_told():
+    found = suppress(exact_chain(arm("panda")), seconds=0.2)
+    assert not found.complete
+    assert all(text.startswith(("case ", "the determinant")) for text in found.left)
+    nothing = suppress(exact_chain(arm("panda")), seconds=-1.0)
+    assert nothing.left and not nothing.families and nothing.determinant == ""
+
+
+def test_progress_is_told():
+    told = []
+    suppress(exact_chain(arm("pa10")), progress=lambda *now: told.append(now))
+    assert told and all(done <= total for _, done, total in told)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"), [({"frame": 7}, "frame"), ({"basic": (1, 2, 3)}, "basic"), ({"basic": (1, 2, 3, 5, 6, 7)}, "basic")]
+)
+def test_wrong_choices_are_named(given, words):
+    with pytest.raises(OptionError, match=words):
+        suppress(exact_chain(arm("pa10")), **given)
+
+
+def test_an_arm_with_too_few_joints_is_refused():
+    with pytest.raises(TaskError):
+        suppress(exact_chain(arm("scara")))

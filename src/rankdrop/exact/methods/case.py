@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.derivation import Conjunction, Equality
-from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError
+from rankdrop.exact.methods.draft import Columns, Draft
 from rankdrop.exact.ring import Atom, Ring, order
+from rankdrop.exact.work import OutOfTime
 
 Factors = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
@@ -41,13 +42,13 @@ class Case:
         leads to the same case again, or to an empty one.
 
         Raises:
-            OutOfTimeError: no time is left, or p is too long to be factored in it.
+            OutOfTime: no time is left, or p is too long to be factored in it.
         """
         if p == 0:
             return None
         atoms = draft.atoms(p)
         if atoms is None:
-            raise OutOfTimeError(f"factors of a polynomial of {len(p)} terms")
+            raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
         if self.zero.intersection(atoms):
             return None
         return frozenset(atoms) - self.nonzero

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rankdrop.exact.methods.derivation import Conjunction, Equality
-from rankdrop.exact.methods.draft import Draft, OutOfTimeError
+from rankdrop.exact.methods.draft import Draft
+from rankdrop.exact.work import OutOfTime
 
 LONGEST = 2000
 """Minors of more terms are not squared: that cannot be interrupted, and takes 0.2 s at this length."""
@@ -21,7 +22,7 @@ def determinant(draft: Draft) -> None:
 
     Raises:
         OptionError: the rank is not full anywhere.
-        OutOfTimeError: no time is left.
+        OutOfTime: no time is left.
     """
     rank, columns = draft.full_rank(), draft.chain.columns
     minors = [minor for minor in draft.minors(columns, rank) if minor != 0]
@@ -36,7 +37,7 @@ def determinant(draft: Draft) -> None:
     for minor in minors:
         draft.check("the sum of squares")
         if len(minor) > LONGEST:
-            raise OutOfTimeError(f"the sum of squares: a minor has {len(minor)} terms")
+            raise OutOfTime(f"the sum of squares: a minor has {len(minor)} terms")
         total = total + minor * minor
     total = draft.ring.reduce(total)
     draft.sizes |= {"minors": len(minors), "terms": len(total)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
@@ -14,13 +13,10 @@ from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
 from rankdrop.exact.ring import Atom, Ring, order
 from rankdrop.exact.verify import random_points, rank_check
+from rankdrop.exact.work import OutOfTime, Work
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
-
-
-class OutOfTimeError(Exception):
-    """The clock has run out; says what was about to be done."""
 
 
 class Draft:
@@ -42,34 +38,34 @@ class Draft:
         self.sizes: dict[str, int] = {}
         self.left: list[str] = []
         self.generic = False
-        self._assumptions: dict[str, Polynomial] = {}
         self._whole = 0  # polynomials that were left unfactored
         self._atoms: dict[str, tuple[Atom, ...]] = {}
         self._pinned: dict[tuple[Atom, Atom], frozenset[Atom] | None] = {}
-        self._begun = time.perf_counter()
-        self._seconds = seconds
+        self._work, self._seconds = Work(seconds), seconds
 
     @property
     def remaining(self) -> float:
         """Wall time that is left [s]."""
-        return self._seconds - (time.perf_counter() - self._begun)
+        return self._work.left
 
     def check(self, what: str) -> None:
         """Go on with `what` if there is time.
 
         Raises:
-            OutOfTimeError: there is none.
+            OutOfTime: there is none; says what was about to be done.
         """
-        if self.remaining <= 0:
-            raise OutOfTimeError(what)
+        try:
+            self._work.check()
+        except OutOfTime:
+            raise OutOfTime(what) from None
 
     def finished(self) -> Derivation:
         """The derivation as it stands."""
         if self._whole:
             self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
         return Derivation(
-            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._assumptions.values()),
-            tuple(self.notes), self.sizes, tuple(self.left), time.perf_counter() - self._begun,
+            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._work.assumed.values()),
+            tuple(self.notes), self.sizes, tuple(self.left), self._seconds - self.remaining,
         )  # fmt: skip
 
     def full_rank(self) -> int:
@@ -92,7 +88,7 @@ class Draft:
         """Determinant of the given rows of as many columns.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
         self.check("minors")
         return self.ring.determinant([[column[row] for column in columns] for row in rows])
@@ -101,7 +97,7 @@ class Draft:
         """Every minor of one size.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
         for chosen in combinations(columns, size):
             for rows in combinations(range(len(columns[0])), size):
@@ -111,7 +107,7 @@ class Draft:
         """The atoms of p ≠ 0, shortest first; None where there was not the time. Lengths are taken not to vanish.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
         key = str(p)
         if key not in self._atoms:
@@ -141,9 +137,9 @@ class Draft:
 
     def _assume(self, factor: Polynomial) -> None:
         key = str(factor)
-        if key in self._assumptions:
+        if key in self._work.assumed:
             return
-        self._assumptions[key] = factor
+        self._work.assume(factor)
         total = Fraction(0)
         for powers, coefficient in factor.terms():
             term = Fraction(int(coefficient.p), int(coefficient.q))

@@ -17,8 +17,9 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.case import Case, Factors, branches, size
 from rankdrop.exact.methods.derivation import Equality
-from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError, pieces
+from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.exact.ring import order
+from rankdrop.exact.work import OutOfTime
 
 Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""
@@ -39,7 +40,7 @@ def reciprocity(draft: Draft) -> None:
 
     Raises:
         OptionError: the rank is not full anywhere, or fewer joints than rows.
-        OutOfTimeError: no time is left; what was found until then is in the draft.
+        OutOfTime: no time is left; what was found until then is in the draft.
     """
     draft.full_rank()
     if draft.chain.n < draft.chain.task.m:
@@ -58,8 +59,8 @@ def reciprocity(draft: Draft) -> None:
         try:
             draft.check(f"{len(waiting) + 1} exceptional cases")
             waiting += _one_case(draft, case, made, choices)
-        except OutOfTimeError as error:
-            raise OutOfTimeError(f"{error}; {len(waiting) + 1} exceptional cases") from error
+        except OutOfTime as error:
+            raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
     draft.generic = False
     if draft.sizes["choices"] > 1:
         draft.notes.append(

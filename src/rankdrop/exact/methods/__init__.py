@@ -25,9 +25,10 @@ from rankdrop.exact.methods.cofactors import cofactors
 from rankdrop.exact.methods.decomposition import decomposition
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
 from rankdrop.exact.methods.determinant import determinant
-from rankdrop.exact.methods.draft import Draft, OutOfTimeError
+from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity
 from rankdrop.exact.methods.singular_vector import singular_vector
+from rankdrop.exact.work import OutOfTime
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
 
@@ -61,6 +62,6 @@ def derive(chain: Chain, method: str, seconds: float = 30.0) -> Derivation:
     draft = Draft(chain, method, seconds)
     try:
         _METHODS[method](draft)
-    except OutOfTimeError as error:
+    except OutOfTime as error:
         draft.left.append(str(error))
     return draft.finished()

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rankdrop.errors import RankdropError
 from rankdrop.exact.flint import Polynomial, flint
 from rankdrop.exact.ring import Atom, Factors, Ring
 
@@ -16,6 +17,8 @@ SHORT = 300
 """Polynomials of so many terms are factored here: milliseconds, and a process takes 0.3 s to start."""
 MEMORY = 4 << 30
 """The process may take so many bytes, where the system can hold it to that."""
+TOO_LARGE = 3
+"""Exit code of a process that needs more."""
 
 
 def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
@@ -27,7 +30,10 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
         seconds: of wall time; a polynomial of at most `SHORT` terms is factored whatever is left.
 
     Returns:
-        The factors; None where time, memory or the process failed.
+        The factors; None where time or memory did not suffice.
+
+    Raises:
+        RankdropError: the process failed otherwise.
     """
     if len(p) <= SHORT:
         return ring.factor(p)
@@ -39,11 +45,13 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
     try:
         done = subprocess.run(
             [sys.executable, "-c", program], input=json.dumps(message), capture_output=True, text=True,
-            timeout=seconds, env=environment, check=True,
+            timeout=seconds, env=environment, check=False,
         )  # fmt: skip
-    except (subprocess.SubprocessError, OSError):
+    except (subprocess.TimeoutExpired, OSError):
         return None
-    return _read(ring, json.loads(done.stdout))
+    if done.returncode > 0 and done.returncode != TOO_LARGE:
+        raise RankdropError("factoring in a process of its own failed", got=done.stderr.strip()[-200:])
+    return _read(ring, json.loads(done.stdout)) if done.returncode == 0 else None  # below zero: ended by a signal
 
 
 def main() -> None:
@@ -51,7 +59,11 @@ def main() -> None:
     _hold_memory()
     given = json.load(sys.stdin)
     ring = Ring(given["revolute"], given["prismatic"], given["letters"])
-    json.dump(_written(ring.factor(_polynomial(ring.trig, given["terms"]))), sys.stdout)
+    try:
+        found = ring.factor(_polynomial(ring.trig, given["terms"]))
+    except MemoryError:
+        sys.exit(TOO_LARGE)
+    json.dump(_written(found), sys.stdout)
 
 
 def _hold_memory() -> None:
@@ -78,9 +90,10 @@ def _number(text: str) -> Any:
 def _written(found: Factors) -> dict[str, Any]:
     return {
         "content": f"{found.content.p}/{found.content.q}",
-        "letters": [[_plain(f), power] for f, power in found.letters],
+        "letters": [[_plain(f), int(power)] for f, power in found.letters],
         "atoms": [
-            [atom.joint, atom.value, None if atom.f is None else _plain(atom.f), power] for atom, power in found.atoms
+            [atom.joint, atom.value, None if atom.f is None else _plain(atom.f), int(power)]
+            for atom, power in found.atoms
         ],
     }
 

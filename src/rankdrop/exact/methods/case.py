@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import reduce
-from operator import add
 
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Columns, Draft
 from rankdrop.exact.ring import Atom, Ring, order
+from rankdrop.exact.work import OutOfTime
 
 Factors = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
@@ -43,19 +42,18 @@ class Case:
         leads to the same case again, or to an empty one.
 
         Raises:
-            OutOfTimeError: no time is left, or p is too long to be factored in it.
+            OutOfTime: no time is left, or p is too long to be factored in it.
         """
         if p == 0:
             return None
         atoms = draft.atoms(p)
         if atoms is None:
-            draft.check("a case")
-            return frozenset()
+            raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
         if self.zero.intersection(atoms):
             return None
         return frozenset(atoms) - self.nonzero
 
-    def with_zero(self, ring: Ring, atom: Atom) -> Case | None:
+    def with_zero(self, draft: Draft, atom: Atom) -> Case | None:
         """The part where the atom vanishes; None where that is seen to be empty."""
         if atom in self.nonzero:
             return None
@@ -65,13 +63,13 @@ class Case:
             return self if (atom.joint, atom.value) in self.pins else None
         case = Case(pins=tuple(sorted((*self.pins, (atom.joint, atom.value)))))
         for old in self.nonzero:
-            found = _pinned(ring, old, atom)
+            found = draft.pinned(old, atom)
             if found is None:
                 return None
             case = replace(case, nonzero=case.nonzero | found)
         vanishing = [frozenset({old}) for old in self.zero] + list(self.product)
         for product in vanishing:
-            parts = [_pinned(ring, old, atom) for old in product]
+            parts = [draft.pinned(old, atom) for old in product]
             if None not in parts:
                 found = frozenset[Atom]().union(*(part for part in parts if part is not None))
                 case = replace(case, product=case.product | {found})
@@ -107,36 +105,17 @@ class Case:
         return Conjunction((*self.equalities(ring), *piece.equal), (*nonzero, *others))
 
 
-def branches(ring: Ring, case: Case, atoms: Factors) -> list[Case]:
+def branches(draft: Draft, case: Case, atoms: Factors) -> list[Case]:
     """The disjoint parts of a case where a product vanishes: each factor in turn, those before it not."""
     found, before = [], case
     for atom in sorted(atoms, key=order):
-        part = before.with_zero(ring, atom)
+        part = before.with_zero(draft, atom)
         if part is not None:
             found.append(part)
         before = before.with_nonzero(atom)
     return found
 
 
-def _pinned(ring: Ring, atom: Atom, pin: Atom) -> Factors | None:
-    """Atoms of an atom once a joint is pinned; None where it vanishes, empty where it never does.
-
-    A degree that falls is a zero at θ = π.
-    """
-    if atom.f is None:
-        if atom.joint != pin.joint:
-            return frozenset({atom})
-        return None if atom.value == pin.value else frozenset()
-    f = ring.half_at(atom.f, {pin.joint: pin.value})
-    if f == 0:
-        return None
-    degrees, before = f.degrees(), atom.f.degrees()
-    fallen = {
-        ring.pin(j, "pi") for place, j in enumerate(ring.revolute) if j != pin.joint and degrees[place] < before[place]
-    }
-    return frozenset(fallen | {found for found, _ in ring.split(f)[2]})
-
-
 def size(polynomials: list[Polynomial]) -> int:
     """Terms of several polynomials together."""
-    return reduce(add, map(len, polynomials), 0)
+    return sum(len(p) for p in polynomials)

@@ -16,7 +16,7 @@ def cofactors(draft: Draft) -> None:
 
     Raises:
         OptionError: the rank is not full anywhere.
-        OutOfTimeError: no time is left.
+        OutOfTime: no time is left.
     """
     rank = draft.full_rank()
     found = [minor for minor in draft.minors(draft.chain.columns, rank) if minor != 0]

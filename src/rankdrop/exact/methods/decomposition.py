@@ -32,7 +32,7 @@ def decomposition(draft: Draft) -> None:
 
     Raises:
         OptionError: no spherical wrist, or another task than all six rows.
-        OutOfTimeError: no time is left.
+        OutOfTime: no time is left.
     """
     chain = draft.chain
     check_wrist(chain)

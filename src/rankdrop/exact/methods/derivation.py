@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.exact.chain import Chain
+from rankdrop.exact.field import Point
 from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.methods.evaluate import Distances, Residues
 from rankdrop.exact.ring import Atom
 from rankdrop.robot.model import Array
 
-ZERO = 1e-6
-"""|f| per size of its coefficients at or below this is zero: where sheets cross, σ = 1e-13 leaves 3e-7."""
-_ANGLES = {"0": 0.0, "pi": pi, "pi/2": pi / 2, "-pi/2": -pi / 2}
+ZERO = 1e-5
+"""A condition holds within this distance of its zeros [rad]: where sheets cross, σ = 1e-13 leaves 3e-7."""
+CLEAR = 1e-8
+"""… and what must not vanish does not where this far off; less than `ZERO`, so that cases overlap and leave no gap."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +28,10 @@ class Equality:
     Attributes:
         atoms: its irreducible factors: it vanishes where one of them does; empty where it was not factored.
         whole: the trigonometric polynomial itself, where it was not factored or is shorter so; else None.
-        order: 2 for a sum of squares, which grows with the square of the distance only, else 1.
     """
 
     atoms: tuple[Atom, ...]
     whole: Polynomial | None = None
-    order: int = 1
 
     @property
     def terms(self) -> int:
@@ -40,17 +40,15 @@ class Equality:
             return len(self.whole)
         return sum(1 if atom.f is None else len(atom.f) for atom in self.atoms)
 
-    def size(self, chain: Chain, q: ArrayLike) -> Array:
-        """How far f is from zero at configurations q (N, n), per size of its coefficients: (N,); zero where it holds.
+    def distance(self, distances: Distances) -> Array:
+        """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
+        parts = self.atoms if self.whole is None else (self.whole,)
+        return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
 
-        Of atoms the smallest counts. Sums of squares are measured by their roots.
-        """
-        theta = np.atleast_2d(np.asarray(q, dtype=np.float64)) + chain.shifts
-        if self.whole is not None:
-            found = _trigonometric(chain, self.whole, theta)
-        else:
-            found = np.min([_atom(chain, atom, theta) for atom in self.atoms], axis=0)
-        return np.asarray(found ** (1.0 / self.order))
+    def vanishes(self, residues: Residues, point: Point) -> bool:
+        """Whether it holds at a point modulo P, exactly."""
+        parts = self.atoms if self.whole is None else (self.whole,)
+        return any(residues.zero(part, point) for part in parts)
 
 
 @dataclass(frozen=True)
@@ -65,21 +63,22 @@ class Conjunction:
     equal: tuple[Equality, ...]
     unequal: tuple[tuple[Equality, ...], ...] = ()
 
-    def holds(self, chain: Chain, q: ArrayLike, zero: float = ZERO) -> NDArray[np.bool_]:
-        """Whether the conjunction holds at configurations q (N, n): (N,).
-
-        Args:
-            chain: the arm.
-            q: [rad, m].
-            zero: `Equality.size` up to this is zero.
-        """
-        rows = np.atleast_2d(np.asarray(q, dtype=np.float64))
-        met = np.ones(len(rows), dtype=np.bool_)
+    def holds(self, distances: Distances) -> NDArray[np.bool_]:
+        """Whether it holds at configurations, within `ZERO`: (N,)."""
+        met = np.ones(len(distances), dtype=np.bool_)
         for equality in self.equal:
-            met &= equality.size(chain, rows) <= zero
+            met &= equality.distance(distances) <= ZERO
+            if not met.any():
+                return met
         for group in self.unequal:
-            met &= np.max([equality.size(chain, rows) for equality in group], axis=0) > zero
+            met &= np.max([equality.distance(distances) for equality in group], axis=0) > CLEAR
         return met
+
+    def holds_modulo(self, residues: Residues, point: Point) -> bool:
+        """Whether it holds at a point modulo P, exactly."""
+        return all(equality.vanishes(residues, point) for equality in self.equal) and all(
+            any(not equality.vanishes(residues, point) for equality in group) for group in self.unequal
+        )
 
 
 @dataclass(frozen=True)
@@ -113,51 +112,15 @@ class Derivation:
         """Whether every case was finished."""
         return not self.left
 
-    def holds(self, q: ArrayLike, zero: float = ZERO) -> NDArray[np.bool_]:
-        """Whether one of the conditions holds at configurations q (N, n): (N,)."""
-        rows = np.atleast_2d(np.asarray(q, dtype=np.float64))
-        met = np.zeros(len(rows), dtype=np.bool_)
+    def holds(self, q: ArrayLike) -> NDArray[np.bool_]:
+        """Whether one of the conditions holds at configurations q (N, n), within `ZERO`: (N,)."""
+        distances = Distances(self.chain, q)
+        met = np.zeros(len(distances), dtype=np.bool_)
         for conjunction in self.conditions:
-            met |= conjunction.holds(self.chain, rows, zero)
+            met |= conjunction.holds(distances)
         return met
 
-
-def _trigonometric(chain: Chain, p: Polynomial, theta: Array) -> Array:
-    """|p| at angles and slides (N, n), per sum of the sizes of its terms' coefficients."""
-    columns = []
-    for j in chain.ring.revolute:
-        columns += [np.sin(theta[:, j - 1]), np.cos(theta[:, j - 1])]
-    return _relative(chain, p, columns, theta)
-
-
-def _atom(chain: Chain, atom: Atom, theta: Array) -> Array:
-    """|f| of an atom: t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2), which is finite at θ = π, too."""
-    if atom.f is None:
-        return np.asarray(np.abs(np.sin((theta[:, atom.joint - 1] - _ANGLES[atom.value]) / 2)))
-    halves = [theta[:, j - 1] / 2 for j in chain.ring.revolute]
-    homogeneous = np.ones(len(theta))
-    for half, degree in zip(halves, atom.f.degrees(), strict=False):
-        homogeneous = homogeneous * np.cos(half) ** int(degree)
-    return np.asarray(_relative(chain, atom.f, [np.tan(half) for half in halves], theta, homogeneous))
-
-
-def _relative(
-    chain: Chain, f: Polynomial, angles: list[Array], theta: Array, factor: Array | float = 1.0
-) -> Array:
-    """|factor · f| with the values of its first variables given, per sum of the sizes of its coefficients.
-
-    A slide counts for the coefficients; its size there is at least 1.
-    """
-    slides = [theta[:, j - 1] for j in chain.ring.prismatic]
-    lengths = [np.full(len(theta), chain.numbers[name]) for name in chain.ring.letters]
-    values = [*angles, *slides, *lengths]
-    sizes = [np.ones(len(theta))] * len(angles) + [np.maximum(np.abs(x), 1.0) for x in slides] + list(map(np.abs, lengths))
-    total, scale = np.zeros(len(theta)), np.zeros(len(theta))
-    for powers, coefficient in f.terms():
-        number = int(coefficient.p) / int(coefficient.q)
-        term, size = np.full(len(theta), number), np.full(len(theta), abs(number))
-        for value, most, power in zip(values, sizes, powers, strict=True):
-            if power:
-                term, size = term * value ** int(power), size * most ** int(power)
-        total, scale = total + term, scale + size
-    return np.asarray(np.abs(total * factor) / scale)
+    def holds_modulo(self, points: Iterable[Point]) -> tuple[bool, ...]:
+        """Whether one of the conditions holds at each of the points modulo P, exactly."""
+        residues = Residues(self.chain.ring)
+        return tuple(any(c.holds_modulo(residues, point) for c in self.conditions) for point in points)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import chain as joined
-
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Draft
+from rankdrop.exact.work import OutOfTime
+
+LONGEST = 2000
+"""Minors of more terms are not squared: that cannot be interrupted, and takes 0.2 s at this length."""
 
 
 def determinant(draft: Draft) -> None:
@@ -20,7 +22,7 @@ def determinant(draft: Draft) -> None:
 
     Raises:
         OptionError: the rank is not full anywhere.
-        OutOfTimeError: no time is left.
+        OutOfTime: no time is left.
     """
     rank, columns = draft.full_rank(), draft.chain.columns
     minors = [minor for minor in draft.minors(columns, rank) if minor != 0]
@@ -34,6 +36,8 @@ def determinant(draft: Draft) -> None:
     total = draft.ring.zero
     for minor in minors:
         draft.check("the sum of squares")
+        if len(minor) > LONGEST:
+            raise OutOfTime(f"the sum of squares: a minor has {len(minor)} terms")
         total = total + minor * minor
     total = draft.ring.reduce(total)
     draft.sizes |= {"minors": len(minors), "terms": len(total)}
@@ -42,7 +46,7 @@ def determinant(draft: Draft) -> None:
         f"det({product}) is the sum of the squares of {len(minors)} minors, {len(total)} terms: never negative, "
         "it vanishes without a change of sign"
     )
-    _factored(draft, Equality((), total, order=2))
+    _factored(draft, Equality((), total))
 
 
 def _factored(draft: Draft, square: Equality) -> None:
@@ -55,11 +59,9 @@ def _factored(draft: Draft, square: Equality) -> None:
     lengths = {atom: 1 if atom.f is None else len(atom.f) for atom in found}
     draft.sizes["half-angle terms"] = max(lengths.values())
     for atom in found:
-        # the common factors of the minors stand in it squared; what is left is a sum of squares still
-        alone = len(found) == 1
-        part = square if alone else Equality((atom,), order=1 if atom.pinned else 2)
-        draft.conditions.append(Conjunction((part,)))
-    texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in joined(found))
+        alone = len(found) == 1  # then the sum itself is the shorter text
+        draft.conditions.append(Conjunction((square if alone else Equality((atom,)),)))
+    texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in found)
     draft.notes.append(
         f"it is one irreducible polynomial, of {texts} in half angles" if len(found) == 1
         else f"its factors in half angles: {texts}"

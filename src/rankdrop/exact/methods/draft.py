@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations
@@ -12,15 +11,12 @@ from rankdrop.exact.chain import Chain
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
-from rankdrop.exact.ring import Atom, order
+from rankdrop.exact.ring import Atom, Ring, order
 from rankdrop.exact.verify import random_points, rank_check
+from rankdrop.exact.work import OutOfTime, Work
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
-
-
-class OutOfTimeError(Exception):
-    """The clock has run out; says what was about to be done."""
 
 
 class Draft:
@@ -42,29 +38,34 @@ class Draft:
         self.sizes: dict[str, int] = {}
         self.left: list[str] = []
         self.generic = False
-        self._assumptions: dict[str, Polynomial] = {}
-        self._begun = time.perf_counter()
-        self._seconds = seconds
+        self._whole = 0  # polynomials that were left unfactored
+        self._atoms: dict[str, tuple[Atom, ...]] = {}
+        self._pinned: dict[tuple[Atom, Atom], frozenset[Atom] | None] = {}
+        self._work, self._seconds = Work(seconds), seconds
 
     @property
     def remaining(self) -> float:
         """Wall time that is left [s]."""
-        return self._seconds - (time.perf_counter() - self._begun)
+        return self._work.left
 
     def check(self, what: str) -> None:
         """Go on with `what` if there is time.
 
         Raises:
-            OutOfTimeError: there is none.
+            OutOfTime: there is none; says what was about to be done.
         """
-        if self.remaining <= 0:
-            raise OutOfTimeError(what)
+        try:
+            self._work.check()
+        except OutOfTime:
+            raise OutOfTime(what) from None
 
     def finished(self) -> Derivation:
         """The derivation as it stands."""
+        if self._whole:
+            self.left.append(f"factors of {self._whole} polynomial{'s' if self._whole > 1 else ''}")
         return Derivation(
-            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._assumptions.values()),
-            tuple(self.notes), self.sizes, tuple(self.left), time.perf_counter() - self._begun,
+            self.chain, self.method, tuple(self.conditions), self.generic, tuple(self._work.assumed.values()),
+            tuple(self.notes), self.sizes, tuple(self.left), self._seconds - self.remaining,
         )  # fmt: skip
 
     def full_rank(self) -> int:
@@ -87,7 +88,7 @@ class Draft:
         """Determinant of the given rows of as many columns.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
         self.check("minors")
         return self.ring.determinant([[column[row] for column in columns] for row in rows])
@@ -96,7 +97,7 @@ class Draft:
         """Every minor of one size.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
         for chosen in combinations(columns, size):
             for rows in combinations(range(len(columns[0])), size):
@@ -106,29 +107,39 @@ class Draft:
         """The atoms of p ≠ 0, shortest first; None where there was not the time. Lengths are taken not to vanish.
 
         Raises:
-            OutOfTimeError: no time is left.
+            OutOfTime: no time is left.
         """
-        self.check(f"factors of a polynomial of {len(p)} terms")
-        found = factors_within(self.ring, p, self.remaining)
-        if found is None:
-            return None
-        for factor, _ in found.letters:
-            self._assume(factor)
-        return tuple(atom for atom, _ in found.atoms)
+        key = str(p)
+        if key not in self._atoms:
+            self.check(f"factors of a polynomial of {len(p)} terms")
+            found = factors_within(self.ring, p, self.remaining)
+            if found is None:
+                return None
+            for factor, _ in found.letters:
+                self._assume(factor)
+            self._atoms[key] = tuple(atom for atom, _ in found.atoms)
+        return self._atoms[key]
+
+    def pinned(self, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
+        """Atoms of an atom once a joint is pinned; None where it vanishes, empty where it never does."""
+        key = (atom, pin)
+        if key not in self._pinned:
+            self._pinned[key] = _pinned(self.ring, atom, pin)
+        return self._pinned[key]
 
     def equality(self, p: Polynomial) -> Equality:
-        """p = 0, factored if there is time."""
-        atoms = self.atoms(p)
+        """p = 0: factored if there is time, and whole where there is not: the condition is right, if long."""
+        atoms = self.atoms(p) if self.remaining > 0 else None
         if atoms is None:
-            self.left.append(f"factors of a polynomial of {len(p)} terms")
+            self._whole += 1
             return Equality((), p)
         return Equality(atoms)
 
     def _assume(self, factor: Polynomial) -> None:
         key = str(factor)
-        if key in self._assumptions:
+        if key in self._work.assumed:
             return
-        self._assumptions[key] = factor
+        self._work.assume(factor)
         total = Fraction(0)
         for powers, coefficient in factor.terms():
             term = Fraction(int(coefficient.p), int(coefficient.q))
@@ -166,3 +177,18 @@ def pieces(
         found.append(Conjunction((*kept, *whole), unequal))
     return tuple(found)
 
+
+def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
+    """As `Draft.pinned`. A degree that falls is a zero at θ = π."""
+    if atom.f is None:
+        if atom.joint != pin.joint:
+            return frozenset({atom})
+        return None if atom.value == pin.value else frozenset()
+    f = ring.half_at(atom.f, {pin.joint: pin.value})
+    if f == 0:
+        return None
+    degrees, before = f.degrees(), atom.f.degrees()
+    fallen = {
+        ring.pin(j, "pi") for place, j in enumerate(ring.revolute) if j != pin.joint and degrees[place] < before[place]
+    }
+    return frozenset(fallen | {found for found, _ in ring.split(f)[2]})

@@ -13,11 +13,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations
 
+from rankdrop.errors import OptionError
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.methods.case import Case, branches, size
+from rankdrop.exact.methods.case import Case, Factors, branches, size
 from rankdrop.exact.methods.derivation import Equality
-from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError, pieces
+from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.exact.ring import order
+from rankdrop.exact.work import OutOfTime
+
+Pins = tuple[tuple[int, str], ...]
+"""Pinned joints of a case: its columns depend on nothing else."""
 
 
 @dataclass(frozen=True)
@@ -34,30 +39,45 @@ def reciprocity(draft: Draft) -> None:
             components that do not vanish everywhere for the first choice.
 
     Raises:
-        OptionError: the rank is not full anywhere.
-        OutOfTimeError: no time is left; what was found until then is in the draft.
+        OptionError: the rank is not full anywhere, or fewer joints than rows.
+        OutOfTime: no time is left; what was found until then is in the draft.
     """
     draft.full_rank()
+    if draft.chain.n < draft.chain.task.m:
+        raise OptionError(
+            "an arm of fewer joints than the task has rows has screws reciprocal to all of its own everywhere",
+            where=f"robot {draft.chain.robot.name!r}", got=f"{draft.chain.n} joints, {draft.chain.task.m} rows",
+            mend="use the method cofactors or singular_vector",
+        )  # fmt: skip
     draft.sizes |= {"cases": 0, "choices": 0, "terms": 0}
     draft.generic = True
     waiting = [Case()]
     made: set[tuple[int, ...]] = set()
+    choices: dict[Pins, list[_Choice]] = {}
     while waiting:
         case = waiting.pop(0)
         try:
             draft.check(f"{len(waiting) + 1} exceptional cases")
-            waiting += _one_case(draft, case, made)
-        except OutOfTimeError as error:
-            raise OutOfTimeError(f"{error}; {len(waiting) + 1} exceptional cases") from error
+            waiting += _one_case(draft, case, made, choices)
+        except OutOfTime as error:
+            raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
     draft.generic = False
-    draft.notes.append(f"the exceptional loci are treated apart, by {draft.sizes['choices']} choices, {len(made)} different")
+    if draft.sizes["choices"] > 1:
+        draft.notes.append(
+            f"the exceptional loci are treated apart, by {draft.sizes['choices'] - 1} further choices of joints, "
+            f"{len(made)} different ones in all"
+        )
 
 
-def _one_case(draft: Draft, case: Case, made: set[tuple[int, ...]]) -> list[Case]:
+def _one_case(
+    draft: Draft, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+) -> list[Case]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
     ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
     draft.sizes["cases"] += 1
-    for choice in _choices(draft, columns):
+    if case.pins not in choices:
+        choices[case.pins] = _choices(draft, columns)
+    for choice in choices[case.pins]:
         components = [case.factors(draft, w) for w in choice.screw if w != 0]
         known = [found for found in components if found is not None]
         if not known:  # the screw vanishes in all of this case
@@ -67,21 +87,22 @@ def _one_case(draft: Draft, case: Case, made: set[tuple[int, ...]]) -> list[Case
         draft.sizes["terms"] = max(draft.sizes["terms"], size(list(choice.screw)))
         if draft.sizes["choices"] == 1:
             _note(draft, choice, known)
+        redundant = len(columns) > len(columns[0])
         nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
         products = [_product(draft, columns, choice, j) for j in range(len(columns)) if j not in choice.joints]
         factors = [case.factors(draft, p) for p in products]
         met = pieces([_equality(found) for found in factors if found is not None])
         always = frozenset.intersection(*known)  # where one of these vanishes, w does
         for piece in met:
-            if not (len(piece.equal) == 1 and set(piece.equal[0].atoms) <= always):
-                draft.conditions.append(case.conjunction(ring, piece, nowhere))
+            if redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms):
+                continue
+            draft.conditions.append(case.conjunction(ring, piece, nowhere if redundant else ()))
         if frozenset() in known:
             return []
-        if len(columns) == len(columns[0]):  # every case is singular: five dependent screws and one more
-            parts = pieces([_equality(found) for found in known])
-            draft.conditions += [case.conjunction(ring, part) for part in parts]
+        if not redundant:  # its one product is det J
+            draft.notes.append("where it vanishes det J does, too: nothing is left out")
             return []
-        return branches(ring, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
+        return branches(draft, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
     draft.conditions += [case.conjunction(ring, part) for part in pieces([])]
     return []
 
@@ -108,14 +129,14 @@ def _product(draft: Draft, columns: Columns, choice: _Choice, j: int) -> Polynom
     )
 
 
-def _note(draft: Draft, choice: _Choice, known: list[frozenset[object]]) -> None:
+def _note(draft: Draft, choice: _Choice, known: list[Factors]) -> None:
     joints = ", ".join(str(j + 1) for j in choice.joints)
     draft.notes.append(f"first choice: the screw reciprocal to joints {joints}, {size(list(choice.screw))} terms")
     if frozenset() in known:
         draft.notes.append("it never vanishes")
         return
     words = []
-    for piece in pieces([_equality(found) for found in known]):  # type: ignore[arg-type]
+    for piece in pieces([_equality(found) for found in known]):
         words.append(" and ".join(_text(equality) for equality in piece.equal))
     draft.notes.append("invalid, since all its components vanish, where " + ", or where ".join(words))
     draft.sizes["exceptional"] = len(known)
@@ -125,5 +146,5 @@ def _text(equality: Equality) -> str:
     return "(" + " or ".join(atom.key if atom.pinned else f"{atom.key} = 0" for atom in equality.atoms) + ")"
 
 
-def _equality(found: frozenset) -> Equality:  # type: ignore[type-arg]
+def _equality(found: Factors) -> Equality:
     return Equality(tuple(sorted(found, key=order)))

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.methods.case import Case, Factors, branches
 from rankdrop.exact.methods.derivation import Equality
-from rankdrop.exact.methods.draft import Columns, Draft, OutOfTimeError, pieces
+from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.exact.ring import order
+from rankdrop.exact.work import OutOfTime
 
 
 @dataclass(frozen=True)
@@ -35,18 +36,18 @@ def singular_vector(draft: Draft) -> None:
 
     Raises:
         OptionError: the rank is not full anywhere.
-        OutOfTimeError: no time is left; what was found until then is in the draft.
+        OutOfTime: no time is left; what was found until then is in the draft.
     """
     draft.full_rank()
     draft.sizes |= {"cases": 0, "longest": 0}
     waiting = [_Step(Case())]
     while waiting:
-        step = waiting.pop()
+        step = waiting.pop(0)
         try:
-            waiting += _eliminated(draft, step)
-        except OutOfTimeError as error:
+            waiting[:0] = _eliminated(draft, step)  # pivots that do not vanish first: that case holds most
+        except OutOfTime as error:
             draft.generic = True
-            raise OutOfTimeError(f"{error}; {len(waiting) + 1} cases") from error
+            raise OutOfTime(f"{error}; {len(waiting) + 1} cases") from error
     draft.notes.append(
         f"{draft.sizes['cases']} cases of pivots, {len(draft.conditions)} of them with singular configurations; some "
         "may be empty, and where a case holds no more than another one it is not left out"
@@ -70,7 +71,7 @@ def _eliminated(draft: Draft, step: _Step) -> list[_Step]:
         row, column, factors = pivot
         following = _Step(case.with_nonzero(*factors), (*step.rows, row), (*step.columns, column))
         if factors:
-            parts = [_Step(part, step.rows, step.columns) for part in branches(ring, case, factors)]
+            parts = [_Step(part, step.rows, step.columns) for part in branches(draft, case, factors)]
             return [following, *parts]
         step = following
     draft.sizes["cases"] += 1

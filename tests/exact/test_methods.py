@@ -1,0 +1,245 @@
+"""Every method finds the singular set: exactly at points modulo P of every stratum, and at numeric configurations."""
+
+from __future__ import annotations
+
+import random
+import time
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from rankdrop.errors import OptionError
+from rankdrop.exact import methods
+from rankdrop.exact.chain import Chain, exact_chain
+from rankdrop.exact.field import Evaluator, P, Point, common_zeros, complete, roots
+from rankdrop.exact.methods import METHODS, Derivation, apart, derive
+from rankdrop.exact.methods.apart import factors_within
+from rankdrop.exact.ring import SIMPLE
+from rankdrop.exact.verify import cloud, random_points, rank_check
+from rankdrop.local.block import singular_values
+from rankdrop.robot.open import open_robot
+
+ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
+WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}
+PAIRS = [(name, method) for name in ARMS for method in METHODS if method != "decomposition" or name in WRIST]
+
+
+@cache
+def chain_of(name: str) -> Chain:
+    return exact_chain(open_robot(name))
+
+
+@cache
+def derived(name: str, method: str) -> Derivation:
+    return derive(chain_of(name), method, 60.0)
+
+
+@cache
+def strata(name: str, count: int = 160) -> tuple[tuple[Point, ...], tuple[bool, ...]]:
+    """Points modulo P with joints at simple angles or where one or two minors vanish, and whether they are singular."""
+    chain, rng = chain_of(name), random.Random(7)
+    ring, m = chain.ring, chain.task.m
+    points: list[Point] = []
+    subsets = list(combinations(chain.columns, m))
+    while len(points) < count:
+        pins = {j: rng.choice(SIMPLE) for j in ring.revolute if rng.random() < rng.choice([0.0, 0.3, 0.6])}
+        values = {name: rng.randrange(1, P) for name in ring.names if name not in {f"t{j}" for j in pins}}
+        moving = [name for name in ring.names[: ring.moving] if name in values]
+        rng.shuffle(moving)
+        chosen = rng.sample(subsets, min(2, len(subsets)))
+        minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
+        found = [ring.to_half(p)[0] for p in (ring.at(p, pins) for p in minors) if p != 0]
+        evaluate = Evaluator(ring.names)
+        if found and moving and rng.random() < 0.5:
+            zeros = roots(evaluate.in_one(found[0], moving[0], values))
+            if zeros:
+                values[moving[0]] = rng.choice(zeros)
+        elif len(found) == 2 and len(moving) > 1:
+            x, y = moving[:2]
+            pair = common_zeros(*(evaluate.in_two(f, x, y, values) for f in found), rng)
+            if pair is not None:
+                values[x], values[y] = pair
+        point = complete(ring, values, pins)
+        if point is not None:
+            points.append(point)
+    return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
+
+
+@pytest.mark.parametrize(("name", "method"), PAIRS)
+def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
+    found = derived(name, method)
+    assert found.complete
+    assert not found.generic
+    points, singular = strata(name)
+    assert 15 <= sum(singular) <= len(points) - 15, "both kinds of points are needed"
+    assert found.holds_modulo(points) == singular
+
+
+@pytest.mark.parametrize(("name", "method"), PAIRS)
+def test_every_numerically_found_singular_configuration_satisfies_a_condition(name: str, method: str) -> None:
+    found = derived(name, method)
+    points = cloud(found.chain.robot, found.chain.task, 1, 100)
+    assert len(points.q) >= 100
+    assert found.holds(points.q).all()
+
+
+@pytest.mark.parametrize(("name", "method"), PAIRS)
+def test_no_regular_configuration_satisfies_a_condition(name: str, method: str) -> None:
+    found = derived(name, method)
+    rng = np.random.default_rng(2)
+    q = rng.uniform(-3, 3, (150, found.chain.n))
+    pinned = rng.random(q.shape) < 0.3
+    q[pinned] = rng.integers(-1, 3, pinned.sum()) * (np.pi / 2)
+    # a sum of squares is as small as the square of σ: it cannot tell 1e-3 from zero
+    regular = singular_values(found.chain.robot, q, found.chain.task).min(axis=1) > 0.02
+    assert regular.sum() > 50
+    assert not found.holds(q[regular]).any()
+
+
+@pytest.mark.parametrize("name", ["ur5", "scara", "canadarm2"])
+def test_decomposition_refuses_an_arm_without_a_spherical_wrist_and_says_why(name: str) -> None:
+    with pytest.raises(OptionError, match=r"spherical wrist.*d[56] = |all six rows"):
+        derive(chain_of(name), "decomposition")
+
+
+def test_the_arm_and_the_wrist_of_the_pa10_come_apart() -> None:
+    found = derived("pa10", "decomposition")
+    keys = [[{atom.key for atom in equality.atoms} for equality in c.equal] for c in found.conditions]
+    assert keys[:2] == [[{"θ4=0"}], [{"θ4=pi"}]]
+    assert all({"θ6=0"} in c or {"θ6=pi"} in c for c in keys[3:])
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("scara", {"θ2=0", "θ2=pi"}),
+        ("planar3r", {"θ2=0", "θ2=pi"}),
+        ("stanford", {"θ2=0", "θ2=pi", "θ5=0", "θ5=pi", "q3"}),
+    ],
+)
+def test_known_determinants(name: str, expected: set[str]) -> None:
+    keys = {atom.key for c in derived(name, "determinant").conditions for atom in c.equal[0].atoms}
+    assert keys == expected
+
+
+def test_puma_has_elbow_shoulder_and_wrist() -> None:
+    found = derived("puma560", "determinant")
+    parts = [equality for c in found.conditions for equality in c.equal]
+    assert [len(part.atoms) for part in parts] == [1, 1, 1, 1]
+    pins = {part.atoms[0].key for part in parts if part.atoms[0].pinned}
+    assert pins == {"θ5=0", "θ5=pi"}
+    assert {str(f) for f in found.assumptions} == {"a2"}
+
+
+def test_the_determinant_of_canadarm2_is_one_irreducible_sum_of_squares_of_13273_terms() -> None:
+    found = derived("canadarm2", "determinant")
+    assert found.sizes["half-angle terms"] == 13273
+    assert len(found.conditions) == 1
+    assert any("one irreducible polynomial" in note for note in found.notes)
+    assert any("without a change of sign" in note for note in found.notes)
+
+
+def test_a_redundant_arm_has_as_many_cofactors_as_choices_of_columns() -> None:
+    found = derived("canadarm2", "cofactors")
+    assert found.sizes["minors"] == 7
+    assert len(found.conditions[-1].equal) == 7
+
+
+def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> None:
+    """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
+    found = derived("canadarm2", "reciprocity")
+    assert found.sizes["exceptional"] > 0
+    invalid = next(note for note in found.notes if note.startswith("invalid"))
+    assert "θ4=0" in invalid
+    assert found.sizes["choices"] > 1
+    first = found.conditions[0]
+    assert first.unequal, "the first choice holds only where its screw does not vanish"
+
+
+def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:
+    found = derived("canadarm2", "reciprocity")
+    points, singular = strata("canadarm2")
+    alone = Derivation(found.chain, found.method, found.conditions[:1], True, (), ())
+    assert sum(alone.holds_modulo(points)) < sum(singular)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_time_limit_holds_and_what_is_left_is_told(method: str) -> None:
+    begun = time.perf_counter()
+    found = derive(chain_of("pa10"), method, 0.0)
+    assert time.perf_counter() - begun < 1.0
+    assert not found.complete
+    assert found.left
+
+
+def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
+    found = derive(chain_of("canadarm2"), "singular_vector", 0.25)
+    assert not found.complete
+    assert found.generic
+    assert "cases" in found.left[0]
+    points, singular = strata("canadarm2")
+    held = found.holds_modulo(points)
+    assert any(held)
+    assert all(is_singular for is_singular, holds in zip(singular, held, strict=True) if holds)
+
+
+def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rankdrop.exact.methods.draft.factors_within", lambda *_: None)
+    found = derive(chain_of("canadarm2"), "determinant", 10.0)
+    assert not found.complete
+    points, singular = strata("canadarm2")
+    assert found.holds_modulo(points) == singular
+
+
+def test_factors_found_in_another_process_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = chain_of("puma560")
+    p = chain.ring.determinant([[column[row] for column in chain.columns] for row in range(6)])
+    here = chain.ring.factor(p)
+    monkeypatch.setattr(apart, "SHORT", 0)
+    there = factors_within(chain.ring, p, 20.0)
+    assert there is not None
+    assert there.content == here.content
+    assert [(a.key, k) for a, k in there.atoms] == [(a.key, k) for a, k in here.atoms]
+    assert [(str(f), k) for f, k in there.letters] == [(str(f), k) for f, k in here.letters]
+
+
+def test_a_process_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = chain_of("puma560")
+    monkeypatch.setattr(apart, "SHORT", 0)
+    begun = time.perf_counter()
+    assert factors_within(chain.ring, chain.columns[0][0] + chain.ring.c[3], 0.01) is None
+    assert time.perf_counter() - begun < 1.0
+
+
+@pytest.mark.parametrize("method", ["determinant", "cofactors", "singular_vector"])
+def test_an_arm_of_fewer_joints_than_rows(method: str) -> None:
+    chain = exact_chain(open_robot("scara"), "position")
+    found = derive(chain, method)
+    points = random_points(chain, 30, seed=4)
+    for point in points[:15]:
+        point.update(s2=0, c2=1, t2=0)
+    assert found.holds_modulo(points) == tuple(rank < 3 for rank in rank_check(chain, points))
+
+
+def test_a_rank_that_is_nowhere_full_is_refused() -> None:
+    chain = exact_chain(open_robot("planar3r"), "vx,vz,wz")
+    with pytest.raises(OptionError, match=r"sees a rank that is not full"):
+        derive(chain, "cofactors")
+
+
+def test_reciprocity_refuses_an_arm_of_fewer_joints_than_rows() -> None:
+    chain = exact_chain(open_robot("planar2r"), "vx,vy,wz")
+    with pytest.raises(OptionError, match=r"fewer joints"):
+        derive(chain, "reciprocity")
+
+
+def test_an_unknown_method_is_refused_with_the_list() -> None:
+    with pytest.raises(OptionError, match=r"determinant, cofactors, decomposition, reciprocity, singular_vector"):
+        derive(chain_of("scara"), "guess")
+
+
+def test_the_docstring_names_every_method() -> None:
+    assert methods.__doc__ is not None
+    assert all(f"| {name} |" in methods.__doc__ for name in METHODS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING
 
 from rankdrop.exact.basic_screws import triples
@@ -13,7 +13,7 @@ from rankdrop.exact.dependence import Proof
 from rankdrop.exact.text_of import condition_text, conditions_text, product_text, text_of
 
 if TYPE_CHECKING:
-    from rankdrop.exact.suppression import Case, Suppression, SuppressedFamily
+    from rankdrop.exact.suppression import Case, Suppression
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 LONG = 60
@@ -47,7 +47,7 @@ def steps(suppression: Suppression) -> tuple[Step, ...]:
 
 def _screws(suppression: Suppression) -> Iterator[str]:
     ring = suppression.chain.ring
-    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}: z along its axis, x along the normal after it"
+    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}, z along its axis, x along the next normal"
     for j, column in enumerate(suppression.columns, 1):
         yield _screw(j, [text_of(ring, x) for x in column])
 
@@ -73,17 +73,12 @@ def _triples(chain: Chain, joints: Sequence[int]) -> str:
 
 
 def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
-    """A step for every case below, in order."""
+    """A step for every case below that is not a family yet, in order."""
     for inner in case.cases:
-        yield Step(
-            f"Case {inner.number}: {conditions_text(inner.stratum)}" if not inner.family else _family_title(inner),
-            tuple(_case(suppression, inner)),
-        )
+        lines = tuple(_case(suppression, inner))
+        if lines:
+            yield Step(f"Case {inner.number}: {conditions_text(inner.stratum)}", lines)
         yield from _cases(suppression, inner)
-
-
-def _family_title(case: Case) -> str:
-    return f"Case {case.number} is family {case.family}: {conditions_text(case.stratum)}"
 
 
 def _case(suppression: Suppression, case: Case) -> Iterator[str]:
@@ -93,8 +88,11 @@ def _case(suppression: Suppression, case: Case) -> Iterator[str]:
         if not dependence.on:
             yield f"${dependence.screw} is zero"
         else:
-            yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
             assert dependence.proof is not None
+            if len(dependence.on) == 1:
+                yield f"${dependence.screw} is a multiple of {_names(dependence.on)}, which is not zero:"
+            else:
+                yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
             yield from _proof(suppression, dependence.proof, dependence.on)
         yield f"${dependence.screw} is suppressed; left: {_names(case.joints)}"
     if case.basic is not None:
@@ -143,19 +141,25 @@ def _families(suppression: Suppression) -> Iterator[str]:
     ring = suppression.chain.ring
     for family in suppression.families:
         yield f"family {family.number}: {conditions_text(family.stratum)}"
-    for one, two in combinations(suppression.families, 2):
-        yield _apart(suppression, one, two)
+    yield from _disjointness(suppression)
     for p in suppression.assumptions:
         yield f"assumed: {text_of(ring, p)} ≠ 0"
 
 
-def _apart(suppression: Suppression, one: SuppressedFamily, two: SuppressedFamily) -> str:
-    """Why two families do not meet."""
-    p = one.stratum.apart(two.stratum)
-    assert p is not None
-    zero, other = (one, two) if p in one.stratum.equalities and p in two.stratum.inequalities else (two, one)
-    text = condition_text(suppression.chain.ring, p)
-    return f"families {one.number} and {two.number} do not meet: {text} in {zero.number}, not in {other.number}"
+def _disjointness(suppression: Suppression) -> Iterator[str]:
+    """Why no two families meet: conditions that hold on some and not on others, until every pair is told apart."""
+    families, ring = suppression.families, suppression.chain.ring
+    apart = ((one.number, two.number, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
+    waiting = {(one, two): p for one, two, p in apart if p is not None}
+    if waiting:
+        yield "no two of them meet:"
+    while waiting:
+        p = next(iter(waiting.values()))
+        zero = [family.number for family in families if p in family.stratum.equalities]
+        other = [family.number for family in families if p in family.stratum.inequalities]
+        yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
+        told = {*product(zero, other), *product(other, zero)}
+        waiting = {pair: q for pair, q in waiting.items() if pair not in told}
 
 
 def _names(joints: Sequence[int]) -> str:

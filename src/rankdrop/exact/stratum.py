@@ -47,6 +47,7 @@ class Stratum:
         """The part where a condition = 0 holds.
 
         Example:
+            >>> from rankdrop.exact.piece import Factor
             >>> ring = Ring([1, 2])
             >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Factor(ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]

@@ -71,10 +71,13 @@ def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
     return f"{text_of(ring, -wanted) if text.startswith('−') else text} {sign} 0"
 
 
-def conditions_text(stratum: Stratum) -> str:
-    """The conditions of a stratum in one line."""
-    ring = stratum.ring
-    parts = [condition_text(ring, p) for p in stratum.closed] + [condition_text(ring, p, "≠") for p in stratum.open]
+def conditions_text(stratum: Stratum, most: int | None = None) -> str:
+    """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
+    parts = []
+    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
+        for p in polynomials:
+            long = most is not None and len(p) > most
+            parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))
     return ", ".join(parts) or "everywhere"
 
 

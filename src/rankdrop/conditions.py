@@ -11,7 +11,7 @@ from rankdrop.derived import Conditions, Step
 from rankdrop.errors import OptionError
 from rankdrop.exact.chain import Chain, exact_chain
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, Corank1, corank_one
+from rankdrop.exact.derivation import METHODS, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
@@ -89,7 +89,7 @@ def conditions(
     tree = rank_tree(chain, work, lowest=lowest)
     left = list(tree.left)
     found, not_real, extra = _families(chain, tree, work, seed, left)
-    first = corank_one(chain, method, found, Work(max(work.left, 1.0), seed))
+    first = corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed))
     left += [*first.left, *_unresolved(work)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress)
@@ -99,7 +99,7 @@ def conditions(
         generic_rank=tree.generic_rank,
         letters=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *structure_of(chain).near),
+        remarks=(*chain.remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
         steps=tuple(Step(title, lines) for title, lines in first.steps),
@@ -115,3 +115,84 @@ def conditions(
         seed=seed,
         version=VERSION,
     )
+
+
+def _check(method: str, coranks: int | None, seconds: float, points: int) -> None:
+    if method not in METHODS:
+        raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
+    if coranks is not None and coranks < 1:
+        raise OptionError("the highest corank is at least 1", where="coranks", got=coranks)
+    if not seconds > 0:
+        raise OptionError("the time limit is positive", where="seconds", got=seconds)
+    if points < 0:
+        raise OptionError("a number of points is not negative", where="points", got=points)
+
+
+def _families(
+    chain: Chain, tree: Tree, work: Work, seed: int, left: list[str]
+) -> tuple[list[ExactFamily], list[str], list[str]]:
+    """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
+    try:
+        sets, not_real = real_sets(chain, tree.drops, work, seed)
+        found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
+    except OutOfTime:
+        left.append(f"{len(tree.drops)} sets were found, but not looked at for real points")
+        return [], [], []
+    wrong = [
+        f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
+        f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
+        for family in found
+        if not family.rank_check.holds
+    ]
+    return found, not_real, wrong
+
+
+def _unresolved(work: Work) -> list[str]:
+    count = len(set(work.unresolved))
+    if not count:
+        return []
+    return [
+        f"{count} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
+        "common zeros of that size, those are missing"
+    ]
+
+
+def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
+    try:
+        return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
+    except OutOfTime:
+        left.append("arms of special lengths")
+        return ()
+
+
+def _cloud(
+    chain: Chain,
+    generic_rank: int,
+    lowest: int,
+    found: Sequence[ExactFamily],
+    seed: int,
+    points: int,
+    progress: Progress | None,
+) -> tuple[Check, list[str]]:
+    """Singular configurations found numerically, tried on the families; those left over as disagreements."""
+    tested = agree = 0
+    over = []
+    for corank in range(1, generic_rank - lowest + 1):
+        if not points:
+            break
+        if progress is not None:
+            progress("checks", corank - 1, generic_rank - lowest)
+        wanted = points if corank == 1 else max(points // 10, 1)
+        met = cloud(chain.robot, chain.task, corank, wanted, seed)
+        if not len(met.q):
+            break
+        rows = [family.equations for family in found if family.corank >= corank]
+        check, remaining = explained(met, rows)
+        tested, agree = tested + check.tested, agree + check.agree
+        if len(remaining):
+            q = ", ".join(f"{x:.6g}" for x in met.q[remaining[0]])
+            over.append(
+                f"corank {corank}: {len(remaining)} of {check.tested} configurations found numerically lie on no "
+                f"family, q = ({q}) is one"
+            )
+    return Check(tested, agree), over

@@ -56,18 +56,18 @@ def determinant(found, joints, rows=range(6)):
 
 
 def test_the_screw_matrix_in_frame_5_is_equations_5_and_6(found, kg):
-    s, c, a, l, d = kg.s, kg.c, kg.a, kg.c_, kg.d
+    s, c, a, length, d = kg.s, kg.c, kg.a, kg.c_, kg.d
     zero, one = kg.ring.zero, kg.ring.one
     columns = {
         1: [
             s(2) * c(345),
             -s(2) * s(345),
             c(2),
-            (d * s(45) + a * c(345) + d * s(5)) * c(2) - 2 * l * s(2) * s(345),
-            -(-d * c(45) + a * s(345) - d * c(5)) * c(2) - 2 * l * s(2) * c(345),
+            (d * s(45) + a * c(345) + d * s(5)) * c(2) - 2 * length * s(2) * s(345),
+            -(-d * c(45) + a * s(345) - d * c(5)) * c(2) - 2 * length * s(2) * c(345),
             -s(2) * (-d * s(3) + a - d * s(34)),
         ],
-        2: [-s(345), -c(345), zero, -2 * l * c(345), 2 * l * s(345), d * c(34) + d * c(3)],
+        2: [-s(345), -c(345), zero, -2 * length * c(345), 2 * length * s(345), d * c(34) + d * c(3)],
         3: [zero, zero, one, d * s(5) + d * s(45), d * c(5) + d * c(45), zero],
         4: [zero, zero, one, d * s(5), d * c(5), zero],
         5: [zero, zero, one, zero, zero, zero],
@@ -86,7 +86,7 @@ def test_the_basic_determinant_is_equation_7(found, kg):
     assert equal(kg.ring, determinant(found, range(2, 8)), expected)
     assert equal(kg.ring, found.start.basic.product.polynomial, SWAPPED * expected)
     assert [equal(kg.ring, *pair) for pair in zip(found.factors[:2], (s(4), s(6)), strict=True)] == [True, True]
-    assert found.determinant.startswith("d^2 s4 s6 (")
+    assert found.determinant == "−d² s4 s6 (a s345 + d c3 + d c34)"
 
 
 def test_the_three_cases_suppress_the_screws_that_kg_does(found):
@@ -95,12 +95,12 @@ def test_the_three_cases_suppress_the_screws_that_kg_does(found):
 
 
 def test_case_1_leaves_equations_14_and_15(found, kg):
-    s, c, a, l, d = kg.s, kg.c, kg.a, kg.c_, kg.d
+    s, c, a, length, d = kg.s, kg.c, kg.a, kg.c_, kg.d
     ring, c4 = kg.ring, kg.ring.c[4]
     case = found.start.cases[0]
-    printed = (-c(2) * s(6) * a * c(3) + 2 * l * s(2) * s(3) * s(6) + s(2) * c(35) * a * c(5) * c(6)) * (
+    printed = (-c(2) * s(6) * a * c(3) + 2 * length * s(2) * s(3) * s(6) + s(2) * c(35) * a * c(5) * c(6)) * (
         a * s(35) * c4 + d * c(3) * c4 + d * c(3)
-    ) + s(2) * (-a * c(35) * c4 + d * s(3) * c4 + d * s(3) - a) * (-2 * l * c(3) * s(6) + a * s(35) * c(5) * c(6))
+    ) + s(2) * (-a * c(35) * c4 + d * s(3) * c4 + d * s(3) - a) * (-2 * length * c(3) * s(6) + a * s(35) * c(5) * c(6))
     assert case.stratum.short(SWAPPED * case.basic.product.polynomial - d * c4 * printed) == 0
     (family,) = case.cases
     (_, condition) = found.families[family.family - 1].equalities
@@ -146,8 +146,8 @@ def test_there_are_five_families_with_the_conditions_of_equations_15_20_21_26_27
                 assert any(equal(kg.ring, p, sign * q) for q in conditions for sign in (1, -1))
         assert len(family.equalities) == len(zeros)
     # as printed, equation 20 meets 21 and 26 meets 27 where sin θ2 = 0: s2 ≠ 0 has to be added to one of each pair
-    extra = [len(family.inequalities) - len(others) for family, (_, others) in zip(found.families[1:], printed)]
-    assert extra == [0, 1, 0, 1]
+    more = [len(family.inequalities) for family in found.families[1:]]
+    assert [n - len(others) for n, (_, others) in zip(more, printed, strict=True)] == [0, 1, 0, 1]
     assert found.families[0].inequalities == ()
 
 
@@ -179,3 +179,31 @@ def test_the_frame_and_the_basic_screws_chosen_agree_with_kgs_families():
     assert [list(map(str, f.equalities[:1])) for f in chosen.families] == [
         list(map(str, f.equalities[:1])) for f in asked.families
     ]
+
+
+def test_the_steps_read_as_the_paper_does(found):
+    told = {step.title: step.lines for step in found.steps()}
+    assert told["Screws"][2] == "$2 = (−2 c c345, 2 c s345, d c3 + d c34; −s345, −c345, 0)"
+    first = told["Step 1: the determinant of the basic screws"]
+    assert first[0] == "basic screws: $2 $3 $4 $5 $6 $7, independent in general; 3, 4, 5 are a planar joint"
+    assert first[1] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
+    assert first[2:] == (
+        "case 1: s4 = 0",
+        "case 2: s6 = 0, s4 ≠ 0",
+        "case 3: a s345 + d c3 + d c34 = 0, s4 ≠ 0, s6 ≠ 0",
+    )
+    second = told["Case 2: s6 = 0, s4 ≠ 0"]
+    assert second[:3] == (
+        "here $7 = (−a c6, 0, 0; 0, 0, c6)",
+        "$7 is a combination of $3 $4 $5, which are independent:",
+        "|$3 $4 $5| of rows vx vy wz is d² s4 ≠ 0",
+    )
+    assert second[-2:] == (
+        "family 2: s2 = 0, s6 = 0, s4 ≠ 0",
+        "family 3: s6 = 0, a s345 − d c45 − d c5 = 0, s4 ≠ 0, s2 ≠ 0",
+    )
+    assert told["Families"][-3:] == (
+        "s4 = 0 in 1, not in 2, 3, 4, 5",
+        "s2 = 0 in 2, 4, not in 3, 5",
+        "s6 = 0 in 2, 3, not in 4, 5",
+    )

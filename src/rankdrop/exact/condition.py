@@ -11,7 +11,8 @@ from rankdrop.atlas.equation import Equation, Term, normalised
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.form import Product, Symbol, Wave
 from rankdrop.exact.fourier import fourier
-from rankdrop.exact.notation import C, Latex, Notation, Python, Text, angle_words, latex_angle
+from rankdrop.exact.notation import Latex, Notation, Text, angle_words, latex_angle
+from rankdrop.exact.programs import C, Python
 from rankdrop.exact.ring import Ring
 from rankdrop.exact.shortest import parts_of, shortest
 

@@ -199,6 +199,7 @@ def independent(
     chosen = [[stratum.short(x) for x in columns[j - 1]] for j in joints]
     minors, proofs = [], list[Proof]()
     for rows in combinations(range(6), len(joints)):
+        work.check()
         minor = stratum.short(ring.determinant([[column[r] for column in chosen] for r in rows]))
         if minor == 0:
             continue

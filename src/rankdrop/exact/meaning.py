@@ -253,9 +253,11 @@ class Meaning:
         return joint
 
     def negative(self, value: Value) -> Value:
+        """−f."""
         return Value(-value.f, value.degrees, value.root)
 
     def product(self, one: Value, two: Value, node: Node) -> Value:
+        """f · g; √2 · √2 is 2."""
         if len(one.f) * len(two.f) > LARGEST:
             what = "multiplied out the condition has too many terms"
             raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
@@ -268,6 +270,7 @@ class Meaning:
         return Value(f, degrees, root % 2)
 
     def sum(self, values: list[Value], node: Node) -> Value:
+        """Σ f, over common degrees."""
         kept = [value for value in values if value.f != 0] or values[:1]
         if len({value.root for value in kept}) > 1:
             what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"

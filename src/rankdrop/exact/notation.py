@@ -1,11 +1,10 @@
-"""Writing a form: for people (text, LaTeX) and for machines (Python, C)."""
+"""Writing a form for people: text and LaTeX. `programs` writes it for machines."""
 
 from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from fractions import Fraction
 from math import pi
 
@@ -85,20 +84,31 @@ def bare(form: Product, exact: bool) -> tuple[Product, ...]:
         form: any.
         exact: only where that leaves decimals that a float holds, or where the numbers are longer than a float.
     """
-    rescaled = _rescaled(form, exact)
+    rescaled = _rescaled(form, exact, not exact and _long(form))
     if len(rescaled.factors) == 1 and isinstance(rescaled.factors[0][0], Sum):
         return rescaled.factors[0][0].parts
     return (Product(Fraction(1), rescaled.factors),)
 
 
-def _rescaled(form: Product, exact: bool) -> Product:
+def _long(form: Product) -> bool:
+    """Whether a number anywhere in the form is too long to be read."""
+    sums = [factor.parts for factor, _ in form.factors if isinstance(factor, Sum)]
+    return any(_too_long(part.number) or _long(part) for parts in sums for part in parts)
+
+
+def _too_long(value: Fraction) -> bool:
+    return max(abs(value.numerator), value.denominator) > LONG
+
+
+def _rescaled(form: Product, exact: bool, every: bool) -> Product:
+    """Sums divided by their largest number: those with long numbers, or every one."""
     number = form.number
     factors: list[tuple[Factor, int]] = []
     for factor, power in form.factors:
         if isinstance(factor, Sum):
-            parts = [_rescaled(part, exact) for part in factor.parts]
+            parts = [_rescaled(part, exact, every) for part in factor.parts]
             most = max(abs(part.number) for part in parts)
-            if any(max(abs(p.number.numerator), p.number.denominator) > LONG for p in parts):
+            if every or any(_too_long(part.number) for part in parts):
                 divided = [Product(part.number / most, part.factors) for part in parts]
                 if not exact or most > EXACT or all(Fraction(repr(float(p.number))) == p.number for p in divided):
                     parts, number = divided, number * most**power
@@ -112,7 +122,7 @@ def _readable(value: Fraction) -> str:
     if value.denominator == 1 and value.numerator <= LONG:
         return str(value.numerator)
     short = f"{float(value):.{DIGITS}g}"
-    if value.denominator > 1 and Fraction(short) != value and value.numerator * value.denominator < 1000:
+    if value.denominator > 1 and Fraction(short) != value and value.denominator <= 12:
         return f"{value.numerator}/{value.denominator}"
     return short
 
@@ -142,12 +152,15 @@ class Text(Notation):
     minus = "−"
 
     def number(self, value: Fraction) -> str:
+        """Whole, or six digits."""
         return _readable(value)
 
     def symbol(self, symbol: Symbol) -> str:
+        """Its name."""
         return symbol.name
 
     def wave(self, wave: Wave) -> str:
+        """c23, s(θ1 − θ2), cos(θ4/2)."""
         if _joined(wave.turns):
             return wave.kind[0] + "".join(str(j) for j, _ in wave.turns)
         name = wave.kind if wave.halved else wave.kind[0]
@@ -155,6 +168,7 @@ class Text(Notation):
         return f"{name}({text})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """A raised number, before an angle in brackets."""
         if isinstance(factor, Wave) and text[-1] == ")":
             name, rest = text.split("(", 1)
             return f"{name}{str(power).translate(SUPERSCRIPT)}({rest}"
@@ -165,6 +179,7 @@ class Latex(Notation):
     r"""LaTeX: a_2 c_2 + a_3 c_{23}; names in full where the angles are no plain sum: \cos(\theta_3 - \theta_5)."""
 
     def number(self, value: Fraction) -> str:
+        """As in text, powers of ten spelled out."""
         text = _readable(value)
         if "/" in text:
             top, bottom = text.split("/")
@@ -175,9 +190,11 @@ class Latex(Notation):
         return text
 
     def symbol(self, symbol: Symbol) -> str:
+        """With a subscript."""
         return latex_name(symbol.name)
 
     def wave(self, wave: Wave) -> str:
+        """c_{23}, or the name in full."""
         if _joined(wave.turns):
             return latex_name(wave.kind[0] + "".join(str(j) for j, _ in wave.turns))
         text = latex_subscripts(_spelled(wave.turns, r"\theta_{}", self.minus, r"\tfrac{{{}}}{{2}}"))
@@ -185,6 +202,7 @@ class Latex(Notation):
         return rf"\{wave.kind}({text})"
 
     def power(self, text: str, factor: Factor, power: int) -> str:
+        """A superscript, before an angle in brackets."""
         if isinstance(factor, Wave):
             head = re.match(r"\\?[a-z]+", text)
             assert head is not None
@@ -204,86 +222,6 @@ def latex_name(name: str) -> str:
 def latex_subscripts(text: str) -> str:
     r"""\theta_12 → \theta_{12}."""
     return re.sub(r"_(\d\d+)", r"_{\1}", text)
-
-
-@dataclass(frozen=True)
-class Python(Notation):
-    """Python: a2*cos(q2) + a3*cos(q2 + q3), in the joint variables q = θ − shift.
-
-    Attributes:
-        letters: numbers that replace lengths [m].
-        shifts: of each joint [rad], slides have none; empty for none.
-        variable: pattern of a joint variable, with {0} for its number and {1} for its place from 0.
-        names: what lengths are called there, where it is something else.
-    """
-
-    letters: Mapping[str, float] = field(default_factory=dict)
-    shifts: Sequence[float] = ()
-    variable: str = "q{0}"
-    names: Mapping[str, str] = field(default_factory=dict)
-
-    times = "*"
-    exact = True
-
-    def number(self, value: Fraction) -> str:
-        return str(value.numerator) if value.denominator == 1 and value <= EXACT else repr(float(value))
-
-    def symbol(self, symbol: Symbol) -> str:
-        if symbol.slide:
-            return self.joint(symbol.slide)
-        if symbol.name in self.letters:
-            value = float(self.letters[symbol.name])
-            return repr(value) if value >= 0 else f"({value!r})"
-        return self.names.get(symbol.name, symbol.name)
-
-    def wave(self, wave: Wave) -> str:
-        return f"{wave.kind}({self.angle(wave.turns)})"
-
-    def angle(self, turns: Sequence[tuple[int, int]], value: str = "0") -> str:
-        """Σ m_j (q_j + shift_j) / 2 − value / 2, a combination of angles less half of an angle out of `SIMPLE`."""
-        halved = all(m % 2 for _, m in turns)
-        constant = sum(m * self.shift(j) for j, m in turns) * (1.0 if halved else 0.5)
-        text = ""
-        for j, m in turns:
-            size = abs(m) if halved or m % 2 else abs(m) // 2
-            one = ("" if size == 1 else f"{self.number(Fraction(size))}*") + self.joint(j)
-            one = one if halved or m % 2 == 0 else f"{one}/{self.number(Fraction(2))}"
-            text += (f" {'-' if m < 0 else '+'} " if text else "-" if m < 0 else "") + one
-        if value != "0":
-            text += f" {'+' if value[0] == '-' else '-'} {self.simple(value.lstrip('-'))}"
-        if constant:
-            text += f" {'+' if constant > 0 else '-'} {abs(constant)!r}"
-        two = self.number(Fraction(2))
-        return text if not halved else f"({text})/{two}" if " " in text else f"{text}/{two}"
-
-    def joint(self, number: int) -> str:
-        """A joint variable."""
-        return self.variable.format(number, number - 1)
-
-    def shift(self, number: int) -> float:
-        """What is added to a joint variable [rad]."""
-        return float(self.shifts[number - 1]) if len(self.shifts) else 0.0
-
-    def simple(self, value: str) -> str:
-        """π or π/2."""
-        return value
-
-    def power(self, text: str, factor: Factor, power: int) -> str:
-        return f"{text}**{power}"
-
-
-@dataclass(frozen=True)
-class C(Python):
-    """C99, with <math.h>."""
-
-    def number(self, value: Fraction) -> str:
-        return repr(float(value))
-
-    def simple(self, value: str) -> str:
-        return repr(pi if value == "pi" else pi / 2)
-
-    def power(self, text: str, factor: Factor, power: int) -> str:
-        return f"pow({text}, {power}.0)"
 
 
 def angle_words(value: float) -> str:

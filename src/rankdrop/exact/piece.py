@@ -12,7 +12,7 @@ from functools import cached_property
 
 from rankdrop.exact.field import Evaluator, P, Point, common_zeros, complete, half_evaluator, roots
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.ring import COS_SIN, Atom, Ring, coefficients, used
+from rankdrop.exact.ring import COS_SIN, Atom, Ring, coefficients, order, used
 from rankdrop.exact.split import plainly_positive
 
 TRIES = 40
@@ -94,7 +94,7 @@ class Piece:
                 found += here
         if any(atom.f is not None and atom.f in self.equations for atom in found):
             return None
-        return tuple(atom for atom in dict.fromkeys(found) if not self.never(atom))
+        return tuple(atom for atom in sorted(set(found), key=order) if not self.never(atom))
 
     def restricted(self, atom: Atom, note: bool = True) -> Sequence[Atom] | None:
         """The atoms that an atom comes to on the piece; None where it holds everywhere."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.atlas.equation import Equation, Term, normalised
 from rankdrop.errors import OptionError
-from rankdrop.exact.notation import C, Python
+from rankdrop.exact.programs import C, Python
 from rankdrop.exact.ring import SIMPLE
 
 WORDS = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from weakref import WeakKeyDictionary
 
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.form import Factor, Product, Sum, Wave, half_of, number_of, product, total
@@ -27,6 +28,9 @@ LOOKS = 240
 FEW = 3
 """Terms of a Fourier form that is short enough as it is."""
 
+_KNOWN: WeakKeyDictionary[Ring, dict[str, Product]] = WeakKeyDictionary()
+"""Forms found, by polynomial: sets at θ = 0 and θ = π share their conditions."""
+
 
 def shortest(f: Polynomial, ring: Ring) -> Product:
     """A short form of a half-angle polynomial, equal to f / Π (1 + t_j²)^(D_j / 2) with D_j its degree in t_j.
@@ -38,8 +42,11 @@ def shortest(f: Polynomial, ring: Ring) -> Product:
         >>> Text().zero(shortest(f, ring))
         'a2 c2 + a3 c23'
     """
-    degrees = tuple(int(d) for d in f.degrees()[: ring.angles])
-    return _Search(ring).best(f, degrees)
+    known = _KNOWN.setdefault(ring, {})
+    key = str(f)
+    if key not in known:
+        known[key] = _Search(ring).best(f, tuple(int(d) for d in f.degrees()[: ring.angles]))
+    return known[key]
 
 
 class _Search:

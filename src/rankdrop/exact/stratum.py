@@ -2,8 +2,8 @@
 
 A stratum is kept twice: as its two lists of trigonometric polynomials, which are what is read and what makes strata
 disjoint, and as `Piece`s that together are the stratum: each with joints pinned at simple angles, irreducible
-half-angle equations, and atoms that are nowhere zero on it. Pieces of one stratum may meet: sin θ4 = 0 is one condition with the
-pieces θ4 = 0 and θ4 = π.
+half-angle equations, and atoms that are nowhere zero on it. Pieces of one stratum may meet: sin θ4 = 0 is one condition
+with the pieces θ4 = 0 and θ4 = π.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ class Stratum:
         """The part where a condition = 0 holds.
 
         Example:
+            >>> from rankdrop.exact.piece import Factor
             >>> ring = Ring([1, 2])
             >>> [dict(piece.pins) for piece in Stratum.whole(ring).meet(Factor(ring.s[2])).pieces]
             [{2: '0'}, {2: 'pi'}]
@@ -114,14 +115,19 @@ class Stratum:
         """Whether p is zero on the whole stratum: exact for pieces of one equation, else at random points of each."""
         return all(piece.vanishes(p, rng, points) for piece in self.pieces)
 
-    @property
+    @cached_property
     def closed(self) -> tuple[Polynomial, ...]:
         """The equalities as they read with the pinned joints at their angles, those that pin first."""
         pinned = [_pin_polynomial(self.ring, j, angles) for j, angles in self.pins.items()]
-        rest = [primitive(p) for p in (self.short(p) for p in self.equalities) if p != 0]
-        return _once([*pinned, *rest])
+        found = list(_once([primitive(p) for p in (self.short(p) for p in self.equalities) if p != 0]))
+        found = [p for p in found if p not in pinned]
+        for p in found[::-1]:
+            others = [q for q in found if q is not p]
+            if others and _follows(self.ring, p, [*pinned, *others]):
+                found = others
+        return (*pinned, *found)
 
-    @property
+    @cached_property
     def open(self) -> tuple[Polynomial, ...]:
         """The inequalities that do not follow from the pinned joints, as they read there."""
         found = []
@@ -139,6 +145,16 @@ def _largest(pieces: Sequence[Piece]) -> tuple[Piece, ...]:
         if not any(piece.inside(other) for other in others):
             kept.append(piece)
     return tuple(kept)
+
+
+def _follows(ring: Ring, p: Polynomial, others: Sequence[Polynomial]) -> bool:
+    """Whether p vanishes wherever the others do, as far as that is plain."""
+    stratum = Stratum.whole(ring)
+    for q in others:
+        stratum = stratum.meet(Factor(q))
+    return bool(stratum.pieces) and all(
+        piece.irreducible and piece.factors(Factor(p), False) is None for piece in stratum.pieces
+    )
 
 
 def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:

@@ -48,8 +48,8 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         return None
     every: list[dict[Atom, int]] = []
     letters: dict[str, tuple[Polynomial, int]] = {}  # by text: polynomials have no hash
-    for pins in stratum.combinations:
-        here = ring.at(p, pins)
+    for there in stratum.combinations:
+        here = ring.at(p, there)
         if here == 0:
             return None
         found = ring.factor(here)
@@ -57,17 +57,18 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         for f, power in found.letters:
             letters[str(f)] = (f, max(power, letters.get(str(f), (f, 0))[1]))
     open_atoms: list[list[Atom]] = []
-    for atoms, pins in zip(every, stratum.combinations, strict=True):
-        pieces = [piece for piece in stratum.pieces if piece.pins == pins]
+    for atoms, there in zip(every, stratum.combinations, strict=True):
+        pieces = [piece for piece in stratum.pieces if piece.pins == there]
         lists = [{atom: piece.factors(Factor(None, (atom,)), False) for atom in atoms} for piece in pieces]
         if any(found is None for one in lists for found in one.values()):
             return None
         open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
     powers = [(letters_polynomial(ring, f), power) for f, power in letters.values()]
     shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
-    factors = joined(ring, shared)
     rests = [[atom for atom in atoms if atom not in shared] for atoms in open_atoms]
     common = {a: min(atoms[a] for atoms in every) for a in every[0] if all(a in atoms for atoms in every)}
+    pins = [atom for atom in common if atom.pinned]  # ≠ 0 in the cases of the factors that are not pins
+    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]
     written = _with_powers(ring, common)
     if any(rests):
         rest = _rest(stratum, without_letters(p, powers), shared, rests)
@@ -75,7 +76,8 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
         written.append((rest, 1))
     factors.sort(key=lambda f: _length(f.polynomial))
     written.sort(key=lambda pair: _length(pair[0]))
-    return Product(p, tuple(factors), tuple(letters.values()), tuple(written), _outer(stratum, p, [*powers, *written]))
+    named = tuple(letters[key] for key in sorted(letters))
+    return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
 
 
 def _length(f: Polynomial) -> tuple[int, int, str]:
@@ -175,6 +177,14 @@ def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Poly
             if found is not None:
                 return found
     return _times(ring, [f.polynomial for f in joined(ring, atoms)])
+
+
+def _shorter(ring: Ring, factor: Factor, pins: Sequence[Atom]) -> Factor:
+    """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
+    if factor.atoms is None or len(factor.atoms) != 1 or factor.atoms[0].pinned:
+        return factor
+    other = _unsquared(ring, factor.atoms, pins)
+    return Factor(other, factor.atoms) if 2 < len(other) < len(factor.polynomial) else factor
 
 
 def _half_of(ring: Ring, atom: Atom) -> Polynomial:

@@ -13,14 +13,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.basic_screws import Basic, check_basic, choose, determinants
+from rankdrop.exact.basic_screws import check_basic, choose, determinants
 from rankdrop.exact.chain import Chain
-from rankdrop.exact.dependence import Dependence, Obstacle, Sampled, find, lightest
+from rankdrop.exact.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.piece import Factor
 from rankdrop.exact.split import plainly_positive
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.stratum_factors import Product, joined, letters_polynomial, taken_apart
+from rankdrop.exact.suppression_cases import Case, SuppressedFamily
 from rankdrop.exact.suppression_steps import Step, steps
 from rankdrop.exact.text_of import conditions_text, product_text
 from rankdrop.exact.work import OutOfTime, Work
@@ -29,58 +30,8 @@ Progress = Callable[[str, int, int], None]
 """Called with (what is done, cases done, cases known so far)."""
 DEEPEST = 4
 """Most equations of a piece beside its pinned joints: more do not occur in an arm of eight joints without a fault."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """One node of the hand calculation.
-
-    Attributes:
-        number: "1", "1.2", …; "" for the start.
-        stratum: where it holds.
-        joints: numbers of the screws that are left.
-        dependence: of the screw suppressed in it; None where none is.
-        basic: the six screws whose determinant is taken next; None where there is none to take.
-        cases: what it falls into.
-        split: whether the cases are there because no screw is dependent everywhere, not for a determinant's factors.
-        family: number (from 1) of the family that the case is; 0 where it is none.
-    """
-
-    number: str
-    stratum: Stratum
-    joints: tuple[int, ...]
-    dependence: Dependence | None = None
-    basic: Basic | None = None
-    cases: tuple[Case, ...] = ()
-    split: bool = False
-    family: int = 0
-
-
-@dataclass(frozen=True)
-class SuppressedFamily:
-    """One family of singular configurations.
-
-    Attributes:
-        number: from 1.
-        stratum: its conditions = 0 and ≠ 0.
-        chain: the cases on the way to it, from the start to itself.
-        ranks: every rank of all screws found at random points of it modulo p, ascending.
-    """
-
-    number: int
-    stratum: Stratum
-    chain: tuple[Case, ...]
-    ranks: tuple[int, ...]
-
-    @property
-    def equalities(self) -> tuple[Polynomial, ...]:
-        """Trigonometric polynomials that vanish, as they read with pinned joints at their angles."""
-        return self.stratum.closed
-
-    @property
-    def inequalities(self) -> tuple[Polynomial, ...]:
-        """Trigonometric polynomials that do not vanish."""
-        return self.stratum.open
+SHORT = 30
+"""Most terms of a polynomial that is written out where something is said to be left."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +110,8 @@ def suppress(
         >>> from rankdrop.exact.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> found = suppress(exact_chain(open_robot("puma560")))
-        >>> [[text_of(found.chain.ring, p) for p in family.equalities] for family in found.families][0]
-        ['s5']
+        >>> [conditions_text(family.stratum) for family in found.families[:2]]
+        ['s5 = 0', 'a3 s3 + d4 c3 = 0, s5 ≠ 0']
     """
     if chain.task.rows != (0, 1, 2, 3, 4, 5) or chain.n < 6:
         raise TaskError(
@@ -240,15 +191,16 @@ class _Derivation:
         case = replace(case, basic=basic)
         return self.branch(case, above, basic.product.factors)
 
-    def branch(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
-        """A case for each factor = 0 with the earlier ones ≠ 0."""
-        rest, cases = case.stratum, list[Case]()
+    def branch(
+        self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor], first: tuple[Case, ...] = ()
+    ) -> Case:
+        """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
+        rest, cases = case.stratum, list(first)
         self.known += len(factors)
-        prefix = f"{case.number}." if case.number else ""
         for f in factors:
             here, rest = self.inhabited(rest.meet(f)), rest.avoid(f)
             if here.pieces:
-                cases.append(self.finished(Case(f"{prefix}{len(cases) + 1}", here, case.joints), (*above, case)))
+                cases.append(self.finished(Case(_number(case, cases), here, case.joints), (*above, case)))
             self.tell()
         return replace(case, cases=tuple(cases))
 
@@ -260,7 +212,7 @@ class _Derivation:
                 raise OutOfTime
             return self.suppressed(case, above)
         except OutOfTime:
-            self.left.append(f"case {case.number}: {conditions_text(case.stratum)}")
+            self.left.append(f"case {case.number}: {conditions_text(case.stratum, SHORT)}")
             return case
 
     def suppressed(self, case: Case, above: tuple[Case, ...]) -> Case:
@@ -308,16 +260,16 @@ class _Derivation:
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
     def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
-        """A case for each factor = 0 with the earlier ones ≠ 0, and one with all of them ≠ 0."""
-        case = self.branch(replace(case, split=True), above, factors)
+        """A case with all factors ≠ 0, and one for each factor = 0 with the earlier ones ≠ 0."""
+        case = replace(case, split=True)
         rest = case.stratum
         for f in factors:
             rest = rest.avoid(f)
         rest = self.inhabited(rest)
-        if rest.pieces:
-            last = Case(f"{case.number}.{len(case.cases) + 1}", rest, case.joints)
-            case = replace(case, cases=(*case.cases, self.finished(last, (*above, case))))
-        return case
+        first: tuple[Case, ...] = ()
+        if rest.pieces:  # the larger part, so that it is done before the time is up
+            first = (self.finished(Case(_number(case, ()), rest, case.joints), (*above, case)),)
+        return self.branch(case, above, factors, first)
 
     def family(self, case: Case, above: tuple[Case, ...]) -> Case:
         """The case is a family."""
@@ -336,7 +288,7 @@ class _Derivation:
                 kept.append(piece)
             elif replace(piece, excluded=frozenset()).point(self.work.rng) is None:
                 alone = replace(stratum, pieces=(piece,))
-                self.left.append(f"no point modulo p was found on: {conditions_text(alone)}")
+                self.left.append(f"no point modulo p was found on: {conditions_text(alone, SHORT)}")
         return replace(stratum, pieces=tuple(kept))
 
     def assume(self, product: Product) -> None:
@@ -349,3 +301,8 @@ class _Derivation:
         self.done += 1
         if self.progress is not None:
             self.progress("dependent-screw suppression", self.done, self.known)
+
+
+def _number(case: Case, before: Sequence[Case]) -> str:
+    """The number of the next case inside one."""
+    return f"{case.number}." * bool(case.number) + str(len(before) + 1)

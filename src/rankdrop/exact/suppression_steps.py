@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
-from typing import TYPE_CHECKING
+from itertools import combinations, product
+from typing import Protocol
 
 from rankdrop.exact.basic_screws import triples
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.dependence import Proof
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.suppression_cases import Case, SuppressedFamily
 from rankdrop.exact.text_of import condition_text, conditions_text, product_text, text_of
-
-if TYPE_CHECKING:
-    from rankdrop.exact.suppression import Case, Suppression, SuppressedFamily
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 LONG = 60
@@ -33,7 +32,39 @@ class Step:
     lines: tuple[str, ...]
 
 
-def steps(suppression: Suppression) -> tuple[Step, ...]:
+class Derived(Protocol):
+    """What is read of a `Suppression`, whose attributes these are."""
+
+    @property
+    def chain(self) -> Chain:
+        """The arm over the exact ring."""
+
+    @property
+    def frame(self) -> int:
+        """Link in whose frame the screws are written."""
+
+    @property
+    def columns(self) -> list[list[Polynomial]]:
+        """The screws (v; ω) there."""
+
+    @property
+    def start(self) -> Case:
+        """The first case."""
+
+    @property
+    def families(self) -> tuple[SuppressedFamily, ...]:
+        """The families found."""
+
+    @property
+    def assumptions(self) -> tuple[Polynomial, ...]:
+        """Polynomials in lengths alone taken for ≠ 0."""
+
+    @property
+    def left(self) -> tuple[str, ...]:
+        """What was not finished."""
+
+
+def steps(suppression: Derived) -> tuple[Step, ...]:
     """The whole derivation: screws, basic determinant, every case with its dependent screw, families."""
     found = [Step("Screws", tuple(_screws(suppression)))]
     if suppression.start.basic is not None:
@@ -45,9 +76,9 @@ def steps(suppression: Suppression) -> tuple[Step, ...]:
     return tuple(found)
 
 
-def _screws(suppression: Suppression) -> Iterator[str]:
+def _screws(suppression: Derived) -> Iterator[str]:
     ring = suppression.chain.ring
-    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}: z along its axis, x along the normal after it"
+    yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}, z along its axis, x along the next normal"
     for j, column in enumerate(suppression.columns, 1):
         yield _screw(j, [text_of(ring, x) for x in column])
 
@@ -56,7 +87,7 @@ def _screw(j: int, entries: Sequence[str]) -> str:
     return f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})"
 
 
-def _first(suppression: Suppression) -> Iterator[str]:
+def _first(suppression: Derived) -> Iterator[str]:
     start, chain = suppression.start, suppression.chain
     assert start.basic is not None
     joints = start.basic.joints
@@ -72,29 +103,27 @@ def _triples(chain: Chain, joints: Sequence[int]) -> str:
     return "; " + ", ".join(said) if said else ""
 
 
-def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
-    """A step for every case below, in order."""
+def _cases(suppression: Derived, case: Case) -> Iterator[Step]:
+    """A step for every case below that is not a family yet, in order."""
     for inner in case.cases:
-        yield Step(
-            f"Case {inner.number}: {conditions_text(inner.stratum)}" if not inner.family else _family_title(inner),
-            tuple(_case(suppression, inner)),
-        )
+        lines = tuple(_case(suppression, inner))
+        if lines:
+            yield Step(f"Case {inner.number}: {conditions_text(inner.stratum)}", lines)
         yield from _cases(suppression, inner)
 
 
-def _family_title(case: Case) -> str:
-    return f"Case {case.number} is family {case.family}: {conditions_text(case.stratum)}"
-
-
-def _case(suppression: Suppression, case: Case) -> Iterator[str]:
+def _case(suppression: Derived, case: Case) -> Iterator[str]:
     ring, dependence = suppression.chain.ring, case.dependence
     if dependence is not None:
         yield from _put_in(suppression, case)
         if not dependence.on:
             yield f"${dependence.screw} is zero"
         else:
-            yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
             assert dependence.proof is not None
+            if len(dependence.on) == 1:
+                yield f"${dependence.screw} is a multiple of {_names(dependence.on)}, which is not zero:"
+            else:
+                yield f"${dependence.screw} is a combination of {_names(dependence.on)}, which are independent:"
             yield from _proof(suppression, dependence.proof, dependence.on)
         yield f"${dependence.screw} is suppressed; left: {_names(case.joints)}"
     if case.basic is not None:
@@ -108,7 +137,7 @@ def _case(suppression: Suppression, case: Case) -> Iterator[str]:
     yield from _branches(case)
 
 
-def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
+def _put_in(suppression: Derived, case: Case) -> Iterator[str]:
     """The screws of the circuit with the case's angles put in, where that changes short ones."""
     assert case.dependence is not None
     ring = suppression.chain.ring
@@ -119,7 +148,7 @@ def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
             yield f"here {_screw(j, [text_of(ring, x) for x in short])}"
 
 
-def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+def _proof(suppression: Derived, proof: Proof, on: Sequence[int]) -> Iterator[str]:
     ring = suppression.chain.ring
     there = "" if proof.frame == suppression.frame else f" in the frame of link {proof.frame}"
     if proof.kind == "gram":
@@ -139,23 +168,29 @@ def _branches(case: Case) -> Iterator[str]:
         yield f"{name}: {conditions_text(inner.stratum)}"
 
 
-def _families(suppression: Suppression) -> Iterator[str]:
+def _families(suppression: Derived) -> Iterator[str]:
     ring = suppression.chain.ring
     for family in suppression.families:
         yield f"family {family.number}: {conditions_text(family.stratum)}"
-    for one, two in combinations(suppression.families, 2):
-        yield _apart(suppression, one, two)
+    yield from _disjointness(suppression)
     for p in suppression.assumptions:
         yield f"assumed: {text_of(ring, p)} ≠ 0"
 
 
-def _apart(suppression: Suppression, one: SuppressedFamily, two: SuppressedFamily) -> str:
-    """Why two families do not meet."""
-    p = one.stratum.apart(two.stratum)
-    assert p is not None
-    zero, other = (one, two) if p in one.stratum.equalities and p in two.stratum.inequalities else (two, one)
-    text = condition_text(suppression.chain.ring, p)
-    return f"families {one.number} and {two.number} do not meet: {text} in {zero.number}, not in {other.number}"
+def _disjointness(suppression: Derived) -> Iterator[str]:
+    """Why no two families meet: conditions that hold on some and not on others, until every pair is told apart."""
+    families, ring = suppression.families, suppression.chain.ring
+    apart = ((one.number, two.number, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))
+    waiting = {(one, two): p for one, two, p in apart if p is not None}
+    if waiting:
+        yield "no two of them meet:"
+    while waiting:
+        p = next(iter(waiting.values()))
+        zero = [family.number for family in families if p in family.stratum.equalities]
+        other = [family.number for family in families if p in family.stratum.inequalities]
+        yield f"{condition_text(ring, p)} in {_joints(zero)}, not in {_joints(other)}"
+        told = {*product(zero, other), *product(other, zero)}
+        waiting = {pair: q for pair, q in waiting.items() if pair not in told}
 
 
 def _names(joints: Sequence[int]) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from fractions import Fraction
+from functools import lru_cache
 
 from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.fourier import fourier
+from rankdrop.exact.form import Factor, Wave, product, total
+from rankdrop.exact.form import Product as Form
+from rankdrop.exact.fourier import fourier, symbols
 from rankdrop.exact.notation import SUPERSCRIPT, Text
 from rankdrop.exact.pins import WORDS
 from rankdrop.exact.ring import SIMPLE, Ring, primitive
@@ -22,16 +25,39 @@ def text_of(ring: Ring, p: Polynomial) -> str:
         >>> text_of(ring, ring.s[1] * ring.c[2] + ring.c[1] * ring.s[2])
         's12'
     """
+    known, key = _known(ring), str(p)
+    if key not in known:
+        known[key] = _written(ring, p)
+    return known[key]
+
+
+@lru_cache(maxsize=8)
+def _known(ring: Ring) -> dict[str, str]:
+    """Texts found before, by polynomial: the same ones come back in every case."""
+    return {}
+
+
+def _written(ring: Ring, p: Polynomial) -> str:
     if p == 0:
         return "0"
     f, multiples = ring.to_half(p)
     degrees = [2 * m for m in multiples]
-    if [int(d) for d in f.degrees()[: ring.angles]] == degrees:
-        form = shortest(f, ring)
-    else:  # zero at θ = π, which its own degrees do not tell
-        plain = fourier(f, degrees, ring)
-        form = min([plain, gathered(plain)], key=length)
-    return Text().sum(parts_of(form))
+    single, combined = _single_angles(ring, p), fourier(f, degrees, ring)
+    forms = [single, combined, gathered(single), gathered(combined)]
+    if [int(d) for d in f.degrees()[: ring.angles]] == degrees:  # else zero at θ = π, which its degrees do not tell
+        forms.append(shortest(f, ring))
+    return Text().sum(parts_of(min(forms, key=length)))
+
+
+def _single_angles(ring: Ring, p: Polynomial) -> Form:
+    """p as it stands, in sines and cosines of single angles."""
+    waves = [Wave(kind, ((j, 2),)) for j in ring.revolute for kind in ("sin", "cos")]
+    parts = []
+    for powers, value in p.terms():
+        angles: list[tuple[Factor, int]] = [(one, int(e)) for one, e in zip(waves, powers, strict=False) if e]
+        number = Fraction(int(value.p), int(value.q))
+        parts.append(product(number, angles + symbols(powers[len(waves) :], ring)))
+    return total(parts)
 
 
 def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
@@ -41,13 +67,17 @@ def condition_text(ring: Ring, p: Polynomial, sign: str = "=") -> str:
         for value in SIMPLE:
             if wanted == primitive(polynomial_of(ring, ring.pin(j, value))):
                 return f"θ{j} {sign} {WORDS[value]}"
-    return f"{text_of(ring, wanted)} {sign} 0"
+    text = text_of(ring, wanted)
+    return f"{text_of(ring, -wanted) if text.startswith('−') else text} {sign} 0"
 
 
-def conditions_text(stratum: Stratum) -> str:
-    """The conditions of a stratum in one line."""
-    ring = stratum.ring
-    parts = [condition_text(ring, p) for p in stratum.closed] + [condition_text(ring, p, "≠") for p in stratum.open]
+def conditions_text(stratum: Stratum, most: int | None = None) -> str:
+    """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
+    parts = []
+    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
+        for p in polynomials:
+            long = most is not None and len(p) > most
+            parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))
     return ", ".join(parts) or "everywhere"
 
 
@@ -57,17 +87,16 @@ def product_text(ring: Ring, product: Product) -> str:
         return text_of(ring, product.polynomial)
     factors = [*((letters_polynomial(ring, f), power) for f, power in product.letters), *product.written]
     outer = text_of(ring, product.outer)
-    sign = "−" if outer.startswith("−") else ""
+    negative = outer.startswith("−")
     outer = outer.removeprefix("−")
-    return sign + " ".join([*([outer] if outer != "1" or not factors else []), *_powers(ring, factors)])
-
-
-def _powers(ring: Ring, factors: Sequence[tuple[Polynomial, int]]) -> list[str]:
-    found = []
+    found = [outer] if outer != "1" or not factors else []
     for f, power in factors:
         text = text_of(ring, f)
+        if text.startswith("−"):
+            text = text_of(ring, -f)
+            negative ^= power % 2 == 1
         text = f"({text})" if " + " in text or " − " in text else text
         found.append(text if power == 1 else text + str(power).translate(SUPERSCRIPT))
-    return found
+    return ("−" if negative else "") + " ".join(found)
 
 

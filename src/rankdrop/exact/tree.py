@@ -72,6 +72,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     try:
         while at < len(found):
             drop = found[at]
+            work.show("sets looked into", at, len(found))
             if drop.rank > lowest:
                 _explore(columns, drop, found, tree, work)
             at += 1
@@ -143,12 +144,20 @@ def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: W
     for minor in _minors(columns, part, max(ranks)):
         work.check()
         if evaluate(minor, full) != 0:
-            inside = replace(part, also=(minor,))
-            atoms = [atom.f for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms if not atom.pinned]
-            more = tuple(f for f in atoms if inside.half_vanishes(f))
-            inside = replace(inside, equations=(*part.equations, *more))
-            return [Drop(inside, _rank(columns, inside))] if inside.samples else []
+            return _where(columns, part, minor, above)
     return []
+
+
+def _where(columns: list[list[Polynomial]], part: Variety, minor: Polynomial, above: int) -> list[Drop]:
+    """The sets among those that two conditions hold on where one of the factors of a minor vanishes too."""
+    found = []
+    for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms:
+        if not atom.pinned:
+            also = (part.ring.trig_zero_set(atom.f),)
+            inside = replace(part, also=also, equations=(*part.equations, atom.f))
+            if inside.samples and _rank(columns, inside) < above:
+                found.append(Drop(inside, _rank(columns, inside)))
+    return found
 
 
 def _rank(columns: list[list[Polynomial]], piece: Variety) -> int:

@@ -20,7 +20,7 @@ class Work:
     Args:
         seconds: time limit from now on; infinity for none.
         seed: of the random points.
-        tick: called now and then, to show progress; may raise KeyboardInterrupt.
+        progress: called now and then as progress(label, done, total).
 
     Attributes:
         rng: source of random numbers.
@@ -28,9 +28,9 @@ class Work:
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
     """
 
-    def __init__(self, seconds: float = float("inf"), seed: int = 0, tick: Callable[[], None] | None = None) -> None:
+    def __init__(self, seconds: float = float("inf"), seed: int = 0, progress: Callable[[str, int, int], None] | None = None) -> None:
         self._end = monotonic() + seconds
-        self._tick = tick
+        self._progress = progress
         self.rng = random.Random(seed)
         self.assumed: dict[str, Polynomial] = {}
         self.unresolved: list[str] = []
@@ -41,10 +41,13 @@ class Work:
         Raises:
             OutOfTime: the time limit has passed.
         """
-        if self._tick is not None:
-            self._tick()
         if monotonic() > self._end:
             raise OutOfTime
+
+    def show(self, label: str, done: int, total: int) -> None:
+        """Tell how far the derivation is."""
+        if self._progress is not None:
+            self._progress(label, done, total)
 
     @property
     def left(self) -> float:

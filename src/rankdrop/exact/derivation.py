@@ -1,0 +1,174 @@
+"""The conditions of corank 1 by the method a person would take, step by step, held against the rank tree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.chain import Chain
+from rankdrop.exact.condition import Condition
+from rankdrop.exact.decoupling import Decoupling, decouple, why_not
+from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.methods import METHODS as COMPARED
+from rankdrop.exact.methods import Derivation, Equality, derive
+from rankdrop.exact.pins import pin_text
+from rankdrop.exact.ring import Atom, Ring
+from rankdrop.exact.structure import structure_of
+from rankdrop.exact.suppression import Suppression, suppress
+from rankdrop.exact.text_of import text_of
+from rankdrop.exact.tree import Tree
+from rankdrop.exact.variety import Variety
+from rankdrop.exact.work import Work
+from rankdrop.local.block import sample, singular_values
+
+METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
+"""What can be asked for."""
+_SHOWN = 40  # conditions that are printed
+_LONG = 400  # terms beyond which a condition is counted, not printed
+_REGULAR = 200  # random configurations on which no condition may hold
+
+
+@dataclass(frozen=True)
+class CorankOne:
+    """A derivation of corank 1.
+
+    Attributes:
+        method, reason: which, and why.
+        steps: (title, lines), as it is done by hand.
+        left: what was not finished.
+        disagreements: what it says that the rank tree does not, and the other way round.
+    """
+
+    method: str
+    reason: str
+    steps: tuple[tuple[str, tuple[str, ...]], ...]
+    left: tuple[str, ...] = ()
+    disagreements: tuple[str, ...] = ()
+
+
+def corank_one(chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work) -> CorankOne:
+    """Derive corank 1 by one method, and compare with what the rank tree has found.
+
+    Args:
+        chain: the arm.
+        method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
+            all six rows, the determinant for other square Jacobians, else the tree.
+        tree: of the arm.
+        families: made from it.
+        work: deadline and random points.
+
+    Raises:
+        OptionError: a method that is not for this arm; says why.
+    """
+    if method in ("auto", "decoupling"):
+        found = decouple(chain)
+        if found is not None:
+            return _decoupled(chain, found, tree)
+        if method == "decoupling":
+            raise OptionError(
+                "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
+            )
+    six = chain.task.rows == (0, 1, 2, 3, 4, 5)
+    if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
+        reason = f"the arm has {chain.n} joints for six freedoms: {why_not(chain)}"
+        return _suppressed(chain, reason, tree, work)
+    if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
+        reason = "asked for" if method == "tree" else why_not(chain)
+        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
+    reason = why_not(chain) if method == "auto" else "asked for"
+    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work)
+
+
+def _tree_lines(tree: Tree) -> tuple[str, ...]:
+    return (
+        f"{tree.visited} irreducible sets were looked into: on each a minor of the order of its rank was factored, and "
+        "the set cut by every factor",
+    )
+
+
+def _decoupled(chain: Chain, found: Decoupling, tree: Tree) -> CorankOne:
+    steps = [("Structure", structure_of(chain).sentences()), ("Decoupling", found.sentences())]
+    atoms = [atom for part in found.parts for atom in part.atoms]
+    said = [_as_set(chain, atom) for atom in atoms]
+    drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
+    missing = [one for one in said if not any(one.inside(other) for other in drops)]
+    surplus = [one for one in drops if not any(one.inside(other) for other in said)]
+    return CorankOne("decoupling", found.reason, tuple(steps), (), _differences("decoupling", missing, surplus))
+
+
+def _as_set(chain: Chain, atom: Atom) -> Variety:
+    if atom.pinned:
+        return Variety(chain.ring, {atom.joint: atom.value})
+    return Variety(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
+
+
+def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Variety]) -> tuple[str, ...]:
+    return (
+        *(f"{method} has {one.key}, the rank tree has not" for one in missing),
+        *(f"the rank tree has {one.key}, {method} has not" for one in surplus),
+    )
+
+
+def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work) -> CorankOne:
+    found = suppress(chain, seconds=work.left)
+    steps = tuple((step.title, step.lines) for step in found.steps())
+    left = tuple(f"suppression: {one}" for one in found.left)
+    different = () if found.left else _suppression_differences(chain, found, tree, work)
+    return CorankOne("suppression", reason, steps, left, different)
+
+
+def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
+    """Random points of each method's sets, tried on those of the other."""
+    pieces = [piece for family in found.families for piece in family.stratum.pieces]
+    closed = [Variety(chain.ring, piece.pins, equations=tuple(piece.equations)) for piece in pieces]
+    missing = []
+    for piece, one in zip(pieces, closed, strict=True):
+        point = piece.point(work.rng)
+        if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops):
+            missing.append(one)
+    surplus = [
+        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in closed)
+    ]
+    return _differences("suppression", missing, surplus)
+
+
+def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work) -> CorankOne:
+    """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
+    found = derive(chain, method.replace("-", "_"), max(work.left, 0.1))
+    different = []
+    for family in families:
+        if not found.left and not found.holds(family.witness).all():
+            different.append(f"the witness of {family.id} does not satisfy the conditions of the method {method}")
+    q = sample(chain.robot, chain.task, _REGULAR, 0)
+    sigma = singular_values(chain.robot, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
+    wrong = int((found.holds(q[sigma > 1e-3])).sum())
+    if wrong:
+        different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
+    steps = ((f"Method: {method}", _told(found)),)
+    left = tuple(f"{method}: {one}" for one in found.left)
+    return CorankOne(method, reason, steps, left, tuple(different))
+
+
+
+def _told(found: Derivation) -> tuple[str, ...]:
+    """The conditions of a method, its figures and its notes, in lines."""
+    ring = found.chain.ring
+    lines = [f"{', '.join(f'{count:,} {name}' for name, count in found.sizes.items())}; {found.seconds:.2f} s"]
+    for conjunction in found.conditions[:_SHOWN]:
+        parts = [_equality(ring, one) for one in conjunction.equal]
+        parts += ["not (" + " and ".join(_equality(ring, one) for one in group) + ")" for group in conjunction.unequal]
+        lines.append("; ".join(parts) or "everywhere")
+    if len(found.conditions) > _SHOWN:
+        lines.append(f"… and {len(found.conditions) - _SHOWN} more")
+    return (*lines, *found.notes)
+
+
+def _equality(ring: Ring, one: Equality) -> str:
+    if one.whole is not None:
+        return f"{text_of(ring, one.whole)} = 0" if len(one.whole) <= _LONG else f"a polynomial of {one.terms:,} terms = 0"
+    if one.terms > _LONG:
+        return f"a product of {len(one.atoms)} factors, {one.terms:,} terms = 0"
+    return " or ".join(
+        pin_text(atom.joint, (atom.value,)) if atom.pinned else Condition(ring, atom.f).text() for atom in one.atoms
+    )

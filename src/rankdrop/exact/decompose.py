@@ -206,10 +206,26 @@ def _reduced(
             for h in parts:
                 found += decompose(ring, pins, [form(g, ring) for g in (*system, h)], most, work, done)
             return found
-    if len(system) > most:
+    if len(system) <= 2:
+        return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
+    return _several(ring, pins, system, most, work)
+
+
+def _several(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
+) -> list[Variety]:
+    """Three or more conditions that no step makes simpler: two of them, and the others as what tells their zeros apart."""
+    places = {place for f in system for place in used(f) if place < ring.moving}
+    if min(most, len(places)) > 2:
         work.leave(pins, system)
         return []
-    return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
+    for f, g in combinations(sorted(system, key=len), 2):
+        if {*used(f), *used(g)} >= places:
+            also = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
+            found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
+            if found.samples:
+                return [found]
+    return []
 
 
 def _pairs(ring: Ring, system: list[Polynomial]) -> list[tuple[Polynomial, Polynomial, int]]:

@@ -9,17 +9,17 @@ from time import monotonic
 from rankdrop._handles import check_robot
 from rankdrop.derived import Conditions, Step
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import Chain, exact_chain
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
 from rankdrop.exact.derivation import METHODS, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.special import assumptions
-from rankdrop.exact.structure import structure_of
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
-from rankdrop.exact.work import OutOfTime, Work
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.version import VERSION

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.code import Code
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.pins import pin_equation
-from rankdrop.exact.ring import Ring
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.writing.code import Code
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_equation
 
 N = 5
 SHIFTS = (0.0, 0.25, 0.0, 0.0, -1.5)

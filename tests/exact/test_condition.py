@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from rankdrop.exact.chain import exact_chain
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.ring import Ring
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.open import open_robot
 
 LETTERS = {"a": 0.635, "d": 6.85}

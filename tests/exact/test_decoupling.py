@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from reference.trig import value
 
-from rankdrop.exact.chain import Chain, exact_chain
-from rankdrop.exact.decoupling import decouple, why_not
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.decoupling.decouple import decouple, why_not
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh

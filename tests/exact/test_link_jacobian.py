@@ -7,8 +7,8 @@ import pytest
 from reference.trig import value
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.chain import exact_chain
-from rankdrop.exact.link_jacobian import frame_jacobian
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.link_jacobian import frame_jacobian
 from rankdrop.kinematics import jacobian
 from rankdrop.robot.open import open_robot
 

@@ -10,12 +10,12 @@ import pytest
 
 from rankdrop import generic_rank, jacobian, open_robot
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import exact_chain
-from rankdrop.exact.example import real_points, words
-from rankdrop.exact.lint import lint
+from rankdrop.exact.algebra.variety import independent
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.reading.example import real_points, words
+from rankdrop.exact.reading.lint import lint
 from rankdrop.exact.tree import rank_tree
-from rankdrop.exact.variety import independent
-from rankdrop.exact.work import OutOfTime, Work
 
 PUMA = "s5 (d4 c3 + a3 s3) (a2 c2 + a3 c23 − d4 s23)"
 UR5 = "s3 s5 (a2 c2 + a3 c23 + d5 s234)"

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.parse import parse_condition, parse_conditions
-from rankdrop.exact.pins import pin_expression, pin_text
-from rankdrop.exact.ring import SIMPLE, Ring
+from rankdrop.exact.algebra.ring import SIMPLE, Ring
+from rankdrop.exact.reading.parse import parse_condition, parse_conditions
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_expression, pin_text
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 

@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import pytest
 
-from rankdrop.exact.form import Product, Sum, Symbol, Wave, half_of, product, total, wave
-from rankdrop.exact.fourier import fourier
-from rankdrop.exact.notation import Text
-from rankdrop.exact.ring import Ring
-from rankdrop.exact.shortest import gathered, length, shortest
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.writing.form import Product, Sum, Symbol, Wave, half_of, product, total, wave
+from rankdrop.exact.writing.fourier import fourier
+from rankdrop.exact.writing.notation import Text
+from rankdrop.exact.writing.shortest import gathered, length, shortest
 
 
 def same(form, f, ring) -> bool:

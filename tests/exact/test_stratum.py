@@ -6,10 +6,10 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.field import P, half_evaluator, trig_evaluator
-from rankdrop.exact.piece import Factor, Piece
-from rankdrop.exact.ring import Ring
-from rankdrop.exact.stratum import Stratum
+from rankdrop.exact.algebra.field import P, half_evaluator, trig_evaluator
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.suppression.piece import Factor, Piece
+from rankdrop.exact.suppression.stratum import Stratum
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rankdrop.exact.chain import exact_chain
-from rankdrop.exact.structure import structure_of
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.structure import structure_of
 from rankdrop.local.scene import Scene
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

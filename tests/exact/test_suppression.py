@@ -10,11 +10,11 @@ pytest.importorskip("flint")
 
 from rankdrop.atlas.search import Outcome, search
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.chain import exact_chain
-from rankdrop.exact.field import rank, trig_evaluator
-from rankdrop.exact.suppression import closed_pieces, suppress
+from rankdrop.exact.algebra.field import rank, trig_evaluator
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.suppression.suppress import closed_pieces, suppress
 from rankdrop.exact.tree import rank_tree
-from rankdrop.exact.work import Work
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 
@@ -181,7 +181,8 @@ def test_an_arm_with_too_few_joints_is_refused():
 
 @pytest.mark.parametrize(
     "name",
-    ["puma560", "ur5", "pa10", *(pytest.param(x, marks=pytest.mark.slow) for x in ("canadarm2", "panda", "rail", "xarm7"))],
+    ["puma560", "ur5", "pa10"]
+    + [pytest.param(name, marks=pytest.mark.slow) for name in ("canadarm2", "panda", "rail", "xarm7")],
 )
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
     """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""

@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.decoupling import Decoupling, decouple, why_not
+from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import structure_of
+from rankdrop.exact.decoupling.decouple import Decoupling, decouple, why_not
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, Equality, derive
-from rankdrop.exact.pins import pin_text
-from rankdrop.exact.ring import Atom, Ring
-from rankdrop.exact.structure import structure_of
-from rankdrop.exact.suppression import Suppression, suppress
-from rankdrop.exact.text_of import text_of
+from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.variety import Variety
-from rankdrop.exact.work import Work
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_text
+from rankdrop.exact.writing.text_of import text_of
 from rankdrop.local.block import sample, singular_values
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.exact.chain import Chain
+from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.tidy import tidy
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.decompose import decompose, form
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
 from rankdrop.exact.real import STARTS, Reality, reality
-from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, largest
-from rankdrop.exact.variety import Variety
 from rankdrop.exact.verify import rank_modulo
-from rankdrop.exact.work import Work
+from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
 
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rankdrop.atlas.equation import Equation
+from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.check import Check
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.pins import pin_equation, pin_latex, pin_text
-from rankdrop.exact.variety import Variety
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_equation, pin_latex, pin_text
 
 
 @dataclass(frozen=True, eq=False)

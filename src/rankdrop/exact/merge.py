@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.pins import pin_text
-from rankdrop.exact.ring import SIMPLE
-from rankdrop.exact.variety import Variety
+from rankdrop.exact.algebra.ring import SIMPLE
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_text
 
 Pins = dict[int, tuple[str, ...]]
 """Joint number -> the simple angles it stands at."""

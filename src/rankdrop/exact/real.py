@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.atlas.system import System
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.condition import Condition
-from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.letters import letters_text, sign_of
-from rankdrop.exact.pins import RADIANS
-from rankdrop.exact.ring import coefficients, used
-from rankdrop.exact.variety import Variety
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import coefficients, used
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.letters import letters_text, sign_of
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT

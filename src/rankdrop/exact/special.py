@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rankdrop.exact.chain import Chain
+from rankdrop.exact.algebra.field import P
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import primitive
+from rankdrop.exact.algebra.tidy import tidy
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.letters import never_zero, sign_of, sum_text
 from rankdrop.exact.family import Assumption
-from rankdrop.exact.field import P
-from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.letters import never_zero, sign_of, sum_text
 from rankdrop.exact.merge import merge, row_texts
-from rankdrop.exact.ring import primitive
-from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.exact.work import OutOfTime, Work
 
 _NUMBERS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
 _SHOWN = 3  # families of a special arm that are named in its sentence

@@ -12,13 +12,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.field import Point, rank, trig_evaluator
-from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.ring import Atom
-from rankdrop.exact.split import cut
-from rankdrop.exact.variety import Variety
-from rankdrop.exact.work import OutOfTime, Work
+from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.algebra.split import cut
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain
 
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
 _SEVERAL = 12  # random points on a set that may be several

@@ -18,9 +18,9 @@ from rankdrop.atlas.equation import Equation, normalised
 from rankdrop.atlas.search import search
 from rankdrop.atlas.system import System
 from rankdrop.atlas.which import families_at
-from rankdrop.exact.chain import Chain
+from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
-from rankdrop.exact.field import Evaluator, P, Point, complete, rank
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -77,7 +77,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
         point: sines, cosines, slides and letters modulo P, as from `Variety.point` or `random_points`.
 
     Example:
-        >>> from rankdrop.exact.chain import exact_chain
+        >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> chain = exact_chain(open_robot("pa10"))
         >>> rank_modulo(chain, random_points(chain, 1)[0])

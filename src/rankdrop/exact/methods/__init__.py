@@ -8,7 +8,7 @@
 | reciprocity | a screw reciprocal to all joint screws | it vanishes somewhere itself |
 | singular_vector | Jᵀ u = 0 by elimination | pivots vanish: many cases, some empty |
 
-    >>> from rankdrop.exact.chain import exact_chain
+    >>> from rankdrop.exact.arm.chain import exact_chain
     >>> from rankdrop.robot.open import open_robot
     >>> found = derive(exact_chain(open_robot("scara")), "determinant")
     >>> [[atom.key for equality in c.equal for atom in equality.atoms] for c in found.conditions]
@@ -20,7 +20,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import Chain
+from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.cofactors import cofactors
 from rankdrop.exact.methods.decomposition import decomposition
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
@@ -28,7 +29,6 @@ from rankdrop.exact.methods.determinant import determinant
 from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity
 from rankdrop.exact.methods.singular_vector import singular_vector
-from rankdrop.exact.work import OutOfTime
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
 

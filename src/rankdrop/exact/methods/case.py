@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Atom, Ring, order
+from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Columns, Draft
-from rankdrop.exact.ring import Atom, Ring, order
-from rankdrop.exact.work import OutOfTime
 
 Factors = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""

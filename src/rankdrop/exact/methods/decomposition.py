@@ -17,8 +17,8 @@ from __future__ import annotations
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.robot.model import JointKind

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.field import Point
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.field import Point
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.evaluate import Distances, Residues
-from rankdrop.exact.ring import Atom
 from rankdrop.robot.model import Array
 
 ZERO = 1e-5

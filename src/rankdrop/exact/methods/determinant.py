@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Draft
-from rankdrop.exact.work import OutOfTime
 
 LONGEST = 2000
 """Minors of more terms are not squared: that cannot be interrupted, and takes 0.2 s at this length."""

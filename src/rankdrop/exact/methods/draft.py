@@ -7,13 +7,13 @@ from fractions import Fraction
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Atom, Ring, order
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
-from rankdrop.exact.ring import Atom, Ring, order
 from rankdrop.exact.verify import random_points, rank_check
-from rankdrop.exact.work import OutOfTime, Work
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""

@@ -7,10 +7,10 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.exact.chain import Chain
-from rankdrop.exact.field import Evaluator, P, Point
-from rankdrop.exact.flint import Polynomial
-from rankdrop.exact.ring import COS_SIN, Atom, Ring
+from rankdrop.exact.algebra.field import Evaluator, P, Point
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import COS_SIN, Atom, Ring
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.robot.model import Array
 
 STEP = 1e-5

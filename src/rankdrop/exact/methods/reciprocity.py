@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import order
+from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches, size
 from rankdrop.exact.methods.derivation import Equality
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
-from rankdrop.exact.ring import order
-from rankdrop.exact.work import OutOfTime
 
 Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""

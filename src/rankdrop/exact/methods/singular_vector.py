@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import order
+from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches
 from rankdrop.exact.methods.derivation import Equality
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
-from rankdrop.exact.ring import order
-from rankdrop.exact.work import OutOfTime
 
 
 @dataclass(frozen=True)

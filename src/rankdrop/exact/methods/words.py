@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rankdrop.exact.condition import Condition
+from rankdrop.exact.algebra.ring import Atom, Ring
 from rankdrop.exact.methods.derivation import Conjunction, Equality
-from rankdrop.exact.pins import pin_text
-from rankdrop.exact.ring import Atom, Ring
-from rankdrop.exact.text_of import condition_text
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.pins import pin_text
+from rankdrop.exact.writing.text_of import condition_text
 
 READABLE = 30
 """Polynomials of more terms are told by their number of terms: nobody reads them."""

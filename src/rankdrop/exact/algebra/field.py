@@ -1,0 +1,174 @@
+"""Arithmetic modulo a prime: exact ranks at random points, which decide what holds on a whole set.
+
+A polynomial that is not zero on an irreducible set vanishes at a random point of it modulo p with a probability of the
+order degree / p (Schwartz and Zippel), here below 1e-15. With p ≡ 3 mod 4, −1 is not a square: 1 + t² has no zero, as
+over the reals.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.ring import COS_SIN, Ring
+
+P = (1 << 61) - 1
+"""A Mersenne prime, ≡ 3 mod 4."""
+
+_KEPT = 50_000  # polynomials that an evaluator remembers
+
+Point = dict[str, int]
+"""Values modulo P of the variables of both rings, by name; t_j is absent where θ_j = π."""
+
+
+def modulo(value: Any) -> int:
+    """A rational number (`flint.fmpq`) modulo P."""
+    bottom = int(value.q)
+    top = int(value.p) % P
+    return top if bottom == 1 else top * pow(bottom, -1, P) % P
+
+
+class Evaluator:
+    """Evaluates polynomials of one context modulo P; coefficients are reduced once per polynomial.
+
+    Args:
+        names: of the context's variables, in order.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self._names = tuple(names)
+        self._terms: dict[int, tuple[Polynomial, list[tuple[int, list[tuple[str, int]]]]]] = {}
+
+    def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
+        """f at a point."""
+        total = 0
+        for value, factors in self.terms(f):
+            for name, power in factors:
+                value = value * (point[name] if power == 1 else pow(point[name], power, P)) % P
+            total += value
+        return total % P
+
+    def terms(self, f: Polynomial) -> list[tuple[int, list[tuple[str, int]]]]:
+        """(coefficient, [(variable, power), …]) of each term."""
+        kept = self._terms.get(id(f))
+        if kept is None or kept[0] is not f:
+            if len(self._terms) > _KEPT:
+                self._terms.clear()
+            terms = [
+                (modulo(value), [(name, int(e)) for name, e in zip(self._names, powers, strict=True) if e])
+                for powers, value in f.terms()
+            ]
+            kept = self._terms[id(f)] = (f, terms)
+        return kept[1]
+
+    def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+        """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
+        parts: dict[int, int] = {}
+        for value, factors in self.terms(f):
+            degree = 0
+            for other, power in factors:
+                if other == name:
+                    degree = power
+                else:
+                    value = value * pow(point[other], power, P) % P
+            parts[degree] = (parts.get(degree, 0) + value) % P
+        return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
+
+    def in_two(self, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+        """f as a polynomial in two variables modulo P (`flint.nmod_mpoly` in x, y)."""
+        parts: dict[tuple[int, int], int] = {}
+        for value, factors in self.terms(f):
+            degree = {one: 0, two: 0}
+            for other, power in factors:
+                if other in degree:
+                    degree[other] = power
+                else:
+                    value = value * pow(point[other], power, P) % P
+            key = (degree[one], degree[two])
+            parts[key] = (parts.get(key, 0) + value) % P
+        module = flint()
+        context = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
+        return context.from_dict({key: value for key, value in parts.items() if value})
+
+
+@lru_cache(maxsize=32)
+def half_evaluator(ring: Ring) -> Evaluator:
+    """Evaluates half-angle polynomials of a ring."""
+    return Evaluator(ring.names)
+
+
+@lru_cache(maxsize=32)
+def trig_evaluator(ring: Ring) -> Evaluator:
+    """Evaluates trigonometric polynomials of a ring."""
+    return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))
+
+
+def roots(values: Sequence[int]) -> list[int]:
+    """Zeros modulo P of a polynomial in one variable, coefficients from power 0 up; none of the zero polynomial."""
+    kept = list(values)
+    while kept and kept[-1] % P == 0:
+        kept.pop()
+    if len(kept) < 2:
+        return []
+    if len(kept) == 2:
+        return [-kept[0] * pow(kept[1], -1, P) % P]
+    return [int(root) for root, _ in flint().nmod_poly(kept, P).roots()]
+
+
+def common_zeros(f: Polynomial, g: Polynomial, rng: random.Random) -> tuple[int, int] | None:
+    """A common zero (x, y) of two polynomials from `Evaluator.in_two`, chosen at random; None where there is none."""
+    if f == 0 or g == 0:
+        return None
+    eliminated = f.resultant(g, "x")
+    if eliminated == 0:
+        return None
+    ys = roots(_coefficients(eliminated, 1))
+    rng.shuffle(ys)
+    module = flint()
+    for y in ys:
+        one, two = (module.nmod_poly(_coefficients(h.subs({"y": y}), 0), P) for h in (f, g))
+        xs = roots([int(x) for x in one.gcd(two).coeffs()])
+        if xs:
+            return rng.choice(xs), y
+    return None
+
+
+def _coefficients(f: Polynomial, place: int) -> list[int]:
+    parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
+    return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
+
+
+def rank(rows: Sequence[Sequence[int]]) -> int:
+    """Rank modulo P of a matrix of residues."""
+    if not rows or not rows[0]:
+        return 0
+    return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], P).rank())
+
+
+def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -> Point | None:
+    """Add sines and cosines to values of t_j, q_j and lengths; None where 1 + t_j² = 0, which does not happen.
+
+    Args:
+        ring: of the variables.
+        tangents: value of every variable of the half-angle ring that is not pinned.
+        pins: joints at simple angles.
+    """
+    point = dict(tangents)
+    for j in ring.revolute:
+        if j in pins:
+            cosine, sine = COS_SIN[pins[j]]
+            if pins[j] != "pi":
+                point[f"t{j}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[pins[j]]
+            else:
+                point.pop(f"t{j}", None)
+        else:
+            t = point[f"t{j}"]
+            if (1 + t * t) % P == 0:
+                return None
+            inverse = pow(1 + t * t, -1, P)
+            cosine, sine = (1 - t * t) * inverse, 2 * t * inverse
+        point[f"c{j}"], point[f"s{j}"] = cosine % P, sine % P
+    return point

@@ -1,0 +1,353 @@
+"""Two rings for one set of joints: trigonometric polynomials, and polynomials in half-angle tangents.
+
+Kinematics is done with s_j = sin θ_j and c_j = cos θ_j, reduced by s_j² = 1 − c_j². Factoring is not: in that ring
+factors are not unique. With t_j = tan(θ_j / 2),
+
+    s_j = 2 t_j / (1 + t_j²),    c_j = (1 − t_j²) / (1 + t_j²),
+
+a trigonometric polynomial of degree m_j in joint j becomes a polynomial of degree at most 2 m_j in t_j once it is
+multiplied by (1 + t_j²)^m_j, which has no real zero. Factors of that polynomial are unique. A degree lower than 2 m_j
+is a zero at t_j = ∞, that is at θ_j = π.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, lcm
+from typing import Any
+
+from rankdrop.exact.algebra.flint import Polynomial, flint
+
+SIMPLE = ("0", "pi", "pi/2", "-pi/2")
+"""Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
+COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
+"""(cos, sin) there."""
+
+
+@dataclass(frozen=True)
+class Atom:
+    """One irreducible condition: joint `joint` stands at `value`, or the polynomial `f` vanishes.
+
+    Attributes:
+        joint: number of a revolute joint that is pinned; 0 where `f` holds the condition.
+        value: one of `SIMPLE`; "" where `f` holds the condition.
+        f: irreducible primitive polynomial of the half-angle ring; None for a pinned joint.
+        key: text that is the same for equal atoms; equality and hash are its.
+    """
+
+    joint: int
+    value: str
+    f: Polynomial
+    key: str
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Atom) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the condition is one joint at a simple angle."""
+        return self.f is None
+
+    @property
+    def weight(self) -> int:
+        """How long the condition is: 1 for a pinned joint, else 2 + number of terms."""
+        return 1 if self.f is None else 2 + len(self.f)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """A trigonometric polynomial on the torus, taken apart.
+
+    Attributes:
+        content: rational factor.
+        letters: factors in lengths alone, with multiplicities: they vanish for special arms only.
+        atoms: factors that depend on the configuration, with multiplicities.
+    """
+
+    content: Any
+    letters: tuple[tuple[Polynomial, int], ...]
+    atoms: tuple[tuple[Atom, int], ...]
+
+
+class Ring:
+    """Both rings over the rationals, for named joints and lengths.
+
+    Args:
+        revolute: numbers of the revolute joints.
+        prismatic: numbers of the prismatic joints; their variables are q_j [m].
+        letters: names of the lengths that stay symbols [m].
+
+    Attributes:
+        trig: context of s_j, c_j (every revolute joint), then q_j, then the lengths.
+        half: context of t_j, then q_j, then the lengths.
+        s, c, q, letter: generators of `trig`, by joint number or name.
+        t, q_half, letter_half: generators of `half`.
+        names: names of the variables of `half`, in order.
+
+    Example:
+        >>> ring = Ring([1, 2])
+        >>> found = ring.factor(ring.s[2] * (ring.c[1] * ring.c[2] - ring.s[1] * ring.s[2] + 1))
+        >>> [atom.key for atom, _ in found.atoms]
+        ['θ2=0', 'θ2=pi', 't1*t2 - 1']
+    """
+
+    def __init__(self, revolute: Sequence[int], prismatic: Sequence[int] = (), letters: Sequence[str] = ()) -> None:
+        module = flint()
+        self.revolute, self.prismatic, self.letters = tuple(revolute), tuple(prismatic), tuple(letters)
+        tail = [f"q{j}" for j in self.prismatic] + list(self.letters)
+        # s before c in lexicographic order: division by s² + c² − 1 leaves s at most once
+        names = [f"{x}{j}" for j in self.revolute for x in "sc"] + tail
+        self.trig = module.fmpq_mpoly_ctx.get(names, module.Ordering.lex)
+        made = dict(zip(names, self.trig.gens(), strict=True))
+        self.s = {j: made[f"s{j}"] for j in self.revolute}
+        self.c = {j: made[f"c{j}"] for j in self.revolute}
+        self.q = {j: made[f"q{j}"] for j in self.prismatic}
+        self.letter = {name: made[name] for name in self.letters}
+        self.names = tuple([f"t{j}" for j in self.revolute] + tail)
+        self.half = module.fmpq_mpoly_ctx.get(self.names, module.Ordering.lex)
+        made = dict(zip(self.names, self.half.gens(), strict=True))
+        self.t = {j: made[f"t{j}"] for j in self.revolute}
+        self.q_half = {j: made[f"q{j}"] for j in self.prismatic}
+        self.letter_half = {name: made[name] for name in self.letters}
+        self.zero, self.one = self.trig.constant(0), self.trig.constant(1)
+        self._circle = [self.s[j] ** 2 + self.c[j] ** 2 - 1 for j in self.revolute]
+
+    @property
+    def angles(self) -> int:
+        """Number of revolute joints: the first so many variables of `half` are half-angle tangents."""
+        return len(self.revolute)
+
+    @property
+    def moving(self) -> int:
+        """Number of joints: the first so many variables of `half` depend on the configuration."""
+        return len(self.revolute) + len(self.prismatic)
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Place of each variable of `half`."""
+        return {name: place for place, name in enumerate(self.names)}
+
+    def constant(self, value: Fraction | int) -> Polynomial:
+        """A number as an element of `trig`."""
+        value = Fraction(value)
+        return self.trig.constant(flint().fmpq(value.numerator, value.denominator))
+
+    def reduce(self, p: Polynomial) -> Polynomial:
+        """Normal form: every s_j at most once.
+
+        There is no other identity between them: p vanishes on the torus when its normal form is 0.
+        """
+        degrees = p.degrees()
+        for place, circle in enumerate(self._circle):
+            if degrees[2 * place] > 1:
+                p = p % circle
+        return p
+
+    def to_half(self, p: Polynomial) -> tuple[Polynomial, tuple[int, ...]]:
+        """p · Π (1 + t_j²)^m_j in half-angle tangents, and the m_j (one per revolute joint): the degrees of p."""
+        p = self.reduce(p)
+        terms = list(p.terms())
+        n = self.angles
+        degree = tuple(max((e[2 * k] + e[2 * k + 1] for e, _ in terms), default=0) for k in range(n))
+        powers: dict[tuple[int, int, int], Polynomial] = {}
+
+        def power(k: int, sines: int, cosines: int) -> Polynomial:
+            key = (k, sines, cosines)
+            if key not in powers:
+                t = self.t[self.revolute[k]]
+                rest = degree[k] - sines - cosines
+                powers[key] = (2 * t) ** sines * (1 - t**2) ** cosines * (1 + t**2) ** rest
+            return powers[key]
+
+        def nested(items: list[tuple[tuple[int, ...], Any]], k: int) -> Polynomial:
+            if k == n:
+                return self.half.from_dict({(0,) * n + tuple(e[2 * n :]): value for e, value in items})
+            groups: dict[tuple[int, int], list[tuple[tuple[int, ...], Any]]] = {}
+            for item in items:
+                groups.setdefault((item[0][2 * k], item[0][2 * k + 1]), []).append(item)
+            total = self.half.constant(0)
+            for (sines, cosines), group in groups.items():
+                total += power(k, sines, cosines) * nested(group, k + 1)
+            return total
+
+        return nested(terms, 0), degree
+
+    def factor(self, p: Polynomial) -> Factors:
+        """The conditions under which a trigonometric polynomial vanishes.
+
+        Args:
+            p: not zero, of `trig`.
+
+        Returns:
+            Factors; p vanishes where one of the atoms holds, or, for special lengths, one of the letters' factors.
+        """
+        f, degree = self.to_half(p)
+        content, letters, atoms = self.split(f)
+        deficient = []
+        degrees = f.degrees()
+        for k, j in enumerate(self.revolute):
+            missing = 2 * degree[k] - degrees[k]
+            if missing:
+                deficient.append((self.pin(j, "pi"), missing))
+        return Factors(content, letters, tuple(_ordered([*deficient, *atoms])))
+
+    def split(self, f: Polynomial) -> tuple[Any, tuple[tuple[Polynomial, int], ...], tuple[tuple[Atom, int], ...]]:
+        """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here."""
+        content, found = f.factor()
+        letters, atoms = [], []
+        for factor, multiplicity in found:
+            places = used(factor)
+            if all(place >= self.moving for place in places):
+                letters.append((primitive(factor), multiplicity))
+            elif not self.is_unit(factor):
+                atoms.append((self.atom(factor), multiplicity))
+        return content, tuple(letters), tuple(atoms)
+
+    def is_unit(self, f: Polynomial) -> bool:
+        """Whether f is 1 + t_j² up to a number: without a real zero."""
+        places = used(f)
+        if len(places) != 1 or places[0] >= self.angles or len(f) != 2:
+            return False
+        t = self.half.gens()[places[0]]
+        return bool(primitive(f) == 1 + t**2)
+
+    def atom(self, f: Polynomial) -> Atom:
+        """The atom of an irreducible half-angle polynomial."""
+        f = primitive(f)
+        places = used(f)
+        if len(places) == 1 and places[0] < self.angles and f.total_degree() == 1:
+            j = self.revolute[places[0]]
+            for value, root in (("0", 0), ("pi/2", 1), ("-pi/2", -1)):
+                if f == self.t[j] - root:
+                    return self.pin(j, value)
+        return Atom(0, "", f, str(f))
+
+    def pin(self, joint: int, value: str) -> Atom:
+        """The atom θ_joint = value, a value out of `SIMPLE`."""
+        return Atom(joint, value, None, f"θ{joint}={value}")
+
+    def at(self, p: Polynomial, pins: Mapping[int, str]) -> Polynomial:
+        """A trigonometric polynomial with some joints at simple angles, reduced."""
+        if p == 0:
+            return p
+        values: dict[str, int] = {}
+        for joint, value in pins.items():
+            cosine, sine = COS_SIN[value]
+            values[f"c{joint}"], values[f"s{joint}"] = cosine, sine
+        return self.reduce(p.subs(values)) if values else self.reduce(p)
+
+    def half_at(self, f: Polynomial, pins: Mapping[int, str]) -> Polynomial:
+        """A half-angle polynomial with some joints at simple angles; at π the coefficient of the highest power."""
+        degrees = f.degrees()
+        for joint, value in pins.items():
+            place = self.index[f"t{joint}"]
+            if value == "pi":  # of the degree that f has before any joint is pinned: a lower one means a zero there
+                parts = coefficients(f, place)
+                f = parts[-1] if len(parts) > degrees[place] else f * 0
+            else:
+                f = f.subs({f"t{joint}": {"0": 0, "pi/2": 1, "-pi/2": -1}[value]})
+        return f
+
+    def to_trig(self, f: Polynomial) -> Polynomial | None:
+        """The primitive trigonometric polynomial with the zeros of f; None where some t_j has odd degree.
+
+        t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2), which is trigonometric in θ when D is even.
+        """
+        degrees = f.degrees()
+        n = self.angles
+        if any(degrees[k] % 2 for k in range(n)):
+            return None
+        powers: dict[tuple[int, int], Polynomial] = {}
+
+        def power(k: int, e: int) -> Polynomial:
+            if (k, e) not in powers:
+                s, c, odd = self.s[self.revolute[k]], self.c[self.revolute[k]], e % 2
+                value = (1 + c) ** ((degrees[k] - e - odd) // 2) * (1 - c) ** ((e - odd) // 2)
+                powers[k, e] = self.reduce(value * s if odd else value)
+            return powers[k, e]
+
+        def nested(items: list[tuple[tuple[int, ...], Any]], k: int) -> Polynomial:
+            if k == n:
+                return self.trig.from_dict({(0,) * (2 * n) + tuple(e[n:]): value for e, value in items})
+            groups: dict[int, list[tuple[tuple[int, ...], Any]]] = {}
+            for item in items:
+                groups.setdefault(item[0][k], []).append(item)
+            total = self.trig.constant(0)
+            for e, group in groups.items():
+                total += power(k, e) * nested(group, k + 1)
+            return total
+
+        return primitive(self.reduce(nested(list(f.terms()), 0)))
+
+    def trig_zero_set(self, f: Polynomial) -> Polynomial:
+        """A trigonometric polynomial with the zeros of f: `to_trig`, of f² where f itself has half angles."""
+        found = self.to_trig(f)
+        return found if found is not None else self.to_trig(f * f)
+
+    def determinant(self, rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
+        """Determinant of a square matrix over `trig`, reduced: Laplace along sparse rows, minors kept."""
+        n = len(rows)
+        order = sorted(range(n), key=lambda r: sum(1 for x in rows[r] if x != 0))
+        swaps = sum(1 for i in range(n) for j in range(i) if order[j] > order[i])
+        minors: dict[tuple[int, ...], Polynomial] = {}
+
+        def minor(columns: tuple[int, ...]) -> Polynomial:
+            if not columns:
+                return self.one
+            if columns not in minors:
+                row = rows[order[n - len(columns)]]
+                total = self.zero
+                for place, column in enumerate(columns):
+                    if row[column] != 0:
+                        part = row[column] * minor(columns[:place] + columns[place + 1 :])
+                        total = total - part if place % 2 else total + part
+                minors[columns] = self.reduce(total)
+            return minors[columns]
+
+        found = minor(tuple(range(n)))
+        return -found if swaps % 2 else found
+
+
+def used(f: Polynomial) -> list[int]:
+    """Places of the variables that occur in f."""
+    return [place for place, degree in enumerate(f.degrees()) if degree > 0]
+
+
+def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
+    """f as a polynomial in one variable: coefficients from power 0 up."""
+    context = f.context()
+    parts: dict[int, dict[tuple[int, ...], Any]] = {}
+    for e, value in f.terms():
+        parts.setdefault(e[place], {})[(*e[:place], 0, *e[place + 1 :])] = value
+    return [context.from_dict(parts.get(power, {})) for power in range(max(parts, default=0) + 1)]
+
+
+def primitive(f: Polynomial) -> Polynomial:
+    """f with whole coprime coefficients, the first one positive."""
+    values = f.coeffs()
+    if not values:
+        return f
+    top, bottom = 0, 1
+    for value in values:
+        top, bottom = gcd(top, int(value.p)), lcm(bottom, int(value.q))
+    if values[0] < 0:
+        top = -top
+    return f * flint().fmpq(bottom, top)
+
+
+def _ordered(atoms: list[tuple[Atom, int]]) -> list[tuple[Atom, int]]:
+    """Pinned joints first, by joint and value; then polynomials, short ones first."""
+    return sorted(atoms, key=lambda pair: order(pair[0]))
+
+
+def order(atom: Atom) -> tuple[Any, ...]:
+    """Sort key of atoms: pinned joints by number and value, then polynomials by length."""
+    if atom.pinned:
+        return (0, atom.joint, SIMPLE.index(atom.value), "")
+    return (1, len(atom.f), 0, atom.key)

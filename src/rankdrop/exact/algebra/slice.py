@@ -1,0 +1,86 @@
+"""Whether a system of conditions binds more than so many freedoms: its points on random planes, modulo a prime.
+
+A set of codimension c meets every plane of dimension c in general position. So a system without a common zero on random
+lines (planes) has no piece of codimension 1 (2). Only zeros modulo P count: where 1 + t² = 0 there is none, as over
+the reals.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from functools import reduce
+
+from rankdrop.exact.algebra.field import P, modulo, roots
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.ring import used
+
+_SEED = 20
+_SLICES = 12  # an irreducible piece has no zero modulo P on a slice with a chance of 1/e: on all of them with 6e-6
+
+
+def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
+    """Whether a system has no piece of codimension `most` or less that could be real.
+
+    Only `most` of 1 and 2 are looked into; for more the answer is False.
+
+    Args:
+        system: polynomials of the half-angle ring.
+        most: codimension.
+        moving: so many of their first variables depend on the configuration; the others are lengths.
+    """
+    if most < 1:
+        return bool(system)
+    variables = {place for f in system for place in used(f) if place < moving}
+    dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
+    if dimension > 2 or len(system) <= dimension:
+        return False
+    rng = random.Random(_SEED)
+    for _ in range(_SLICES):
+        found = _zeros(system, dimension, moving, rng)
+        if found is not None:
+            return not found
+    return True
+
+
+def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random) -> bool | None:
+    """Whether there is a common zero modulo P on one random slice; None where there are others only."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
+    x, y = context.gens()
+    variables = (x, y)[:dimension]
+    forms = [
+        sum((rng.randrange(P) * v for v in variables if place < moving), context.constant(rng.randrange(P)))
+        for place in range(system[0].context().nvars())
+    ]
+    sliced = sorted((_sliced(f, forms, context) for f in system), key=lambda f: int(f.total_degree()))
+    if dimension == 1:
+        common = reduce(lambda f, g: f.gcd(g), sliced)
+        return False if common.is_constant() else (True if roots(_values(common, 0)) else None)
+    common = reduce(lambda f, g: f.gcd(g), (sliced[0].resultant(f, "y") for f in sliced[1:]))
+    if common.is_constant() and common != 0:
+        return False
+    for at in roots(_values(common, 0)):
+        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(_values(f.subs({"x": at}), 1), P) for f in sliced))
+        if there.degree() > 0 and roots([int(value) for value in there.coeffs()]):
+            return True
+    return None
+
+
+def _values(f: Polynomial, place: int) -> list[int]:
+    parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
+    return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
+
+
+def _sliced(f: Polynomial, forms: Sequence[Polynomial], context: Polynomial) -> Polynomial:
+    powers: dict[tuple[int, int], Polynomial] = {}
+    total = context.constant(0)
+    for exponents, value in f.terms():
+        term = context.constant(modulo(value))
+        for place, e in enumerate(map(int, exponents)):
+            if e:
+                if (place, e) not in powers:
+                    powers[place, e] = forms[place] ** e
+                term = term * powers[place, e]
+        total += term
+    return total

@@ -1,0 +1,143 @@
+"""An irreducible set cut by one more condition.
+
+Where the condition does not hold on all of it, an irreducible set loses exactly one dimension, everywhere (Krull):
+pieces of another dimension are dropped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rankdrop.exact.algebra.decompose import at, decompose, divides, factors, form, linear, substituted
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.variety import Variety, independent
+from rankdrop.exact.algebra.work import Work
+
+
+def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
+    """The irreducible components of the points of a set at which a trigonometric polynomial vanishes.
+
+    Args:
+        one: irreducible set.
+        p: trigonometric polynomial.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        `[one]` where p vanishes on all of it; else components of one dimension less.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    ring = one.ring
+    p = ring.at(p, one.pins)
+    if p == 0:
+        return [one]
+    found = ring.factor(p)
+    for letters, _ in found.letters:
+        work.assume(letters)
+    pieces: list[Variety] = []
+    for atom, _ in found.atoms:
+        if atom.pinned:
+            pieces += pinned(one, atom.joint, atom.value, work)
+        else:
+            parts = cut_half(one, atom.f, work)
+            if parts and parts[0] is one:
+                return [one]
+            pieces += parts
+    return independent(pieces)
+
+
+def pinned(one: Variety, joint: int, value: str, work: Work) -> list[Variety]:
+    """The components of an irreducible set on which a joint stands at a simple angle."""
+    ring = one.ring
+    if joint in one.pins:
+        return [one] if one.pins[joint] == value else []
+    if one.stands(joint, value):
+        return [one]
+    conditions = [at(ring, form(f, ring), {joint: value}) for f in one.equations]
+    most = one.codimension - len(one.pins)
+    found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
+    return [piece for piece in found if piece.codimension == one.codimension + 1]
+
+
+def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
+    """As `cut`, for a half-angle polynomial that does not contain pinned joints."""
+    ring = one.ring
+    value, deficient = _normal(one, f)
+    if value == 0 or one.half_vanishes(f):
+        return [one]
+    pieces: list[Variety] = []
+    for joint in deficient:
+        pieces += pinned(one, joint, "pi", work)
+    for atom in factors(ring, value, work):
+        pieces += _with(one, atom, work)
+    for edge in _edges(one, work):
+        if edge.half_vanishes(f):
+            pieces.append(edge)
+    wanted = one.codimension + 1
+    return independent([piece for piece in pieces if piece.codimension == wanted and piece.half_vanishes(f)])
+
+
+def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
+    """An irreducible set cut by an irreducible polynomial in variables that are still free on it."""
+    ring = one.ring
+    atom = ring.atom(h)
+    if atom.pinned:
+        return pinned(one, atom.joint, atom.value, work)
+    h = atom.f
+    if any(divides(h, solved.denominator) for solved in one.solved):
+        return []  # the solution does not exist there: see `_edges`
+    if not one.rest:
+        solved = linear(ring, h)
+        if solved is not None:
+            return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
+        return [replace(one, rest=(h,), equations=(*one.equations, h))]
+    system = [form(f, ring) for f in (*one.equations, h)]
+    return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+
+
+def _normal(one: Variety, f: Polynomial) -> tuple[Polynomial, list[int]]:
+    """f in the free variables of a set (times denominators), and the joints at whose π it vanishes there."""
+    ring = one.ring
+    angles = range(ring.angles)
+    degree = list(map(int, f.degrees()))
+    for solved in one.solved:
+        power = degree[solved.place]
+        if power:
+            tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
+            for k in angles:
+                degree[k] += power * max(int(tops[k]), int(bottoms[k]))
+            degree[solved.place] = 0
+            f = substituted(f, solved)
+    if f == 0:
+        return f, []
+    actual = f.degrees()
+    joints = [ring.revolute[k] for k in angles if degree[k] > actual[k] and ring.revolute[k] not in one.pins]
+    taken = {solved.place for solved in one.solved}
+    return f, [j for j in joints if ring.index[f"t{j}"] not in taken]
+
+
+def _edges(one: Variety, work: Work) -> list[Variety]:
+    """Components of an irreducible set at which one of its solutions has no denominator: there t_k is ∞, or free."""
+    kept = one.__dict__.get("edges")
+    if kept is not None:
+        return list(kept)
+    ring, found = one.ring, list[Variety]()
+    most = one.codimension + 1 - len(one.pins)
+    for place, solved in enumerate(one.solved):
+        later = replace(one, solved=one.solved[place + 1 :])
+        bottom, _ = _normal(later, solved.denominator)
+        top, _ = _normal(later, solved.numerator)
+        for factor in factors(ring, bottom, work) if bottom != 0 else []:
+            work.check()
+            if solved.place < ring.angles:
+                joint = ring.revolute[solved.place]
+                there = [at(ring, form(f, ring), {joint: "pi"}) for f in (*one.equations, factor)]
+                found += decompose(ring, {**one.pins, joint: "pi"}, there, most - 1, work)
+            if top == 0:
+                continue
+            system = (*one.equations, factor, solved.numerator, solved.denominator)
+            found += decompose(ring, one.pins, [form(f, ring) for f in system], most, work)
+    edges = [piece for piece in independent(found) if piece.codimension == one.codimension + 1]
+    one.__dict__["edges"] = edges  # remembered: a set is cut many times
+    return edges

@@ -1,0 +1,204 @@
+"""An irreducible closed set of configurations, exactly.
+
+Some joints are pinned at simple angles; each further condition is solved, where it can be, for a variable it is linear
+in:  t_k = N / D  with N and D in the variables that are left. What cannot be solved so is kept as an irreducible
+polynomial. Such a set is given by its free variables, so a random point of it is found by filling in, modulo a prime,
+and a polynomial vanishes on the whole set when it vanishes at a random point of it (see `field`).
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from rankdrop.exact.algebra.field import (
+    Evaluator,
+    P,
+    Point,
+    common_zeros,
+    complete,
+    half_evaluator,
+    roots,
+    trig_evaluator,
+)
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import COS_SIN, Ring, used
+
+_TRIES = 80
+_POINTS = 2  # random points on which something has to hold to be believed: one would do, to within 1e-15
+
+
+@dataclass(frozen=True)
+class Solved:
+    """t_k = numerator / denominator.
+
+    Attributes:
+        place: of the variable in the half-angle ring.
+        numerator, denominator: in variables that are neither pinned nor solved before.
+    """
+
+    place: int
+    numerator: Polynomial
+    denominator: Polynomial
+
+
+@dataclass(frozen=True, eq=False)
+class Variety:
+    """An irreducible closed set of configurations.
+
+    Attributes:
+        ring: of its polynomials.
+        pins: simple angles (out of `ring.SIMPLE`) of pinned joints, by number.
+        solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
+        rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
+            `also` and `apart` tell which.
+        also: trigonometric polynomials that vanish on this set.
+        apart: trigonometric polynomials that do not vanish on all of it.
+        equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
+    """
+
+    ring: Ring
+    pins: Mapping[int, str]
+    solved: tuple[Solved, ...] = ()
+    rest: tuple[Polynomial, ...] = ()
+    also: tuple[Polynomial, ...] = ()
+    apart: tuple[Polynomial, ...] = ()
+    equations: tuple[Polynomial, ...] = ()
+
+    @classmethod
+    def whole(cls, ring: Ring) -> Variety:
+        """Every configuration."""
+        return cls(ring, {})
+
+    @property
+    def codimension(self) -> int:
+        """Number of joints less the dimension."""
+        return len(self.pins) + len(self.solved) + len(self.rest)
+
+    @property
+    def dimension(self) -> int:
+        """Freedoms of the arm on it."""
+        return self.ring.moving - self.codimension
+
+    @cached_property
+    def key(self) -> str:
+        """Text that tells this set's conditions."""
+        pins = ",".join(f"θ{j}={value}" for j, value in sorted(self.pins.items()))
+        return pins + "|" + ";".join(sorted(map(str, self.equations)))
+
+    def point(self, rng: random.Random) -> Point | None:
+        """A random point of the set modulo P; None where none was met (some sets have none: 1 + t² = 0)."""
+        ring, evaluate = self.ring, half_evaluator(self.ring)
+        for _ in range(_TRIES):
+            values: dict[str, int] = {name: rng.randrange(2, P) for name in ring.names}
+            for joint, value in self.pins.items():
+                if value != "pi":
+                    values[f"t{joint}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[value]
+            if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
+                continue
+            point = complete(ring, values, self.pins)
+            if point is not None and self._chosen(point):
+                return point
+        return None
+
+    def _chosen(self, point: Point) -> bool:
+        evaluate = trig_evaluator(self.ring)
+        return all(evaluate(p, point) == 0 for p in self.also) and all(evaluate(p, point) for p in self.apart)
+
+    def _fill_in(self, values: dict[str, int], evaluate: Evaluator) -> bool:
+        for one in reversed(self.solved):
+            bottom = evaluate(one.denominator, values)
+            if bottom == 0:
+                return False
+            values[self.ring.names[one.place]] = evaluate(one.numerator, values) * pow(bottom, -1, P) % P
+        return True
+
+    def _solve_rest(self, values: dict[str, int], rng: random.Random) -> bool:
+        """Fill in values of as many variables as there are unsolved conditions."""
+        if not self.rest:
+            return True
+        ring, evaluate = self.ring, half_evaluator(self.ring)
+        taken = {one.place for one in self.solved}
+        places = [[p for p in used(f) if p < ring.moving and p not in taken] for f in self.rest]
+        if len(self.rest) == 1:
+            name = ring.names[rng.choice(places[0])]
+            found = roots(evaluate.in_one(self.rest[0], name, values))
+            if found:
+                values[name] = rng.choice(found)
+            return bool(found)
+        if len(self.rest) > 2:
+            return False
+        f, g = self.rest
+        pairs = [(a, b) for a in places[0] for b in places[1] if a != b]
+        if not pairs:
+            return False
+        a, b = (ring.names[p] for p in rng.choice(pairs))
+        zero = common_zeros(evaluate.in_two(f, a, b, values), evaluate.in_two(g, a, b, values), rng)
+        if zero is None:
+            return False
+        values[a], values[b] = zero
+        return True
+
+    def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
+        """Random points modulo P, fewer than `count` where they are not met."""
+        found = (self.point(rng) for _ in range(count))
+        return [point for point in found if point is not None]
+
+    @cached_property
+    def samples(self) -> list[Point]:
+        """Two random points, always the same."""
+        return self.points(random.Random(self.key), _POINTS)
+
+    def vanishes(self, p: Polynomial) -> bool:
+        """Whether a trigonometric polynomial is zero on the whole set."""
+        evaluate = trig_evaluator(self.ring)
+        return bool(self.samples) and all(evaluate(p, point) == 0 for point in self.samples)
+
+    def half_vanishes(self, f: Polynomial) -> bool:
+        """Whether a half-angle polynomial is zero on the whole set, the joints at π included."""
+        there = {j: "pi" for j, value in self.pins.items() if value == "pi"}
+        f = self.ring.half_at(f, there)
+        if f == 0:
+            return True
+        evaluate = half_evaluator(self.ring)
+        return bool(self.samples) and all(evaluate(f, point) == 0 for point in self.samples)
+
+    def stands(self, joint: int, value: str) -> bool:
+        """Whether a revolute joint is at a simple angle on the whole set."""
+        cosine, sine = (x % P for x in COS_SIN[value])
+        return bool(self.samples) and all(p[f"c{joint}"] == cosine and p[f"s{joint}"] == sine for p in self.samples)
+
+    def holds_at(self, points: Sequence[Point]) -> bool:
+        """Whether every condition of this set holds at points modulo P that give values to all its variables."""
+        ring = self.ring
+        evaluate, trig = half_evaluator(ring), trig_evaluator(ring)
+        for point in points:
+            for joint, value in self.pins.items():
+                cosine, sine = COS_SIN[value]
+                if (point[f"c{joint}"] - cosine) % P or (point[f"s{joint}"] - sine) % P:
+                    return False
+            far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
+            for f in self.equations:
+                g = ring.half_at(f, far)
+                if g != 0 and evaluate(g, point):
+                    return False
+            if any(trig(p, point) for p in self.also):
+                return False
+        return True
+
+    def inside(self, other: Variety) -> bool:
+        """Whether every condition of another set holds on this one."""
+        if self.codimension < other.codimension or not self.samples:
+            return False
+        return other.holds_at(self.samples)
+
+
+def independent(found: Sequence[Variety]) -> list[Variety]:
+    """The sets that lie in no other one."""
+    kept: list[Variety] = []
+    for one in sorted(found, key=lambda v: v.codimension):
+        if not any(one.inside(other) for other in kept):
+            kept.append(one)
+    return kept

@@ -1,0 +1,71 @@
+"""What a derivation carries along: its deadline, its source of random points, what it had to assume."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Mapping, Sequence
+from math import inf
+from time import monotonic
+
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import primitive
+
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)"""
+
+
+class OutOfTime(Exception):
+    """The time limit has passed; whoever catches it says what is left."""
+
+
+class Work:
+    """One derivation in progress.
+
+    Args:
+        seconds: time limit from now on; infinity for none.
+        seed: of the random points.
+        progress: called now and then as progress(label, done, total).
+
+    Attributes:
+        rng: source of random numbers.
+        unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
+        assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
+    """
+
+    def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
+        self._end = monotonic() + seconds
+        self._progress = progress
+        self.rng = random.Random(seed)
+        self.assumed: dict[str, Polynomial] = {}
+        self.unresolved: list[str] = []
+
+    def check(self) -> None:
+        """Call this in every loop that may be long.
+
+        Raises:
+            OutOfTime: the time limit has passed.
+        """
+        if monotonic() > self._end:
+            raise OutOfTime
+
+    def show(self, label: str, done: int, total: int) -> None:
+        """Tell how far the derivation is."""
+        if self._progress is not None:
+            self._progress(label, done, total)
+
+    @property
+    def left(self) -> float:
+        """Seconds until the time limit."""
+        return self._end - monotonic()
+
+    def assume(self, f: Polynomial) -> None:
+        """Keep a factor in lengths alone as assumed ≠ 0."""
+        f = primitive(f)
+        if not f.is_constant():
+            self.assumed.setdefault(str(f), f)
+
+    def leave(self, pins: Mapping[int, str], system: Sequence[Polynomial]) -> None:
+        """Keep a system that could not be taken apart."""
+        self.unresolved.append(
+            "; ".join([*(f"θ{j} = {value}" for j, value in pins.items()), *(f"{f} = 0" for f in system)])
+        )

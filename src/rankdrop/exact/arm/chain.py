@@ -1,0 +1,346 @@
+"""A robot over the exact ring: its joint screws as trigonometric polynomials in joint angles and lengths."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from rankdrop.errors import OptionError, TaskError
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.arm.geometry import DIGITS, Section, first_and_last, sections
+from rankdrop.frames import BODY, WORLD_ALIGNED
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task, resolve_task
+
+Matrix = list[list[Polynomial]]
+MANY = 8
+"""More different lengths than this stay numbers unless letters are asked for."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A robot made exact.
+
+    Attributes:
+        robot, task: as given.
+        sections: twists, lengths and phases, exact.
+        letters: value [m] of each length that is a symbol, by its name.
+        written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
+        remarks: what was rounded or snapped on the way.
+    """
+
+    robot: Robot
+    task: Task
+    sections: tuple[Section, ...]
+    letters: Mapping[str, Fraction]
+    written: Mapping[tuple[int, str], tuple[int, str]]
+    remarks: tuple[str, ...]
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.sections)
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The ring its screws live in; joints are numbered from 1."""
+        revolute = [i for i, s in enumerate(self.sections, 1) if s.kind is JointKind.REVOLUTE]
+        prismatic = [i for i, s in enumerate(self.sections, 1) if s.kind is JointKind.PRISMATIC]
+        return Ring(revolute, prismatic, tuple(self.letters))
+
+    @cached_property
+    def shifts(self) -> Array:
+        """(n,) what is to be added to q to get the variables of the conditions: θ = q + shift [rad, m]."""
+        return np.array([section.shift for section in self.sections])
+
+    @cached_property
+    def numbers(self) -> dict[str, float]:
+        """The letters' values as floats [m]."""
+        return {name: float(value) for name, value in self.letters.items()}
+
+    def length(self, place: int, which: str) -> Polynomial:
+        """Length "a" or "d" of section `place` (from 0) as an element of the trigonometric ring."""
+        if (place, which) in self.written:
+            sign, letter = self.written[place, which]
+            return self.ring.letter[letter] * sign
+        return self.ring.constant(getattr(self.sections[place], which))
+
+    @cached_property
+    def frame(self) -> int:
+        """The link frame (1 … n − 1) in which the screws are shortest."""
+        if self.n == 1:
+            return 1
+
+        def terms(k: int) -> int:
+            return sum(len(x) for column in self.screws(k) for x in column)
+
+        return min(range(1, self.n), key=lambda k: (terms(k), abs(2 * k - self.n)))
+
+    @cached_property
+    def columns(self) -> list[list[Polynomial]]:
+        """The n columns of the task Jacobian, one entry per row of the task, in the axes where they are shortest.
+
+        For all six rows: the screws (v; ω) in the frame of link `frame`. For the three of translation: at the tip. The
+        axes do not matter for either. Other rows are taken in the task's own axes, less a turn about the first axis
+        that does not change their span.
+        """
+        rows = self.task.rows
+        if rows == (0, 1, 2, 3, 4, 5):
+            return self.screws(self.frame)
+        if rows in ((0, 1, 2), (3, 4, 5)):
+            return min(
+                ([[c[r] for r in rows] for c in self._at_tip(k)] for k in range(1, self.n + 1)),
+                key=lambda columns: sum(len(x) for c in columns for x in c),
+            )
+        return [[column[r] for r in rows] for column in self._in_task_axes()]
+
+    def screws(self, k: int) -> list[list[Polynomial]]:
+        """The n joint screws (v; ω) in the frame of link k (1 … n): z along axis k, x along the normal after it."""
+        if k not in self._screws:
+            self._screws[k] = [
+                _screw(self.ring, pose, s.kind) for pose, s in zip(self._poses(k), self.sections, strict=True)
+            ]
+        return self._screws[k]
+
+    def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
+        if k == m:
+            return self.screws(k)
+        pose = self._poses(k)[m - 1]
+        if m > k:  # the frame before joint m turns and slides
+            pose = _times(self.ring, pose, self._joint(m))
+        return [_moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
+
+    def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
+        """The n joint screws in the axes of link k, the linear part taken at the tip."""
+        return self._at_tip(k)
+
+    @cached_property
+    def _screws(self) -> dict[int, list[list[Polynomial]]]:
+        return {}
+
+    def _poses(self, k: int) -> list[Matrix]:
+        """Per joint a frame with z along its axis, seen from the frame of link k."""
+        ring = self.ring
+        found: dict[int, Matrix] = {}
+        pose = _identity(ring)
+        for j in range(k + 1, self.n + 1):
+            pose = _times(ring, pose, self._link(j - 1))
+            found[j] = pose
+            pose = _times(ring, pose, self._joint(j))
+        pose = _identity(ring)
+        for j in range(k, 0, -1):
+            found[j] = pose
+            pose = _times(ring, pose, _inverse(ring, self._joint(j)))
+            if j > 1:
+                pose = _times(ring, pose, _inverse(ring, self._link(j - 1)))
+        return [found[j] for j in range(1, self.n + 1)]
+
+    def _joint(self, j: int) -> Matrix:
+        """Rz(θ_j) Tz(d_j)."""
+        ring, section = self.ring, self.sections[j - 1]
+        d = self.length(j - 1, "d")
+        if section.kind is JointKind.PRISMATIC:
+            c, s = ring.constant(section.phase.cos), ring.constant(section.phase.sin)
+            d = d + ring.q[j]
+        else:
+            c, s = ring.c[j], ring.s[j]
+            for _ in range(section.phase.quarters or 0):
+                c, s = -s, c
+        zero, one = ring.zero, ring.one
+        return [[c, -s, zero, zero], [s, c, zero, zero], [zero, zero, one, d], [zero, zero, zero, one]]
+
+    def _link(self, j: int) -> Matrix:
+        """Tx(a_j) Rx(α_j)."""
+        ring, section = self.ring, self.sections[j - 1]
+        c, s = ring.constant(section.twist.cos), ring.constant(section.twist.sin)
+        zero, one = ring.zero, ring.one
+        a = self.length(j - 1, "a")
+        return [[one, zero, zero, a], [zero, c, -s, zero], [zero, s, c, zero], [zero, zero, zero, one]]
+
+    def _at_tip(self, k: int) -> list[list[Polynomial]]:
+        """Screws in the axes of link k with the reference point at the tip."""
+        ring = self.ring
+        pose = _identity(ring)
+        for j in range(k + 1, self.n + 1):
+            pose = _times(ring, _times(ring, pose, self._link(j - 1)), self._joint(j))
+        tip = [ring.constant(x) for x in self._end[1]]
+        point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
+        return [_moved(ring, screw, point) for screw in self.screws(k)]
+
+    def _in_task_axes(self) -> list[list[Polynomial]]:
+        """Screws at the tip along the axes of the task's frame."""
+        ring, rows = self.ring, set(self.task.rows)
+        body = self.task.frame == BODY
+        start, end = self._start, self._end
+        k, turned = (self.n, end[0]) if body else (1, start)
+        about_z = all(abs(turned[2][i]) == (i == 2) for i in range(3))
+        paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
+        screws = self._at_tip(k)
+        if about_z and paired:
+            return screws
+        rotation = [[ring.constant(x) for x in row] for row in turned]
+        if not body:  # link 1 turned by joint 1, seen from the base
+            joint = self._joint(1)
+            rotation = [
+                [sum((rotation[i][h] * joint[h][m] for h in range(3)), ring.zero) for m in range(3)] for i in range(3)
+            ]
+        return [
+            [
+                ring.reduce(sum((rotation[i][g] * screw[3 * h + g] for g in range(3)), ring.zero))
+                for h in range(2)
+                for i in range(3)
+            ]
+            for screw in screws
+        ]
+
+    @cached_property
+    def _start(self) -> list[list[Fraction]]:
+        """Rotation from the frame before joint 1 (z its axis, x the first normal) to the base."""
+        return _exact(first_and_last(self.robot)[0][:3, :3])
+
+    @cached_property
+    def _end(self) -> tuple[list[list[Fraction]], list[Fraction]]:
+        """(rotation from the frame of link n to the tip's axes, position of the tip in the frame of link n)."""
+        relative = np.linalg.inv(first_and_last(self.robot)[1]) @ self.robot.home
+        return _exact(relative[:3, :3].T), [Fraction(f"{x:.{DIGITS}f}") for x in relative[:3, 3]]
+
+    def with_letters(self, changed: Mapping[str, tuple[int, str]]) -> Chain:
+        """The chain of a special arm: some letters replaced, each by (sign, another letter)."""
+        written = {}
+        for place, (sign, letter) in self.written.items():
+            factor, other = changed.get(letter, (1, letter))
+            written[place] = (sign * factor, other)
+        letters = {name: value for name, value in self.letters.items() if name not in changed}
+        return replace(self, letters=letters, written=written)
+
+
+def exact_chain(
+    robot: Robot,
+    task: str | Task | None = None,
+    *,
+    lengths: str | Mapping[str, float] = "auto",
+    snap: float = 0.0,
+) -> Chain:
+    """Make a robot exact: twists as quarter turns or rationals, lengths as letters or decimals.
+
+    Equal lengths get the same letter, opposite ones that letter with a minus: an arm whose forearm is as long as its
+    upper arm is another arm, and its conditions are its own. Letters are Denavit and Hartenberg's with the number of
+    the link (a2, d4), unless the caller names them.
+
+    Args:
+        robot: revolute and prismatic joints, each a variable of its own.
+        task: as in `resolve_task`; None is the one that the arm is made for.
+        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns and there are at most `MANY`
+            different lengths), or a mapping from letters to values [m]: lengths of that value get the letter.
+        snap: lengths up to this are taken for zero [m].
+
+    Raises:
+        RobotError: a helical or a mimic joint.
+        TaskError: no such task.
+        OptionError: a letter that means something else in conditions, or that no length has.
+    """
+    resolved = resolve_task(task, robot)
+    if resolved.m < 6 and resolved.frame not in (WORLD_ALIGNED, BODY):
+        raise TaskError(
+            "exact conditions of a task with some rows only are derived in the base's or the tip's axes, at the tip",
+            got=resolved.frame,
+            allowed="WORLD_ALIGNED, BODY",
+        )
+    found, remarks = sections(robot, snap=snap)
+    letters, written = _letters(robot, found, lengths)
+    return Chain(robot, resolved, found, letters, written, remarks)
+
+
+def _letters(
+    robot: Robot, found: tuple[Section, ...], lengths: str | Mapping[str, float]
+) -> tuple[dict[str, Fraction], dict[tuple[int, str], tuple[int, str]]]:
+    if isinstance(lengths, str) and lengths not in ("auto", "letters", "numbers"):
+        raise OptionError(
+            "lengths are letters or numbers", got=repr(lengths), allowed="auto, letters, numbers, or letter = value"
+        )
+    given = {} if isinstance(lengths, str) else {name: Fraction(str(value)) for name, value in lengths.items()}
+    for name in given:
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d+|pi|sin|cos", name):
+            raise OptionError(
+                "a length cannot have this name",
+                where="lengths",
+                got=repr(name),
+                allowed="a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number",
+            )
+    if lengths == "numbers":
+        return {}, {}
+    # neither the first nor the last offset moves a screw against another one
+    places = [
+        (i, which) for i in range(len(found)) for which in "da" if 0 < i < len(found) - 1 or (i, which) == (0, "a")
+    ]
+    values = {place: getattr(found[place[0]], place[1]) for place in places}
+    values = {place: value for place, value in values.items() if value != 0}
+    if lengths == "auto":
+        turns = [t for s in found for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
+        if len({abs(value) for value in values.values()}) > MANY or any(t.quarters is None for t in turns):
+            return {}, {}
+    letters = dict(given)
+    written: dict[tuple[int, str], tuple[int, str]] = {}
+    for (i, which), value in values.items():
+        # a distance along an axis and one across it may agree by chance: they keep letters of their own
+        same = [name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)]
+        if given and not same:
+            continue
+        name = same[0] if same else f"{which}{i + 1}"
+        letters.setdefault(name, value)
+        written[i, which] = (1 if letters[name] == value else -1, name)
+    unused = set(given) - {name for _, name in written.values()}
+    if unused:
+        raise OptionError(
+            "no length of the arm has this value",
+            where="lengths",
+            got=", ".join(f"{n} = {float(given[n])} m" for n in unused),
+            allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
+        )
+    return letters, written
+
+
+def _identity(ring: Ring) -> Matrix:
+    return [[ring.one if i == j else ring.zero for j in range(4)] for i in range(4)]
+
+
+def _times(ring: Ring, one: Matrix, two: Matrix) -> Matrix:
+    return [
+        [ring.reduce(sum((one[i][k] * two[k][j] for k in range(4) if one[i][k] != 0 and two[k][j] != 0), ring.zero))
+         for j in range(4)]
+        for i in range(4)
+    ]  # fmt: skip
+
+
+def _inverse(ring: Ring, pose: Matrix) -> Matrix:
+    turned = [[pose[j][i] for j in range(3)] for i in range(3)]
+    back = [ring.reduce(-sum((turned[i][k] * pose[k][3] for k in range(3)), ring.zero)) for i in range(3)]
+    return [[*turned[i], back[i]] for i in range(3)] + [[ring.zero, ring.zero, ring.zero, ring.one]]
+
+
+def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
+    return [ring.reduce(a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) for i in range(3)]
+
+
+def _screw(ring: Ring, pose: Matrix, kind: JointKind) -> list[Polynomial]:
+    axis, point = [pose[i][2] for i in range(3)], [pose[i][3] for i in range(3)]
+    if kind is JointKind.PRISMATIC:
+        return [*axis, ring.zero, ring.zero, ring.zero]
+    return [*_cross(ring, point, axis), *axis]
+
+
+def _moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[Polynomial]:
+    """The screw with its linear part taken at another point: v + ω × point."""
+    cross = _cross(ring, screw[3:], point)
+    return [*(ring.reduce(v + w) for v, w in zip(screw[:3], cross, strict=True)), *screw[3:]]
+
+
+def _exact(rotation: Array) -> list[list[Fraction]]:
+    return [[Fraction(f"{x:.{DIGITS}f}") for x in row] for row in rotation]

@@ -1,0 +1,74 @@
+"""Polynomials in lengths alone: their value and sign for an arm, and as text."""
+
+from __future__ import annotations
+
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Ring, primitive
+from rankdrop.exact.arm.chain import Chain
+
+_ZERO = 1e-12
+
+
+def value_of(chain: Chain, f: Polynomial) -> float:
+    """f at the arm's own lengths, a float; f is of the half-angle ring and contains no joint."""
+    names = chain.ring.names
+    total = 0.0
+    for powers, value in f.terms():
+        part = float(int(value.p)) / float(int(value.q))
+        for name, power in zip(names, powers, strict=True):
+            if power:
+                part *= chain.numbers[name] ** int(power)
+        total += part
+    return total
+
+
+def sign_of(chain: Chain, f: Polynomial) -> int:
+    """Sign of f at the arm's own lengths: −1, 0 or 1."""
+    value = value_of(chain, f)
+    size = max((abs(float(int(c.p)) / float(int(c.q))) for c in f.coeffs()), default=1.0)
+    return 0 if abs(value) <= _ZERO * size else (1 if value > 0 else -1)
+
+
+def never_zero(chain: Chain, f: Polynomial) -> bool:
+    """Whether f cannot vanish while every length keeps its sign: all its terms have the same one."""
+    signs = set()
+    for powers, value in f.terms():
+        negative = value < 0
+        for name, power in zip(chain.ring.names, powers, strict=True):
+            if power % 2 and chain.numbers[name] < 0:
+                negative = not negative
+        signs.add(negative)
+    return len(signs) <= 1
+
+
+def letters_text(ring: Ring, f: Polynomial) -> str:
+    """A polynomial in lengths alone, factored: "(d3 − d5 − a6) (d3 − d5 + a6)"; "" for a positive number."""
+    content, factors = f.factor()
+    negative = bool(content < 0)
+    parts = []
+    for factor, power in factors:
+        kept = primitive(factor)
+        if power % 2 and factor.coeffs()[0] < 0:
+            negative = not negative
+        text = sum_text(ring, kept)
+        parts.append((f"({text})" if len(kept) > 1 and len(factors) + power > 2 else text) + _power(int(power)))
+    text = " ".join(parts)
+    return f"−{text}" if negative and text else text
+
+
+def sum_text(ring: Ring, f: Polynomial) -> str:
+    """A polynomial in lengths alone as a sum: "d3² − 2 d3 d5"."""
+    text = ""
+    for powers, value in f.terms():
+        number = abs(value)
+        factors = [f"{name}{_power(int(e))}" for name, e in zip(ring.names, powers, strict=True) if e]
+        body = " ".join(([] if number == 1 and factors else [str(number)]) + factors)
+        if text:
+            text += f" {'−' if value < 0 else '+'} {body}"
+        else:
+            text = ("−" if value < 0 else "") + body
+    return text or "0"
+
+
+def _power(e: int) -> str:
+    return "" if e == 1 else str(e).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -1,0 +1,1 @@
+"""Block triangular Jacobians (ML, JL): the arm and its wrist, or a planar triple, apart."""

@@ -1,0 +1,1 @@
+"""Conditions that people write, read exactly and held against the singular set."""

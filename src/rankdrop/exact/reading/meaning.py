@@ -1,0 +1,297 @@
+"""What trees of a condition mean in the ring of an arm: functions on the torus, exactly; angles as combinations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import pi
+
+import numpy as np
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.reading.grammar import Node, Statement, mistake
+from rankdrop.exact.writing.form import Product, Wave, added, half_of, number_of, wave
+
+TURNED = 1e-9
+"""Decimals of an angle within this of a quarter turn, shifts of joints added, are that quarter turn [rad]."""
+LARGEST = 20_000
+"""Terms a polynomial may have while a condition is read."""
+HIGH = 80
+"""Degree in the half-angle tangent of a joint while a condition is read."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2)."""
+
+    f: Polynomial
+    degrees: tuple[int, ...]
+    root: int = 0
+
+
+@dataclass(frozen=True)
+class Angle:
+    """A combination of joint angles: Σ turns_j θ_j + turn · π + decimal."""
+
+    turns: dict[int, Fraction]
+    turn: Fraction
+    decimal: Fraction
+
+
+class Meaning:
+    """Meaning of trees in a ring."""
+
+    def __init__(self, text: str, ring: Ring, shifts: Sequence[float] | None) -> None:
+        self.text, self.ring = text, ring
+        self.shifts = np.zeros(max([*ring.revolute, *ring.prismatic], default=0)) if shifts is None else shifts
+
+    def statement(self, one: Statement) -> Value:
+        """One condition."""
+        if self.is_angle(one.left) or any(self.is_angle(right) for right in one.rights):
+            value = self.relation(one)
+        elif len(one.rights) > 1:
+            what = "“or” stands between values of an angle only"
+            raise mistake(self.text, one.rights[1].place, what, allowed="θ4 = 0 or π")
+        else:
+            value = self.value(one.left)
+            if one.rights:
+                value = self.sum([value, self.negative(self.value(one.rights[0]))], one.rights[0])
+        return value
+
+    # angles
+
+    def is_angle(self, node: Node) -> bool:
+        """Whether a turning joint's variable stands in it outside sin and cos."""
+        if node.kind == "name":
+            joint = self.joint(node)
+            return joint is not None and joint in self.ring.revolute
+        return node.kind not in ("sin", "cos") and any(self.is_angle(part) for part in node.parts)
+
+    def relation(self, one: Statement) -> Value:
+        """Σ m_j θ_j = value, modulo 2π."""
+        value = Value(self.ring.half.constant(1), (0,) * self.ring.angles)
+        rights = [signed for right in one.rights for signed in _both(right)] or [Node("number", one.left.place)]
+        for right in rights:
+            left = self.angle(one.left)
+            other = self.angle(right)
+            turns = dict(left.turns)
+            for j, m in other.turns.items():
+                turns[j] = turns.get(j, Fraction(0)) - m
+            turns = {j: m for j, m in turns.items() if m}
+            if not turns or any(m.denominator != 1 for m in turns.values()):
+                raise mistake(self.text, one.left.place, "an equation of angles needs whole multiples of them on it")
+            half = Fraction(1, 2)
+            angle = Angle(
+                {j: m * half for j, m in turns.items()}, (left.turn - other.turn) * half,
+                (left.decimal - other.decimal) * half,
+            )  # fmt: skip
+            value = self.product(value, self.wave("sin", angle, one.left), one.left)
+        return value
+
+    def angle(self, node: Node) -> Angle:
+        """The tree as an angle."""
+        if node.kind == "number":
+            return Angle({}, Fraction(0), node.number)
+        if node.kind == "name":
+            return self.named_angle(node)
+        if node.kind == "-":
+            return _scaled(self.angle(node.parts[0]), Fraction(-1))
+        if node.kind == "+":
+            total = Angle({}, Fraction(0), Fraction(0))
+            for part in node.parts:
+                one = self.angle(part)
+                turns = {j: total.turns.get(j, Fraction(0)) + one.turns.get(j, Fraction(0))
+                         for j in total.turns.keys() | one.turns.keys()}  # fmt: skip
+                total = Angle(turns, total.turn + one.turn, total.decimal + one.decimal)
+            return total
+        if node.kind == "*":
+            number, kept = Fraction(1), Angle({}, Fraction(0), Fraction(1))
+            for part in node.parts:
+                one = self.angle(part.parts[0] if part.kind == "/" else part)
+                plain = not one.turns and not one.turn
+                if part.kind == "/":
+                    if not plain or not one.decimal:
+                        raise mistake(self.text, part.place, "an angle is divided by numbers only, not by 0")
+                    number /= one.decimal
+                elif plain:
+                    number *= one.decimal
+                elif kept.turns or kept.turn:
+                    raise mistake(self.text, part.place, "angles are multiplied by numbers only")
+                else:
+                    kept = one
+            return _scaled(kept, number)
+        raise mistake(self.text, node.place, "this is no angle", allowed="multiples of joint angles, pi, numbers")
+
+    def named_angle(self, node: Node) -> Angle:
+        """π, q3 or θ3."""
+        if node.name in ("pi", "π"):
+            return Angle({}, Fraction(1), Fraction(0))
+        joint = self.joint(node)
+        if joint is None or joint not in self.ring.revolute:
+            raise mistake(self.text, node.place, "this is no angle", allowed=self.angles())
+        shift = Fraction(float(self.shifts[joint - 1])) if node.name[0] == "q" else Fraction(0)
+        return Angle({joint: Fraction(1)}, Fraction(0), -shift)  # q = θ − shift
+
+    def angles(self) -> str:
+        """The names of angles that may be used."""
+        return ", ".join([*(f"q{j}" for j in self.ring.revolute), "θ for q", "pi"])
+
+    def wave(self, kind: str, angle: Angle, node: Node) -> Value:
+        """sin or cos of an angle."""
+        turns = {j: 2 * m for j, m in angle.turns.items() if m}
+        for j, m in turns.items():
+            if m.denominator != 1 or abs(m) > 40:
+                what = f"{m / 2} θ{j} is no whole or half multiple of the angle, up to 20"
+                raise mistake(self.text, node.place, what)
+        quarters = angle.turn * 2 + Fraction(round(float(angle.decimal) / (pi / 4)), 2)
+        if abs(float(angle.decimal) - round(float(angle.decimal) / (pi / 4)) * pi / 4) > TURNED:
+            raise self.not_exact(angle, node)
+        eighths = quarters * 2
+        if eighths.denominator != 1:
+            raise mistake(self.text, node.place, "this angle is not exact", allowed="whole numbers of pi/2, or of pi/4")
+        whole = {j: int(m) for j, m in turns.items()}
+        found = self.turned(kind, whole, int(eighths) // 2)
+        if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
+            found = self.sum([found, self.turned(kind, whole, int(eighths) // 2 + 1)], node)
+            found = Value(found.f / 2, found.degrees, 1)
+        return found
+
+    def not_exact(self, angle: Angle, node: Node) -> OptionError:
+        """The error for an angle with a decimal in it that is no quarter turn."""
+        shifted = [j for j in angle.turns if j <= len(self.shifts) and self.shifts[j - 1]]
+        if shifted:
+            names = ", ".join(f"θ{j} = q{j} {'−' if self.shifts[j - 1] < 0 else '+'} {abs(self.shifts[j - 1]):.6g} rad"
+                              for j in shifted)  # fmt: skip
+            return mistake(
+                self.text, node.place, "sines and cosines of this angle are not exact",
+                allowed=f"θ in place of q, with {names}", mend="write θ, or add the shift to q",
+            )  # fmt: skip
+        allowed = "whole and half angles, plus quarter turns (pi/2)"
+        return mistake(self.text, node.place, "this angle is not exact", allowed=allowed)
+
+    def turned(self, kind: str, turns: dict[int, int], quarters: int) -> Value:
+        """sin or cos of Σ turns_j θ_j / 2 plus quarter turns."""
+        kinds = ("cos", "sin")  # cos, −sin, −cos, sin as the angle grows by quarter turns
+        steps = (quarters + (3 if kind == "sin" else 0)) % 4
+        sign, one = wave(kinds[steps % 2], turns)
+        sign = -sign if steps in (1, 2) else sign
+        form = Product(Fraction(sign), () if one is None else ((one, 1),))
+        return Value(*half_of(form, self.ring))
+
+    # values
+
+    def value(self, node: Node) -> Value:
+        """The tree as a function on the torus."""
+        none = (0,) * self.ring.angles
+        if node.kind == "number":
+            return Value(number_of(node.number, self.ring), none)
+        if node.kind == "name":
+            return self.named(node)
+        if node.kind in ("sin", "cos"):
+            return self.wave(node.kind, self.angle(node.parts[0]), node)
+        if node.kind == "-":
+            return self.negative(self.value(node.parts[0]))
+        if node.kind == "+":
+            return self.sum([self.value(part) for part in node.parts], node)
+        if node.kind == "**":
+            base, total = self.value(node.parts[0]), Value(self.ring.half.constant(1), none)
+            for _ in range(int(node.number)):
+                total = self.product(total, base, node)
+            return total
+        if node.kind == "*":
+            total = Value(self.ring.half.constant(1), none)
+            for part in node.parts:
+                total = self.product(total, self.inverse(part) if part.kind == "/" else self.value(part), part)
+            return total
+        raise mistake(self.text, node.place, "± stands before values of an angle only", allowed="θ4 = ±π/2")
+
+    def inverse(self, node: Node) -> Value:
+        """1 / a number."""
+        below = self.value(node.parts[0])
+        if below.root or any(below.degrees) or below.f == 0 or below.f.total_degree() > 0:
+            raise mistake(self.text, node.place, "a condition is divided by numbers only, not by 0")
+        return Value(1 / below.f.coeffs()[0] * self.ring.half.constant(1), below.degrees)
+
+    def named(self, node: Node) -> Value:
+        """A length, the variable of a slide, or s23."""
+        ring, name = self.ring, node.name
+        none = (0,) * ring.angles
+        if name in ring.letters:
+            return Value(ring.letter_half[name], none)
+        joint = self.joint(node)
+        if joint is not None and joint in ring.prismatic:
+            return Value(ring.q_half[joint], none)
+        match = re.fullmatch(r"([sc])([1-9]+)", name)
+        if match is not None:
+            joints = [int(digit) for digit in match[2]]
+            if len(set(joints)) == len(joints) and set(joints) <= set(ring.revolute):
+                kind = "sin" if match[1] == "s" else "cos"
+                one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
+                return Value(*half_of(Product(Fraction(1), ((one, 1),)), ring))
+        if joint is not None:
+            raise mistake(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
+        allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
+        allowed += [f"sin and cos of {self.angles()}", "s23 for sin(θ2 + θ3)"] if ring.revolute else []
+        lengths = None if ring.letters else "the lengths of this arm are numbers here: write numbers"
+        raise mistake(self.text, node.place, f"{name[:40]!r} is not known", allowed=", ".join(allowed), mend=lengths)
+
+    def joint(self, node: Node) -> int | None:
+        """Number of the joint that a name speaks of; None for another name."""
+        if node.name in self.ring.letters:
+            return None
+        match = re.fullmatch(r"(q|θ|theta|th)_?(\d{1,3})", node.name)
+        if match is None:
+            return None
+        joint = int(match[2])
+        if joint not in self.ring.revolute and joint not in self.ring.prismatic:
+            known = ", ".join(f"q{j}" for j in sorted([*self.ring.revolute, *self.ring.prismatic]))
+            raise mistake(self.text, node.place, f"there is no joint {joint}", allowed=known)
+        return joint
+
+    def negative(self, value: Value) -> Value:
+        """−f."""
+        return Value(-value.f, value.degrees, value.root)
+
+    def product(self, one: Value, two: Value, node: Node) -> Value:
+        """f · g; √2 · √2 is 2."""
+        if len(one.f) * len(two.f) > LARGEST:
+            what = "multiplied out the condition has too many terms"
+            raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
+        degrees = tuple(a + b for a, b in zip(one.degrees, two.degrees, strict=True))
+        if max(degrees, default=0) > HIGH:
+            what = "the condition has too high powers of one angle's sine and cosine"
+            raise mistake(self.text, node.place, what, allowed=f"up to {HIGH // 2}")
+        root = one.root + two.root
+        f = one.f * two.f * (2 if root == 2 else 1)
+        return Value(f, degrees, root % 2)
+
+    def sum(self, values: list[Value], node: Node) -> Value:
+        """Σ f, over common degrees."""
+        kept = [value for value in values if value.f != 0] or values[:1]
+        if len({value.root for value in kept}) > 1:
+            what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"
+            raise mistake(self.text, node.place, what)
+        try:
+            f, degrees = added([(value.f, value.degrees) for value in kept], self.ring)
+        except ValueError as error:
+            raise mistake(self.text, node.place, f"{error}: the sign would depend on full turns") from error
+        return Value(f, degrees, kept[0].root)
+
+
+def _scaled(angle: Angle, number: Fraction) -> Angle:
+    return Angle({j: m * number for j, m in angle.turns.items()}, angle.turn * number, angle.decimal * number)
+
+
+def _both(node: Node) -> list[Node]:
+    """±x as x and −x."""
+    if node.kind == "±":
+        return [node.parts[0], Node("-", node.place, (node.parts[0],))]
+    if node.kind == "*" and node.parts[0].kind == "±":
+        first = node.parts[0].parts[0]
+        plus = Node("*", node.place, (first, *node.parts[1:]))
+        return [plus, Node("-", node.place, (plus,))]
+    return [node]

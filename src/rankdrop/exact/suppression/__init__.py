@@ -1,0 +1,1 @@
+"""Dependent-screw suppression (KG): disjoint families, proved step by step."""

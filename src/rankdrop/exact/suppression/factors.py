@@ -1,0 +1,245 @@
+"""A determinant on a stratum as a product of conditions, each readable as one trigonometric polynomial.
+
+Factors are unique in half-angle tangents only. What belongs together is joined again: θ = 0 and θ = π to sin θ, ±π/2 to
+cos θ. Where the stratum has several pieces (c4 = ±1), factors that all pieces share stay factors, and what is left of
+each piece is joined by Σ_ε (1 + ε c4)/2 · R_ε, one polynomial with c4 in it.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Atom, Ring, primitive
+from rankdrop.exact.suppression.piece import Factor
+from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
+
+
+@dataclass(frozen=True)
+class Product:
+    """What makes a polynomial vanish on a stratum.
+
+    Attributes:
+        polynomial: as it reads on the stratum.
+        factors: it vanishes where one of these conditions holds. Those known to be nowhere zero on the stratum are
+            left out.
+        letters: factors in lengths alone (half-angle ring), with multiplicities.
+        written: all factors that depend on the configuration, with multiplicities, as they are printed.
+        outer: c with polynomial = c · Π letters · Π written: a number, or one times cosines and sines that are ±1 on
+            the stratum; None where that is not how the polynomial factors on all pieces at once.
+    """
+
+    polynomial: Polynomial
+    factors: tuple[Factor, ...]
+    letters: tuple[tuple[Polynomial, int], ...]
+    written: tuple[tuple[Polynomial, int], ...]
+    outer: Polynomial | None
+
+
+def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
+    """The factors of a trigonometric polynomial on a stratum, short ones first; None where it vanishes on a piece."""
+    ring = stratum.ring
+    p = stratum.short(p)
+    if p == 0:
+        return None
+    every: list[dict[Atom, int]] = []
+    letters: dict[str, tuple[Polynomial, int]] = {}  # by text: polynomials have no hash
+    for there in stratum.combinations:
+        here = ring.at(p, there)
+        if here == 0:
+            return None
+        found = ring.factor(here)
+        every.append(dict(found.atoms))
+        for f, power in found.letters:
+            letters[str(f)] = (f, max(power, letters.get(str(f), (f, 0))[1]))
+    open_atoms: list[list[Atom]] = []
+    for atoms, there in zip(every, stratum.combinations, strict=True):
+        pieces = [piece for piece in stratum.pieces if piece.pins == there]
+        lists = [{atom: piece.factors(Factor(None, (atom,)), False) for atom in atoms} for piece in pieces]
+        if any(found is None for one in lists for found in one.values()):
+            return None
+        open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
+    powers = [(letters_polynomial(ring, f), power) for f, power in letters.values()]
+    shared = [atom for atom in open_atoms[0] if all(atom in other for other in open_atoms[1:])]
+    rests = [[atom for atom in atoms if atom not in shared] for atoms in open_atoms]
+    common = {a: min(atoms[a] for atoms in every) for a in every[0] if all(a in atoms for atoms in every)}
+    pins = [atom for atom in common if atom.pinned]  # ≠ 0 in the cases of the factors that are not pins
+    factors = [_shorter(ring, f, pins) for f in joined(ring, shared)]
+    written = _with_powers(ring, common)
+    if any(rests):
+        rest = _rest(stratum, without_letters(p, powers), shared, rests)
+        factors.append(Factor(rest, tuple(rests[0]) if len(rests) == 1 else None))
+        written.append((rest, 1))
+    factors.sort(key=lambda f: _length(f.polynomial))
+    written.sort(key=lambda pair: _length(pair[0]))
+    named = tuple(letters[key] for key in sorted(letters))
+    return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
+
+
+def _length(f: Polynomial) -> tuple[int, int, str]:
+    return len(f), f.total_degree(), str(f)
+
+
+def _with_powers(ring: Ring, atoms: Mapping[Atom, int]) -> list[tuple[Polynomial, int]]:
+    """The product of powers of atoms in trigonometric factors; half angles that do not pair are multiplied out."""
+    left = dict(atoms)
+    found = []
+    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+        for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
+            one, two = (ring.pin(j, value) for value in pair)
+            power = min(left.get(one, 0), left.get(two, 0))
+            if power:
+                found.append((generator, power))
+                left[one], left[two] = left[one] - power, left[two] - power
+    halves: list[Atom] = []
+    for atom, power in left.items():
+        if atom.f is not None and ring.to_trig(atom.f) is not None and power:
+            found.append((polynomial_of(ring, atom), power))
+        else:  # the polynomial has the square of the half angle's
+            found += [(polynomial_of(ring, atom), power // 2)] if power > 1 else []
+            halves += [atom] if power % 2 else []
+    if halves:
+        found.append((_half_angles(ring, halves), 1))
+    return found
+
+
+def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
+    """One trigonometric polynomial with the zeros of atoms that are not trigonometric one by one."""
+    f, at_pi = ring.half.constant(1), []
+    for atom in atoms:
+        if atom.value == "pi":
+            at_pi.append(atom.joint)
+        else:
+            f = f * _half_of(ring, atom)
+    p = ring.trig_zero_set(f)
+    return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
+
+
+def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
+    """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
+    left = list(atoms)
+    found = []
+    for j in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
+        for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
+            both = tuple(ring.pin(j, value) for value in pair)
+            if all(one in left for one in both):
+                found.append(Factor(generator, both))
+                left = [atom for atom in left if atom not in both]
+    return found + [Factor(polynomial_of(ring, atom), (atom,)) for atom in left]
+
+
+def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:
+    """A trigonometric polynomial that vanishes where an atom holds, and nowhere else."""
+    if not atom.pinned:
+        return ring.trig_zero_set(atom.f)
+    c, s = ring.c[atom.joint], ring.s[atom.joint]
+    return {"0": 1 - c, "pi": 1 + c, "pi/2": 1 - s, "-pi/2": 1 + s}[atom.value]
+
+
+def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
+    """One polynomial that vanishes on each piece where its own remaining atoms do."""
+    ring = stratum.ring
+    if not shared or not stratum.regular:
+        return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
+    point = _random_point(ring)
+    common = _times(ring, [f.polynomial for f in joined(ring, shared)])
+    total, first = ring.zero, 0
+    for pins, atoms in zip(stratum.combinations, rests, strict=True):
+        part = _unsquared(ring, atoms, shared)
+        ratio = _value(ring, ring.at(p, pins), point) * pow(_value(ring, ring.reduce(common * part), point), -1, P) % P
+        first = first or ratio
+        if (ratio + first) % P == 0:
+            part = -part  # as the signs of p are, so that R reads as p does
+        for j, angles in stratum.pins.items():
+            if angles == TOGETHER[0]:
+                part = part * (1 + ring.c[j] * (1 if pins[j] == "0" else -1))
+            elif angles == TOGETHER[1]:
+                part = part * (1 + ring.s[j] * (1 if pins[j] == "pi/2" else -1))
+        total += part
+    return primitive(stratum.short(total))
+
+
+def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Polynomial:
+    """A trigonometric polynomial with the zeros of some atoms and, rather than their squares, of a few spare ones."""
+    for count in range(len(spare) + 1):
+        for some in combinations(spare, count):
+            every = [*atoms, *some]
+            if any(atom.value == "pi" for atom in every):
+                continue
+            f = ring.half.constant(1)
+            for atom in every:
+                f = f * _half_of(ring, atom)
+            found = ring.to_trig(f)
+            if found is not None:
+                return found
+    return _times(ring, [f.polynomial for f in joined(ring, atoms)])
+
+
+def _shorter(ring: Ring, factor: Factor, pins: Sequence[Atom]) -> Factor:
+    """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
+    if factor.atoms is None or len(factor.atoms) != 1 or factor.atoms[0].pinned:
+        return factor
+    other = _unsquared(ring, factor.atoms, pins)
+    return Factor(other, factor.atoms) if 2 < len(other) < len(factor.polynomial) else factor
+
+
+def _half_of(ring: Ring, atom: Atom) -> Polynomial:
+    """The half-angle polynomial of an atom other than θ = π."""
+    return atom.f if atom.f is not None else ring.t[atom.joint] - {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
+
+
+def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:
+    """p divided by factors in lengths alone (trigonometric ring), as often as they divide it."""
+    for f, power in letters:
+        for _ in range(power):
+            quotient, remainder = divmod(p, f)
+            if remainder != 0:
+                break
+            p = quotient
+    return p
+
+
+def letters_polynomial(ring: Ring, f: Polynomial) -> Polynomial:
+    """A half-angle polynomial in lengths alone as an element of the trigonometric ring."""
+    skipped = (0,) * (2 * ring.angles + len(ring.prismatic))
+    return ring.trig.from_dict({(*skipped, *powers[ring.moving :]): value for powers, value in f.terms()})
+
+
+def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, int]]) -> Polynomial | None:
+    """c (a number, or one times cosines that are ±1) with p = c · Π factors."""
+    ring = stratum.ring
+    whole = stratum.short(_times(ring, [f for f, power in factors for _ in range(power)]))
+    signs = [ring.c[j] for j, angles in stratum.pins.items() if angles == TOGETHER[0]]
+    signs += [ring.s[j] for j, angles in stratum.pins.items() if angles == TOGETHER[1]]
+    for count in range(len(signs) + 1):
+        for some in combinations(signs, count):
+            unit = _times(ring, some)
+            here = stratum.short(whole * unit)
+            if here == 0:
+                continue
+            ratio = p.leading_coefficient() / here.leading_coefficient()
+            if p == here * ratio:
+                return unit * ratio
+    return None
+
+
+def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
+    found = ring.one
+    for f in factors:
+        found = ring.reduce(found * f)
+    return found
+
+
+def _random_point(ring: Ring) -> Point:
+    rng = random.Random(0)
+    point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
+    assert point is not None  # −1 is not a square modulo P
+    return point
+
+
+def _value(ring: Ring, p: Polynomial, point: Point) -> int:
+    return trig_evaluator(ring)(p, point)

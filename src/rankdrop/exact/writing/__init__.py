@@ -1,0 +1,1 @@
+"""Exact conditions for people and programs: text, LaTeX, Python, C, numeric equations."""

@@ -1,0 +1,203 @@
+"""Families as code: a Python module on NumPy, a C99 header, a LaTeX table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from keyword import iskeyword
+from typing import Protocol
+
+from rankdrop.errors import OptionError
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.notation import latex_name
+from rankdrop.exact.writing.pins import pin_c_code, pin_expression, pin_latex, pin_text
+
+TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
+"""Names that the Python module uses itself."""
+
+
+class Described(Protocol):
+    """What is read of a family."""
+
+    @property
+    def id(self) -> str:
+        """Short mark: "k1.f1"."""
+
+    @property
+    def name(self) -> str:
+        """Name for people."""
+
+    @property
+    def corank(self) -> int:
+        """Freedoms lost."""
+
+    @property
+    def pins(self) -> Sequence[tuple[int, Sequence[str]]]:
+        """(joint, values out of `SIMPLE`)."""
+
+    @property
+    def conditions(self) -> Sequence[Condition]:
+        """The other conditions."""
+
+
+@dataclass(frozen=True)
+class Code:
+    """Families of one arm, to be written as code.
+
+    Attributes:
+        robot: name of the arm.
+        n: number of joints.
+        families: at least one condition each.
+        letters: value of each length that is a symbol [m].
+        shifts: θ_j = q_j + shifts[j − 1] [rad]; empty for none.
+
+    Raises:
+        OptionError: a family without a condition, or two families whose marks differ in punctuation alone.
+    """
+
+    robot: str
+    n: int
+    families: Sequence[Described]
+    letters: Mapping[str, float]
+    shifts: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        for family in self.families:
+            if not family.pins and not family.conditions:
+                raise OptionError("a family without a condition has no residual", where=f"family {family.id}")
+        marks = [_function(family.id) for family in self.families]
+        if len(set(marks)) < len(marks):
+            raise OptionError("two families have the same name in code", got=", ".join(sorted(marks)))
+
+    def python(self) -> str:
+        """A Python module: one function per family, q (..., n) -> residuals (..., m), lengths as keyword arguments."""
+        head = [f"Singularities of {_plain(self.robot)}: one function per family, derived exactly by rankdrop.", ""]
+        head += [f"{line}" for line in self._explained()]
+        functions = [self._python_function(family) for family in self.families]
+        needed = [name for name in ("cos", "pi", "sin") if any(re.search(rf"\b{name}\b", f) for f in functions)]
+        imports = "import numpy as np\n" + (f"from numpy import {', '.join(needed)}\n" if needed else "")
+        entries = "".join(f'    "{family.id}": {_function(family.id)},\n' for family in self.families)
+        table = f'FAMILIES = {{\n{entries}}}\n"""The functions by the marks of their families."""\n'
+        return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
+
+    def _python_function(self, family: Described) -> str:
+        names = {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
+        shifts = self._shifts
+        residuals = [pin_expression(joint, values, shifts) for joint, values in family.pins]
+        residuals += [condition.expression(shifts=shifts, names=names) for condition in family.conditions]
+        used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
+        keywords = "".join(f", {name}={value!r}" for name, value in used.items())
+        lines = [f"def {_function(family.id)}(q{', *' if used else ''}{keywords}):"]
+        lines += [f'    """{_plain(family.name)}, corank {family.corank}.', ""]
+        lines += [f"    {line}" for line in self._conditions(family)]
+        lines += ["", "    Args:", f"        q: (..., {self.n}) joint variables [rad, slides m]."]
+        lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
+        lines += ["", "    Returns:", f"        (..., {len(residuals)}) residuals, all zero exactly on the family."]
+        lines += ['    """', "    q = np.asarray(q, dtype=float)"]
+        lines += [f"    q{j} = q[..., {j - 1}]" for j in self._joints(family)]
+        lines += ["    return np.stack(", "        [", *(f"            {text}," for text in residuals), "        ],"]
+        lines += ["        axis=-1,", "    )"]
+        return "\n".join(lines) + "\n"
+
+    def c(self) -> str:
+        """A C99 header: one inline function per family, lengths as macros that can be defined before."""
+        mark = _mark(self.robot)
+        prefix = f"RANKDROP_{mark.upper()}"
+        lines = [f"/* Singularities of {_comment(self.robot)}: one function per family, derived exactly by rankdrop."]
+        lines += [f" * {_comment(line)}" for line in self._explained()]
+        lines += [" */", f"#ifndef {prefix}_H", f"#define {prefix}_H", "", "#include <math.h>", ""]
+        for name, value in self.letters.items():
+            macro = f"{prefix}_{name}"
+            lines += [f"#ifndef {macro}", f"#define {macro} ({float(value)!r}) /* {name} [m] */", "#endif"]
+        names = {name: f"{prefix}_{name}" for name in self.letters}
+        for family in self.families:
+            lines += ["", *self._c_function(family, f"rankdrop_{mark}", names)]
+        return "\n".join([*lines, "", "#endif", ""])
+
+    def _c_function(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
+        residuals = [pin_c_code(joint, values, self._shifts) for joint, values in family.pins]
+        residuals += [condition.c_code(names=names, shifts=self._shifts) for condition in family.conditions]
+        lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
+        lines += [f" * {_comment(line)}" for line in self._conditions(family)]
+        lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
+        head = f"{prefix}_{_mark(family.id)}(const double q[{self.n}], double residual[{len(residuals)}])"
+        body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
+        return [*lines, f"static inline void {head}", "{", *body, "}"]
+
+    def latex(self) -> str:
+        """A table: family, corank, conditions; below it the lengths and, where there are any, the shifted angles."""
+        rows = []
+        for family in self.families:
+            conditions = [pin_latex(joint, values) for joint, values in family.pins]
+            conditions += [condition.latex() for condition in family.conditions]
+            shown = r"; \newline ".join(f"${text}$" for text in conditions)
+            rows.append(rf"{_escaped(family.name)} & {family.corank} & {shown} \\")
+        head = [r"\begin{tabular}{lrp{0.6\linewidth}}", r"family & corank & conditions \\", r"\hline"]
+        below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
+        for j, shift in self._shifted():
+            sign = "-" if shift < 0 else "+"
+            below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {abs(shift):.12g}\,\mathrm{{rad}}")
+        tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
+        return "\n".join([*head, *rows, r"\end{tabular}", *tail, ""])
+
+    @property
+    def _shifts(self) -> Sequence[float] | None:
+        return self.shifts if len(self.shifts) else None
+
+    def _shifted(self) -> Iterator[tuple[int, float]]:
+        """(joint, shift) of the joints whose angle is not their variable."""
+        yield from ((j, float(shift)) for j, shift in enumerate(self.shifts, 1) if shift)
+
+    def _explained(self) -> list[str]:
+        lines = [
+            f"q1 to q{self.n} are joint variables in rad, those of slides in m; lengths are in m.",
+            "A configuration lies on a family where all residuals are zero. s_i = sin θi, c_ij = cos(θi + θj).",
+        ]
+        shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
+        return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
+
+    def _conditions(self, family: Described) -> list[str]:
+        """The conditions in words."""
+        return [pin_text(joint, values) for joint, values in family.pins] + [c.text() for c in family.conditions]
+
+    def _used(self, family: Described) -> list[str]:
+        """Lengths that a family's conditions depend on."""
+        found = set()
+        for condition in family.conditions:
+            degrees = zip(condition.ring.names, condition.polynomial.degrees(), strict=True)
+            found |= {name for name, degree in degrees if degree > 0}
+        return [name for name in self.letters if name in found]
+
+    def _joints(self, family: Described) -> list[int]:
+        """Joints that a family's conditions depend on."""
+        found = {joint for joint, _ in family.pins}
+        return sorted(found.union(*(condition.joints for condition in family.conditions)))
+
+
+def _mark(text: str) -> str:
+    """Text as part of an identifier."""
+    return re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_").lower() or "arm"
+
+
+def _function(text: str) -> str:
+    """A mark as a Python name."""
+    mark = _mark(text)
+    return f"family_{mark}" if mark[0].isdigit() or iskeyword(mark) or mark in TAKEN else mark
+
+
+def _plain(text: str) -> str:
+    """Text inside a docstring."""
+    return " ".join(text.replace("\\", "/").replace('"', "'").split())
+
+
+def _comment(text: str) -> str:
+    """Text inside a C comment, on one line."""
+    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?").split())
+
+
+def _escaped(text: str) -> str:
+    """Text as LaTeX."""
+    special = {"\\": r"\textbackslash{}", "−": "$-$", "±": r"$\pm$", "θ": r"$\theta$", "π": r"$\pi$", "≠": r"$\neq$"}
+    special |= {letter: f"\\{letter}" for letter in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    return "".join(special.get(letter, letter) for letter in text)

@@ -1,0 +1,194 @@
+"""One condition, ready to be printed: text, LaTeX, Python, C, and the numeric equation that `analyze` speaks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, pi, tau
+
+from rankdrop.atlas.equation import Equation, Term, normalised
+from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.writing.form import Product, Symbol, Wave
+from rankdrop.exact.writing.fourier import fourier
+from rankdrop.exact.writing.notation import Latex, Notation, Text, angle_words, latex_angle
+from rankdrop.exact.writing.programs import C, Python
+from rankdrop.exact.writing.shortest import parts_of, shortest
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """One condition that is not a pinned joint.
+
+    Attributes:
+        ring: of the polynomial.
+        polynomial: irreducible, of the half-angle ring; the condition holds where it vanishes.
+
+    Example:
+        >>> ring = Ring([3, 4, 5])
+        >>> Condition(ring, ring.t[3] + ring.t[5]).text()
+        'θ3 + θ5 = 0'
+    """
+
+    ring: Ring
+    polynomial: Polynomial
+
+    @cached_property
+    def form(self) -> Product:
+        """The shortest way of writing it that was found; equal to the polynomial (`half_of`)."""
+        return shortest(self.polynomial, self.ring)
+
+    @cached_property
+    def waves(self) -> tuple[Product, ...]:
+        """The terms of the Fourier form: each a number, lengths, slides, and at most one sine or cosine."""
+        degrees = [int(d) for d in self.polynomial.degrees()[: self.ring.angles]]
+        return tuple(parts_of(fourier(self.polynomial, degrees, self.ring)))
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Numbers of the joints that occur."""
+        numbers = sorted([*self.ring.revolute, *self.ring.prismatic])
+        degrees = dict(zip(self.ring.names, self.polynomial.degrees(), strict=True))
+        return tuple(j for j in numbers if degrees.get(f"t{j}", degrees.get(f"q{j}", 0)) > 0)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def text(self) -> str:
+        """For people: "a2 c2 + a3 c23 = 0", "θ5 = θ3 + π"; s_i is sin θ_i, c_23 is cos(θ2 + θ3). Angles modulo 2π."""
+        relation = self._relation
+        if relation is not None:
+            return _related(*relation, "θ{}", "−", angle_words)
+        return self._slide("q{}", Text(), " m") or _sides(self.form, Text())
+
+    def latex(self) -> str:
+        r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
+        relation = self._relation
+        if relation is not None:
+            return _related(*relation, r"\theta_{{{}}}", "-", latex_angle)
+        return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
+
+    def expression(
+        self,
+        *,
+        letters: Mapping[str, float] | None = None,
+        shifts: Sequence[float] | None = None,
+        names: Mapping[str, str] | None = None,
+    ) -> str:
+        """The left-hand side as a Python expression in q1 …, sin, cos and the lengths; zero where the condition holds.
+
+        Args:
+            letters: numbers that replace lengths [m].
+            shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
+            names: what lengths are called there, where it is something else.
+        """
+        return Python(letters or {}, () if shifts is None else shifts, names=names or {}).zero(self.form)
+
+    def c_code(self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
+        """The left-hand side as a C expression in q[0] …, with <math.h>.
+
+        Args:
+            names: what lengths are called there, where it is something else.
+            shifts: θ_j = q[j − 1] + shifts[j − 1] [rad]; None for none.
+        """
+        return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {}).zero(self.form)
+
+    def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
+        """The numeric equation in q, its largest coefficient 1.
+
+        Args:
+            letters: value of every length that occurs [m].
+            n: number of joints.
+            shifts: θ_j = q_j + shifts[j − 1] [rad]; those of slides are 0.
+        """
+        found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
+        for part in self.waves:
+            value, kind = float(part.number), "cos"
+            harmonics, powers = [0] * n, [0] * n
+            for factor, power in part.factors:
+                if isinstance(factor, Wave):
+                    kind = factor.kind
+                    for j, multiple in factor.turns:
+                        harmonics[j - 1] = multiple
+                elif isinstance(factor, Symbol) and factor.slide:
+                    powers[factor.slide - 1] = power
+                elif isinstance(factor, Symbol):
+                    value *= letters[factor.name] ** power
+            key = (kind, tuple(harmonics), tuple(powers))
+            found[key] = found.get(key, 0.0) + value
+        return normalised(
+            Term(value, kind, harmonics, powers, _phase(harmonics, shifts))
+            for (kind, harmonics, powers), value in found.items()
+        )
+
+    @cached_property
+    def _relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
+        """(turns, value) of Σ turns_j θ_j = value where the condition says just that."""
+        cosine = sine = 0.0
+        turns: set[tuple[tuple[int, int], ...]] = set()
+        for part in self.waves:
+            if len(part.factors) != 1 or not isinstance(part.factors[0][0], Wave):
+                return None
+            one = part.factors[0][0]
+            turns.add(one.turns)
+            if one.kind == "cos":
+                cosine = float(part.number)
+            else:
+                sine = float(part.number)
+        if len(turns) != 1:
+            return None
+        kept = turns.pop()
+        if all(multiple % 2 == 0 for _, multiple in kept):
+            return None
+        return kept, 2 * atan2(-cosine, sine) if sine else pi
+
+    def _slide(self, name: str, notation: Notation, unit: str) -> str:
+        """q_j = number, where the condition says just that; else ""."""
+        if len(self.joints) != 1 or self.joints[0] not in self.ring.prismatic or len(self.polynomial) > 2:
+            return ""
+        j = self.joints[0]
+        numbers = {tuple(factor for factor, _ in part.factors): part.number for part in self.waves}
+        slope = numbers.pop((Symbol(f"q{j}", j),), None)
+        rest = numbers.pop((), 0)
+        if slope is None or numbers:
+            return ""
+        value = -rest / slope
+        sign = notation.minus if value < 0 else ""
+        return f"{name.format(j)} = {sign}{notation.number(abs(value))}" + (unit if value else "")
+
+
+def _phase(harmonics: Sequence[int], shifts: Sequence[float] | None) -> float:
+    if shifts is None:
+        return 0.0
+    return -sum(m * float(s) for m, s in zip(harmonics, shifts, strict=True)) / 2 + 0.0
+
+
+def _related(
+    turns: tuple[tuple[int, int], ...], value: float, name: str, minus: str, words: Callable[[float], str]
+) -> str:
+    """θ5 = θ3 + π, θ3 + θ5 = 0."""
+    value = (value + pi) % tau - pi
+    if abs(value + pi) < 1e-12:
+        value = pi
+    if len(turns) == 2 and turns[0][1] == 1 and turns[1][1] == -1:
+        left, right = name.format(turns[1][0]), name.format(turns[0][0])
+        other = -value if abs(value - pi) > 1e-12 else pi
+        if abs(other) < 1e-12:
+            return f"{left} = {right}"
+        return f"{left} = {right} {minus if other < 0 else '+'} {words(abs(other))}"
+    text = ""
+    for j, multiple in turns:
+        sign = f" {minus if multiple < 0 else '+'} " if text else ""
+        text += sign + ("" if abs(multiple) == 1 else str(abs(multiple))) + name.format(j)
+    return f"{text} = {words(value)}"
+
+
+def _sides(form: Product, notation: Notation) -> str:
+    """… = 0, or A = B where half angles make two terms of opposite sign."""
+    parts = notation.parts(form)
+    if len(parts) == 2 and parts[0].number > 0 > parts[1].number:
+        waves = [factor for part in parts for factor, _ in part.factors if isinstance(factor, Wave)]
+        if any(wave.halved for wave in waves):
+            return f"{notation.product(parts[0])} = {notation.product(parts[1])}"
+    return f"{notation.zero(form)} = 0"

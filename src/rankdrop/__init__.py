@@ -8,11 +8,12 @@
 
 from rankdrop.analyze import analyze
 from rankdrop.atlas.search import search
+from rankdrop.conditions import conditions
 from rankdrop.errors import RankdropError
 from rankdrop.explain import explain
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.block import singular_values
 from rankdrop.local.escape import escape
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.redundancy import redundancy
@@ -33,9 +34,9 @@ __all__ = [
     "Tolerances",
     "__version__",
     "analyze",
+    "conditions",
     "escape",
     "explain",
-    "generic_rank",
     "jacobian",
     "jacobian_derivative",
     "nearest_singularity",

@@ -42,6 +42,7 @@ def conditions(
     seed: int = 0,
     points: int = POINTS,
     special: bool = True,
+    steps: bool = False,
     progress: Progress | None = None,
 ) -> Conditions:
     """Derive the singularity conditions of an arm exactly, and check them.
@@ -62,6 +63,7 @@ def conditions(
         seconds: time limit; what was derived by then is returned, and what is left is told.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
+        steps: also write the derivation of corank 1 down, step by step as it is done by hand.
         special: also derive the arms whose lengths break an assumption.
         progress: called as progress(label, done, total).
 
@@ -89,7 +91,7 @@ def conditions(
     tree = rank_tree(chain, work, lowest=lowest)
     left = list(tree.left)
     found, not_real, extra = _families(chain, tree, work, seed, left)
-    first = corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed))
+    first = corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps)
     left += [*first.left, *_unresolved(work)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress)

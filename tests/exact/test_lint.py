@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rankdrop import generic_rank, jacobian, open_robot
+from rankdrop import jacobian, open_robot
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.variety import independent
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -16,6 +16,7 @@ from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.reading.example import real_points, words
 from rankdrop.exact.reading.lint import lint
 from rankdrop.exact.tree import rank_tree
+from rankdrop.local.block import generic_rank
 
 PUMA = "s5 (d4 c3 + a3 s3) (a2 c2 + a3 c23 − d4 s23)"
 UR5 = "s3 s5 (a2 c2 + a3 c23 + d5 s234)"

@@ -47,7 +47,9 @@ class CorankOne:
     disagreements: tuple[str, ...] = ()
 
 
-def corank_one(chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work) -> CorankOne:
+def corank_one(
+    chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work, *, steps: bool = False
+) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
     Args:
@@ -57,14 +59,15 @@ def corank_one(chain: Chain, method: str, tree: Tree, families: Sequence[ExactFa
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
+        steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
     """
     if method in ("auto", "decoupling"):
-        found = decouple(chain)
+        found = decouple(chain, names=steps)
         if found is not None:
-            return _decoupled(chain, found, tree)
+            return _decoupled(chain, found, tree, steps)
         if method == "decoupling":
             raise OptionError(
                 "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
@@ -72,7 +75,7 @@ def corank_one(chain: Chain, method: str, tree: Tree, families: Sequence[ExactFa
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = f"the arm has {chain.n} joints for six freedoms: {why_not(chain)}"
-        return _suppressed(chain, reason, tree, work)
+        return _suppressed(chain, reason, tree, work, steps)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
@@ -87,14 +90,14 @@ def _tree_lines(tree: Tree) -> tuple[str, ...]:
     )
 
 
-def _decoupled(chain: Chain, found: Decoupling, tree: Tree) -> CorankOne:
-    steps = [("Structure", structure_of(chain).sentences()), ("Decoupling", found.sentences())]
+def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> CorankOne:
+    told = (("Structure", structure_of(chain).sentences()), ("Decoupling", found.sentences())) if steps else ()
     atoms = [atom for part in found.parts for atom in part.atoms]
     said = [_as_set(chain, atom) for atom in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
-    return CorankOne("decoupling", found.reason, tuple(steps), (), _differences("decoupling", missing, surplus))
+    return CorankOne("decoupling", found.reason, told, (), _differences("decoupling", missing, surplus))
 
 
 def _as_set(chain: Chain, atom: Atom) -> Variety:
@@ -110,12 +113,12 @@ def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Vari
     )
 
 
-def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work) -> CorankOne:
+def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
-    steps = tuple((step.title, step.lines) for step in found.steps())
+    told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
     left = tuple(f"suppression: {one}" for one in found.left)
     different = () if found.left else _suppression_differences(chain, found, tree, work)
-    return CorankOne("suppression", reason, steps, left, different)
+    return CorankOne("suppression", reason, told, left, different)
 
 
 def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:

@@ -13,6 +13,8 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.chain import exact_chain
 from rankdrop.exact.field import rank, trig_evaluator
 from rankdrop.exact.suppression import closed_pieces, suppress
+from rankdrop.exact.tree import rank_tree
+from rankdrop.exact.work import Work
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 
@@ -175,3 +177,24 @@ def test_wrong_choices_are_named(given, words):
 def test_an_arm_with_too_few_joints_is_refused():
     with pytest.raises(TaskError):
         suppress(exact_chain(arm("scara")))
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["puma560", "ur5", "pa10", *(pytest.param(x, marks=pytest.mark.slow) for x in ("canadarm2", "panda", "rail", "xarm7"))],
+)
+def test_every_set_of_the_rank_tree_lies_in_one_family(name):
+    """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""
+    found = derived(name)
+    rng, evaluate = random.Random(7), trig_evaluator(found.chain.ring)
+    tree = rank_tree(found.chain, Work(60.0))
+    points = [point for drop in tree.drops for point in drop.piece.points(rng, 3)]
+    assert len(points) > 6
+    for point in points:
+        holding = [
+            family.number
+            for family in found.families
+            if all(evaluate(p, point) == 0 for p in family.equalities)
+            and all(evaluate(p, point) != 0 for p in family.stratum.inequalities)
+        ]
+        assert len(holding) == 1, (holding, point)

@@ -166,7 +166,8 @@ def _told(found: Derivation) -> tuple[str, ...]:
 
 def _equality(ring: Ring, one: Equality) -> str:
     if one.whole is not None:
-        return f"{text_of(ring, one.whole)} = 0" if len(one.whole) <= _LONG else f"a polynomial of {one.terms:,} terms = 0"
+        text = text_of(ring, one.whole) if one.terms <= _LONG else f"a polynomial of {one.terms:,} terms"
+        return f"{text} = 0"
     if one.terms > _LONG:
         return f"a product of {len(one.atoms)} factors, {one.terms:,} terms = 0"
     return " or ".join(

@@ -10,10 +10,10 @@ import numpy as np
 from rankdrop.exact.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.condition import Condition
+from rankdrop.exact.decompose import decompose, form
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
 from rankdrop.exact.real import STARTS, Reality, reality
-from rankdrop.exact.split import decompose
 from rankdrop.exact.tidy import tidy
 from rankdrop.exact.tree import Drop, largest
 from rankdrop.exact.variety import Variety
@@ -74,7 +74,7 @@ def _thinner(chain: Chain, piece: Variety, rank: int, work: Work) -> list[Drop]:
     f = piece.equations[0]
     ring = chain.ring
     slopes = [f.derivative(name) for name in ring.names[: ring.moving]]
-    found = decompose(ring, piece.pins, [f, *slopes], chain.n, work)
+    found = decompose(ring, piece.pins, [form(g, ring) for g in (f, *slopes)], chain.n, work)
     return [Drop(one, rank) for one in found if one.codimension > piece.codimension]
 
 

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from rankdrop.exact.decompose import plainly_positive
 from rankdrop.exact.field import Evaluator, P, Point, common_zeros, complete, half_evaluator, roots
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import COS_SIN, Atom, Ring, coefficients, order, used
-from rankdrop.exact.split import plainly_positive
 
 TRIES = 40
 """Random points tried before a piece counts as one without points: an equation has a root modulo P every other time."""

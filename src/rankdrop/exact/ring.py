@@ -244,10 +244,12 @@ class Ring:
 
     def half_at(self, f: Polynomial, pins: Mapping[int, str]) -> Polynomial:
         """A half-angle polynomial with some joints at simple angles; at π the coefficient of the highest power."""
+        degrees = f.degrees()
         for joint, value in pins.items():
             place = self.index[f"t{joint}"]
-            if value == "pi":
-                f = coefficients(f, place)[-1] if f != 0 else f
+            if value == "pi":  # of the degree that f has before any joint is pinned: a lower one means a zero there
+                parts = coefficients(f, place)
+                f = parts[-1] if len(parts) > degrees[place] else f * 0
             else:
                 f = f.subs({f"t{joint}": {"0": 0, "pi/2": 1, "-pi/2": -1}[value]})
         return f

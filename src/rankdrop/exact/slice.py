@@ -13,6 +13,7 @@ from functools import reduce
 
 from rankdrop.exact.field import P, modulo, roots
 from rankdrop.exact.flint import Polynomial, flint
+from rankdrop.exact.ring import used
 
 _SEED = 20
 _SLICES = 12  # an irreducible piece has no zero modulo P on a slice with a chance of 1/e: on all of them with 6e-6
@@ -30,11 +31,13 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
     """
     if most < 1:
         return bool(system)
-    if most > 2 or len(system) <= most:
+    variables = {place for f in system for place in used(f) if place < moving}
+    dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
+    if dimension > 2 or len(system) <= dimension:
         return False
     rng = random.Random(_SEED)
     for _ in range(_SLICES):
-        found = _zeros(system, most, moving, rng)
+        found = _zeros(system, dimension, moving, rng)
         if found is not None:
             return not found
     return True

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.basic_screws import check_basic, choose, determinants
 from rankdrop.exact.chain import Chain
+from rankdrop.exact.decompose import plainly_positive
 from rankdrop.exact.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.piece import Factor
-from rankdrop.exact.split import plainly_positive
 from rankdrop.exact.stratum import Stratum
 from rankdrop.exact.stratum_factors import Product, joined, letters_polynomial, taken_apart
 from rankdrop.exact.suppression_cases import Case, SuppressedFamily

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations, product
 
+from rankdrop.exact.decompose import decompose, form
 from rankdrop.exact.field import P, Point
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import Ring, primitive, used
-from rankdrop.exact.split import decompose
 from rankdrop.exact.variety import Variety
 from rankdrop.exact.work import Work
 
@@ -32,7 +32,8 @@ def tidy(piece: Variety, work: Work) -> Variety:
     if not found or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in found):
         return piece
     most = piece.codimension - len(piece.pins)
-    for other in decompose(ring, piece.pins, [*found, *piece.equations], most, work):
+    system = [form(f, ring) for f in (*found, *piece.equations)]
+    for other in decompose(ring, piece.pins, system, most, work):
         if other.codimension == piece.codimension and other.inside(piece) and piece.inside(other):
             return other
     return piece

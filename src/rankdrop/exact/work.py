@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping, Sequence
+from math import inf
 from time import monotonic
 
 from rankdrop.exact.flint import Polynomial
 from rankdrop.exact.ring import primitive
+
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)"""
 
 
 class OutOfTime(Exception):
@@ -28,7 +32,7 @@ class Work:
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
     """
 
-    def __init__(self, seconds: float = float("inf"), seed: int = 0, progress: Callable[[str, int, int], None] | None = None) -> None:
+    def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
         self._end = monotonic() + seconds
         self._progress = progress
         self.rng = random.Random(seed)

@@ -1,0 +1,321 @@
+"""Systems of conditions taken apart into irreducible sets.
+
+A condition A·t_k + B = 0 is solved for t_k and put into the others, which factor again. What the solution leaves out
+is looked at apart: A = B = 0, where t_k is free, and t_k = ∞, where θ_k = π.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations, product
+
+from rankdrop.exact.flint import Polynomial
+from rankdrop.exact.ring import Atom, Ring, coefficients, primitive, used
+from rankdrop.exact.slice import binds_more
+from rankdrop.exact.variety import Solved, Variety, independent
+from rankdrop.exact.work import Work
+
+_LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
+
+Form = tuple[Polynomial, tuple[int, ...]]
+"""A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
+Done = frozenset[tuple[str, str, int]]
+"""Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
+
+
+def decompose(
+    ring: Ring,
+    pins: Mapping[int, str],
+    conditions: Sequence[Form],
+    most: int,
+    work: Work,
+    done: Done = frozenset(),
+) -> list[Variety]:
+    """Irreducible sets that together hold every large piece of where all half-angle polynomials vanish.
+
+    Args:
+        ring: of the polynomials.
+        pins: joints at simple angles; the polynomials do not contain them any more.
+        conditions: polynomials with the degrees they count for.
+        most: pieces of a codimension above this, the pins not counted, are not wanted.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        Sets, none inside another one; empty where there is no real solution.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    work.check()
+    choices = [_atoms(ring, pins, form, work) for form in conditions if form[0] != 0]
+    if not all(choices):
+        return []
+    found: list[Variety] = []
+    for system in _distinct(choices):
+        angles = {atom.joint: atom.value for atom in system if atom.pinned}
+        polynomials = [atom.f for atom in system if not atom.pinned]
+        if len(angles) < sum(atom.pinned for atom in system):
+            continue  # one joint at two angles
+        if angles:
+            there = [at(ring, form(f, ring), angles) for f in polynomials]
+            found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
+        else:
+            found += _irreducible(ring, dict(pins), polynomials, most, work, done)
+    return independent(found)
+
+
+def form(f: Polynomial, ring: Ring) -> Form:
+    """A polynomial that counts for its own degrees."""
+    return f, tuple(int(d) for d in f.degrees()[: ring.angles])
+
+
+def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
+    """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
+    f, degree = one
+    left = list(degree)
+    for joint, value in pins.items():
+        place = ring.index[f"t{joint}"]
+        if value == "pi":
+            parts = coefficients(f, place)
+            f = parts[-1] if len(parts) > degree[place] else f * 0
+        else:
+            f = ring.half_at(f, {joint: value})
+        left[place] = 0
+    return f, tuple(left)
+
+
+def _put(ring: Ring, one: Form, solved: Solved) -> Form:
+    """A form with a solved variable put in."""
+    f, degree = one
+    turning = solved.place < ring.angles
+    power = degree[solved.place] if turning else int(f.degrees()[solved.place])
+    tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
+    left = [d + power * max(int(t), int(b)) for d, t, b in zip(degree, tops, bottoms, strict=False)]
+    if turning:
+        left[solved.place] = 0
+    missing = power - int(f.degrees()[solved.place])
+    return substituted(f, solved) * solved.denominator**missing, tuple(left)
+
+
+def _atoms(ring: Ring, pins: Mapping[int, str], one: Form, work: Work) -> list[Atom]:
+    """The irreducible conditions under one of which a form vanishes."""
+    f, degree = one
+    actual = f.degrees()
+    far = [
+        ring.pin(joint, "pi")
+        for place, joint in enumerate(ring.revolute)
+        if joint not in pins and degree[place] > actual[place]
+    ]
+    return [*far, *(ring.atom(g) for g in factors(ring, f, work))]
+
+
+def _irreducible(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[Variety]:
+    """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
+    if min(len(system), 2) > most or binds_more(system, most, ring.moving):
+        return []
+    if len(system) <= 1:
+        return [_single(ring, pins, system)]
+    found = list(_at_infinity(ring, pins, system, most, work, done))
+    inside = _eliminated(ring, pins, system, most, work, done)
+    return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)
+
+
+def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Variety:
+    """At most one condition."""
+    if not system:
+        return Variety(ring, pins)
+    solved = linear(ring, system[0])
+    if solved is None:
+        return Variety(ring, pins, rest=tuple(system), equations=tuple(system))
+    return Variety(ring, pins, solved=(solved,), equations=tuple(system))
+
+
+def _at_infinity(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> Iterator[Variety]:
+    """Components with a further joint at π: there two leading coefficients have a common factor."""
+    for k, joint in enumerate(ring.revolute):
+        if joint in pins or not any(f.degrees()[k] for f in system):
+            continue
+        leading = [coefficients(f, k)[-1] for f in system]
+        if any(factors(ring, f.gcd(g), work) for f, g in combinations(leading, 2)):
+            there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+            yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
+
+
+def _eliminated(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[Variety] | None:
+    """Solve one condition for a variable and go on with the others; None where none is linear in a variable."""
+    solvable = [(solved, f) for f in system if (solved := linear(ring, f)) is not None]
+    if not solvable:
+        return None
+    solved, f = min(solvable, key=lambda pair: (not _unit(ring, pair[0].denominator), len(pair[1])))
+    others = [g for g in system if g != f]
+    found: list[Variety] = []
+    if not _unit(ring, solved.denominator):
+        both = (*others, solved.numerator, solved.denominator)
+        found += decompose(ring, pins, [form(g, ring) for g in both], most, work, done)
+    values = [_put(ring, form(g, ring), solved) for g in others]
+    for piece in decompose(ring, pins, values, most - 1, work, done):
+        if not piece.half_vanishes(solved.denominator):
+            found += _solved_on(piece, f, solved.place)
+    return found
+
+
+def _solved_on(piece: Variety, f: Polynomial, place: int) -> list[Variety]:
+    """A set in the other variables, with the one that a condition is linear in added."""
+    f = piece.ring.half_at(f, piece.pins)
+    parts = coefficients(f, place)
+    if len(parts) != 2:
+        return []
+    return [
+        replace(
+            piece,
+            solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
+            equations=(*(primitive(h) for h, _ in f.factor()[1] if place in used(h)), *piece.equations),
+        )
+    ]
+
+
+def _reduced(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
+) -> list[Variety]:
+    """No condition is linear: combine two of them into one that is, or into one with a variable less."""
+    known = {str(f) for f in system}
+    for f, g, k in _pairs(ring, system):
+        work.check()
+        one, two = sorted((str(f), str(g)))
+        pair = (one, two, k)
+        if pair in done or len(f) * len(g) > _LARGE:
+            continue
+        done |= {pair}
+        combined = _combined(f, g, k) if f.degrees()[k] == g.degrees()[k] == 2 else f.resultant(g, ring.names[k])
+        if combined == 0:
+            continue
+        parts = factors(ring, combined, work)
+        if not parts:
+            return []
+        if any(str(h) in known for h in parts):
+            continue
+        if len(parts) > 1 or linear(ring, parts[0]) is not None:
+            found: list[Variety] = []
+            for h in parts:
+                found += decompose(ring, pins, [form(g, ring) for g in (*system, h)], most, work, done)
+            return found
+    if len(system) <= 2:
+        return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
+    return _several(ring, pins, system, most, work)
+
+
+def _several(
+    ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
+) -> list[Variety]:
+    """Three or more conditions that no step makes simpler: two of them, and the others as what tells their zeros apart."""
+    places = {place for f in system for place in used(f) if place < ring.moving}
+    if min(most, len(places)) > 2:
+        work.leave(pins, system)
+        return []
+    for f, g in combinations(sorted(system, key=len), 2):
+        if {*used(f), *used(g)} >= places:
+            also = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
+            found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
+            if found.samples:
+                return [found]
+    return []
+
+
+def _pairs(ring: Ring, system: list[Polynomial]) -> list[tuple[Polynomial, Polynomial, int]]:
+    """Two conditions and a variable that both contain, low degrees first."""
+    found = [
+        (f, g, k)
+        for f, g in combinations(system, 2)
+        for k in range(ring.moving)
+        if f.degrees()[k] and g.degrees()[k]
+    ]
+    def cost(one: tuple[Polynomial, Polynomial, int]) -> tuple[int, int, int]:
+        f, g, k = one
+        return len({*used(f), *used(g)}), f.degrees()[k] * g.degrees()[k], len(f) * len(g)
+
+    return sorted(found, key=cost)
+
+
+def _combined(f: Polynomial, g: Polynomial, k: int) -> Polynomial:
+    """Two conditions of degree 2 in a variable, combined into one of degree 1."""
+    return f * coefficients(g, k)[2] - g * coefficients(f, k)[2]
+
+
+def substituted(f: Polynomial, solved: Solved) -> Polynomial:
+    """f(t_k = N / D) · D^degree."""
+    parts = coefficients(f, solved.place)
+    powers = [f.context().constant(1)]
+    for _ in parts[1:]:
+        powers.append(powers[-1] * solved.denominator)
+    total = f.context().constant(0)
+    top = f.context().constant(1)
+    for power, part in enumerate(parts):
+        if part != 0:
+            total += part * top * powers[len(parts) - 1 - power]
+        top = top * solved.numerator
+    return total
+
+
+def linear(ring: Ring, f: Polynomial) -> Solved | None:
+    """f solved for the variable in which it is linear with the shortest coefficients; None where there is none."""
+    best: tuple[tuple[bool, int], Solved] | None = None
+    for place, degree in enumerate(f.degrees()[: ring.moving]):
+        if degree == 1:
+            bottom, top = coefficients(f, place)
+            rank = (not _unit(ring, top), len(top) + len(bottom))
+            if best is None or rank < best[0]:
+                best = (rank, Solved(place, -bottom, top))
+    return None if best is None else best[1]
+
+
+def _unit(ring: Ring, f: Polynomial) -> bool:
+    """Whether f has no configuration in it, or no real zero for a plain reason."""
+    return all(place >= ring.moving for place in used(f)) or ring.is_unit(f)
+
+
+def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
+    """Irreducible factors that have real zeros, as far as that is plain; empty where there is none."""
+    _, letters, atoms = ring.split(f)
+    for one, _ in letters:
+        work.assume(one)
+    found = []
+    for atom, _ in atoms:
+        factor = atom.f
+        if factor is None:
+            root = {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
+            factor = ring.t[atom.joint] - root
+        if not plainly_positive(ring, factor):
+            found.append(factor)
+    return found
+
+
+def plainly_positive(ring: Ring, f: Polynomial) -> bool:
+    """Whether all powers are even and all coefficients of one sign, one of them without a joint: no real zero."""
+    sign = None
+    alone = False
+    for powers, value in f.terms():
+        if any(e % 2 for e in powers):
+            return False
+        positive = value > 0
+        if sign is not None and positive != sign:
+            return False
+        sign = positive
+        alone = alone or not any(powers[: ring.moving])
+    return alone
+
+
+def divides(h: Polynomial, f: Polynomial) -> bool:
+    return f != 0 and bool(divmod(f, h)[1] == 0)
+
+
+def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:
+    """One atom out of each condition, in all ways, doubles left out; a system that contains another one too."""
+    systems = {frozenset(atoms): list(dict.fromkeys(atoms)) for atoms in product(*choices)}
+    return [system for key, system in systems.items() if not any(other < key for other in systems)]

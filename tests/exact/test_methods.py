@@ -17,7 +17,12 @@ from rankdrop.exact.algebra.ring import SIMPLE
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
+from rankdrop.exact.methods.evaluate import Residues
 from rankdrop.exact.methods.words import Words
+<<<<<<< HEAD
+=======
+from rankdrop.exact.algebra.ring import SIMPLE, Ring
+>>>>>>> compare
 from rankdrop.exact.verify import cloud, random_points, rank_check
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
@@ -25,7 +30,10 @@ from rankdrop.robot.open import open_robot
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
 WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}
-SLOW = {("canadarm2", "singular_vector"), ("canadarm2", "determinant"), ("ur5", "singular_vector")}
+SLOW = {
+    ("canadarm2", "singular_vector"), ("canadarm2", "determinant"), ("ur5", "singular_vector"),
+    ("pa10", "singular_vector"),
+}  # fmt: skip
 PAIRS = [
     pytest.param(name, method, marks=pytest.mark.slow) if (name, method) in SLOW else (name, method)
     for name in ARMS
@@ -75,7 +83,7 @@ def strata(name: str, count: int = 160) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
-@pytest.mark.parametrize(("name", "method"), PAIRS)
+@pytest.mark.parametrize(("name", "method"), [*PAIRS, pytest.param("gen3", "cofactors", marks=pytest.mark.slow)])
 def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
     found = derived(name, method)
     assert found.complete
@@ -254,6 +262,18 @@ def test_reciprocity_refuses_an_arm_of_fewer_joints_than_rows() -> None:
     chain = exact_chain(open_robot("planar2r"), "vx,vy,wz")
     with pytest.raises(OptionError, match=r"fewer joints"):
         derive(chain, "reciprocity")
+
+
+def test_a_polynomial_is_evaluated_with_its_own_degrees_where_joints_stand_at_pi() -> None:
+    """t1 t2 + 1 stands for cos((θ1 − θ2)/2), and t1 + t2 for sin((θ1 + θ2)/2)."""
+    ring = Ring([1, 2])
+    residues = Residues(ring)
+    difference, total = ring.atom(ring.t[1] * ring.t[2] + 1), ring.atom(ring.t[1] + ring.t[2])
+    one, both = complete(ring, {}, {1: "0", 2: "pi"}), complete(ring, {}, {1: "pi", 2: "pi"})
+    assert one is not None
+    assert both is not None
+    assert [residues.zero(difference, one), residues.zero(difference, both)] == [True, False]
+    assert [residues.zero(total, one), residues.zero(total, both)] == [False, True]
 
 
 def test_conditions_in_words() -> None:

@@ -67,6 +67,7 @@ class Residues:
         self._ring = ring
         self._trig = Evaluator([str(g) for g in ring.trig.gens()])
         self._half = Evaluator(ring.names)
+        self._highest: dict[tuple[Atom, tuple[int, ...]], Polynomial] = {}
 
     def zero(self, f: Polynomial | Atom, point: Point) -> bool:
         """Whether f, of the trigonometric ring or an atom, is zero at a point."""
@@ -75,8 +76,25 @@ class Residues:
         if f.f is None:
             cosine, sine = COS_SIN[f.value]
             return (point[f"c{f.joint}"], point[f"s{f.joint}"]) == (cosine % P, sine % P)
-        at_pi = {j: "pi" for j in self._ring.revolute if f"t{j}" not in point}
-        return self._half(self._ring.half_at(f.f, at_pi) if at_pi else f.f, point) == 0
+        return self._half(self._at_pi(f, point), point) == 0
+
+    def _at_pi(self, atom: Atom, point: Point) -> Polynomial:
+        """The terms of highest degree in every t_j with θ_j = π, those t_j left out: of the atom's own degrees, which
+        putting in one joint after the other would lose.
+        """
+        places = tuple(place for place, j in enumerate(self._ring.revolute) if f"t{j}" not in point)
+        if not places:
+            return atom.f
+        if (atom, places) not in self._highest:
+            degrees = atom.f.degrees()
+            self._highest[atom, places] = atom.f.context().from_dict(
+                {
+                    tuple(0 if place in places else e for place, e in enumerate(powers)): value
+                    for powers, value in atom.f.terms()
+                    if all(powers[place] == degrees[place] for place in places)
+                }
+            )
+        return self._highest[atom, places]
 
 
 def _value(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:

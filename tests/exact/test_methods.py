@@ -13,16 +13,12 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, roots
-from rankdrop.exact.algebra.ring import SIMPLE
+from rankdrop.exact.algebra.ring import SIMPLE, Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.evaluate import Residues
 from rankdrop.exact.methods.words import Words
-<<<<<<< HEAD
-=======
-from rankdrop.exact.algebra.ring import SIMPLE, Ring
->>>>>>> compare
 from rankdrop.exact.verify import cloud, random_points, rank_check
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh

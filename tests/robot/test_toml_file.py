@@ -140,7 +140,7 @@ BAD = [
     ("convention = 'standard'\nlengths = 3\n[[joints]]\n", 2, "lengths is a table of letters; got 3"),
     ("convention = 'standard'\n[lengths]\na = 1\nc23 = 1\n[[joints]]\n", 4, "c23: a length cannot have this name"),
     ("convention = 'standard'\n[lengths]\n'ℓ' = 1\n[[joints]]\n", 3, "cannot have this name; got 'ℓ'"),
-    ("convention = 'standard'\n[lengths]\npi = 1\n[[joints]]\n", 3, "cannot have this name; got 'pi'; allowed: a letter"),
+    ("convention = 'standard'\n[lengths]\npi = 1\n[[joints]]\n", 3, "this name; got 'pi'; allowed: a letter"),
     ("convention = 'standard'\n[lengths]\na = 0\n[[joints]]\n", 3, "a: a length with a letter is positive; got 0"),
     ("convention = 'standard'\n[lengths]\na = '-3 mm'\n[[joints]]\n", 3, "is positive; got -3 mm; .*without its sign"),
     ("convention = 'standard'\n[lengths]\na = nan\n[[joints]]\n", 3, "not finite"),

@@ -95,7 +95,7 @@ def test_the_tip_has_letters_for_tasks_that_depend_on_it():
 @pytest.mark.parametrize("lengths", ["auto", "numbers"])
 @pytest.mark.parametrize("task", ["position", "vx,vy,wz"])
 def test_screws_at_the_tip_are_the_numeric_jacobian(task, lengths, rng):
-    chain = exact_chain(arm(tool=0.05), task, lengths=lengths)
+    chain = exact_chain(arm({"L": 0.4}, tool=0.05), task, lengths=lengths)  # a3 = −L
     assert bool(chain.letters) is (lengths == "auto")
     q = rng.uniform(-np.pi, np.pi, chain.n)
     expected = jacobian(chain.robot, q)

@@ -104,10 +104,10 @@ def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tr
     """
     n, m = len(columns), len(columns[0])
     bound = (m - start.rank + 1) * (n - start.rank + 1)
-    waiting: list[tuple[Variety, tuple[Variety, ...]]] = [(start.piece, ())]  # each with the sets it was cut from
+    waiting = [start.piece]
     seen: list[Variety] = []
     while waiting:
-        piece, above = waiting.pop(0)
+        piece = waiting.pop(0)
         work.check()
         tree.visited += 1
         minor = _minor(columns, piece, start.rank, work)
@@ -123,9 +123,10 @@ def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tr
             found += dropped
             if (dropped and dropped[0].piece is part) or part.codimension >= bound:
                 continue
-            if not any(part.inside(other) for other in seen if other not in above and other is not piece):
+            # the same set only: two sets might each leave their intersection to the other
+            if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
                 seen.append(part)
-                waiting.append((part, (*above, piece)))
+                waiting.append(part)
 
 
 def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:

@@ -73,16 +73,8 @@ def form(f: Polynomial, ring: Ring) -> Form:
 def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
     """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
     f, degree = one
-    left = list(degree)
-    for joint, value in pins.items():
-        place = ring.index[f"t{joint}"]
-        if value == "pi":
-            parts = coefficients(f, place)
-            f = parts[-1] if len(parts) > degree[place] else f * 0
-        else:
-            f = ring.half_at(f, {joint: value})
-        left[place] = 0
-    return f, tuple(left)
+    pinned = {ring.index[f"t{joint}"] for joint in pins}
+    return ring.half_at(f, pins, degree), tuple(0 if place in pinned else d for place, d in enumerate(degree))
 
 
 def _put(ring: Ring, one: Form, solved: Solved) -> Form:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from math import inf
 from time import monotonic
 
@@ -52,6 +53,16 @@ class Work:
         """Tell how far the derivation is."""
         if self._progress is not None:
             self._progress(label, done, total)
+
+    @contextmanager
+    def share(self, part: float) -> Iterator[None]:
+        """Until the end of the block the time limit is this part of the time that is left."""
+        end = self._end
+        self._end = end if part >= 1.0 else monotonic() + part * self.left
+        try:
+            yield
+        finally:
+            self._end = end
 
     @property
     def left(self) -> float:

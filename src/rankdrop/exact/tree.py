@@ -1,9 +1,9 @@
 """Every set of configurations on which the rank drops, of every rank, by branching on minors.
 
-Where the rank is lower than r, every minor of order r vanishes. One that is not zero on a set is factored, the set is cut
-by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points modulo a
-prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for every r:
-small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
+Where the rank is lower than r, every minor of order r vanishes. One that is not zero on a set is factored, the set is
+cut by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points modulo a
+prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for every
+r: small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Tree:
     Attributes:
         generic_rank: almost everywhere.
         drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
-        complete: False when time ran out, or where a set could not be looked into.
+        complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
         visited: sets looked at.
     """
@@ -63,7 +63,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         lowest: drops to this rank are the last ones looked for.
 
     Returns:
-        Tree; incomplete, with what is left in words, where time ran out.
+        Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
     whole = Variety.whole(chain.ring)
     generic = _rank(chain.columns, whole)
@@ -74,12 +74,16 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         try:
             with work.share(1.0 if order == lowest + 1 else _STAGE):
                 _explore(chain.columns, order, waiting, found, tree, work)
-        except OutOfTime:
+        except (OutOfTime, KeyboardInterrupt) as stop:
             tree.complete = False
+            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
             tree.left.append(
-                f"time ran out while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
+                f"{what} while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
                 "to the end"
             )
+            if isinstance(stop, KeyboardInterrupt):
+                work.interrupt()
+                break
         if not any(drop.rank < order for drop in found):
             break
     tree.drops = largest(found)

@@ -210,10 +210,10 @@ def _reduced(
 def _eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
     """Whether the resultant is worth its time: it cannot be interrupted."""
     one, two = f.degrees(), g.degrees()
-    if len(f) * len(g) > _LARGE or one[k] * two[k] > _DEGREE:
+    if len(f) * len(g) > _LARGE or int(one[k]) * int(two[k]) > _DEGREE:
         return False
     powers = (1 + a * two[k] + b * one[k] for place, (a, b) in enumerate(zip(one, two, strict=True)) if place != k)
-    return prod(powers) <= _POWERS
+    return prod(map(int, powers)) <= _POWERS
 
 
 def _several(

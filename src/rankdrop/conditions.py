@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from time import monotonic
+from typing import TypeVar
 
 from rankdrop._handles import check_robot
-from rankdrop.derived import Conditions, Step
+from rankdrop.derived.conditions import Conditions
+from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, corank_one
+from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
@@ -26,6 +28,7 @@ from rankdrop.version import VERSION
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
+T = TypeVar("T")
 POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
 
@@ -89,12 +92,28 @@ def conditions(
     full = min(chain.task.m, chain.n)
     lowest = 0 if coranks is None else max(full - coranks, 0)
     tree = rank_tree(chain, work, lowest=lowest)
-    left = list(tree.left)
-    found, not_real, extra = _families(chain, tree, work, seed, left)
-    first = corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps)
-    left += [*first.left, *_unresolved(work)]
-    assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
-    check, over = _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress)
+    kept = _Kept(tree.interrupted, list(tree.left))
+    found, not_real, extra = _families(chain, tree, work, seed, kept)
+    first = kept.run(
+        f"corank 1 once more by another method ({method})",
+        lambda: corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps),
+        CorankOne("tree", "another method was not tried", ()),
+    )
+    kept.left += [*first.left, *_unresolved(work)]
+    assumed: Sequence[Assumption] = ()
+    if special:
+        assumed = kept.run(
+            "arms of special lengths", lambda: assumptions(chain, tree.drops, tree.generic_rank, lowest, work), ()
+        )
+    nothing: tuple[Check, list[str]] = (Check(0, 0), [])
+    check, over = kept.run(
+        "configurations found numerically",
+        lambda: _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress),
+        nothing,
+    )
+    if kept.left:  # what is not on a family may be on one that is not derived yet
+        kept.left += over
+        over = []
     return Conditions(
         robot=robot,
         task=chain.task,
@@ -111,12 +130,41 @@ def conditions(
         not_real=tuple(not_real),
         explained=check,
         disagreements=(*first.disagreements, *extra, *over),
-        complete=tree.complete and not left,
-        left=tuple(left),
+        complete=tree.complete and not kept.left,
+        interrupted=kept.interrupted,
+        left=tuple(kept.left),
         seconds=monotonic() - begun,
-        seed=seed,
-        version=VERSION,
-    )
+        settings=ConditionSettings(
+            method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), snap=snap, coranks=coranks,
+            seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
+        ),
+        chain=chain,
+    )  # fmt: skip
+
+
+class _Kept:
+    """What stays where time runs out or Ctrl-C comes: the step is skipped, and told as left.
+
+    Attributes:
+        interrupted: Ctrl-C came; no further step is begun.
+        left: what was not finished.
+    """
+
+    def __init__(self, interrupted: bool, left: list[str]) -> None:
+        self.interrupted, self.left = interrupted, left
+
+    def run(self, what: str, step: Callable[[], T], otherwise: T) -> T:
+        """The result of a step, or `otherwise` where it was not finished."""
+        if not self.interrupted:
+            try:
+                return step()
+            except OutOfTime:
+                self.left.append(what)
+                return otherwise
+            except KeyboardInterrupt:
+                self.interrupted = True
+        self.left.append(f"interrupted: {what}")
+        return otherwise
 
 
 def _check(method: str, coranks: int | None, seconds: float, points: int) -> None:
@@ -131,14 +179,19 @@ def _check(method: str, coranks: int | None, seconds: float, points: int) -> Non
 
 
 def _families(
-    chain: Chain, tree: Tree, work: Work, seed: int, left: list[str]
+    chain: Chain, tree: Tree, work: Work, seed: int, kept: _Kept
 ) -> tuple[list[ExactFamily], list[str], list[str]]:
-    """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
+    """(families, sets without real points, disagreements); what time did not allow is told.
+
+    After Ctrl-C in the tree this is still done: it makes what was found readable. A second one ends it.
+    """
     try:
         sets, not_real = real_sets(chain, tree.drops, work, seed)
         found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
-    except OutOfTime:
-        left.append(f"{len(tree.drops)} sets were found, but not looked at for real points")
+    except (OutOfTime, KeyboardInterrupt) as end:
+        kept.interrupted |= isinstance(end, KeyboardInterrupt)
+        why = "interrupted: " if isinstance(end, KeyboardInterrupt) else ""
+        kept.left.append(f"{why}{len(tree.drops)} sets were found, but not looked at for real points")
         return [], [], []
     wrong = [
         f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
@@ -157,14 +210,6 @@ def _unresolved(work: Work) -> list[str]:
         f"{count} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
         "common zeros of that size, those are missing"
     ]
-
-
-def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
-    try:
-        return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
-    except OutOfTime:
-        left.append("arms of special lengths")
-        return ()
 
 
 def _cloud(

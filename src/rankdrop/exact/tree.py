@@ -43,6 +43,7 @@ class Tree:
         complete: False when time ran out, or where a set could not be looked into.
         left: what was not finished, in words.
         visited: sets looked at.
+        interrupted: Ctrl-C ended the search; what was found until then is kept.
     """
 
     generic_rank: int
@@ -50,6 +51,7 @@ class Tree:
     complete: bool = True
     left: list[str] = field(default_factory=list)
     visited: int = 0
+    interrupted: bool = False
 
 
 def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
@@ -76,11 +78,13 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
             if drop.rank > lowest:
                 _explore(columns, drop, found, tree, work)
             at += 1
-    except OutOfTime:
+    except (OutOfTime, KeyboardInterrupt) as end:
         tree.complete = False
+        tree.interrupted = isinstance(end, KeyboardInterrupt)
+        why = "interrupted" if tree.interrupted else "time ran out"
         missing = sorted({drop.rank for drop in found[at:] if drop.rank > lowest}, reverse=True)
         tree.left.append(
-            "time ran out while looking for drops below rank " + ", ".join(map(str, missing))
+            f"{why} while looking for drops below rank " + ", ".join(map(str, missing))
             + f": {len(found) - at} of {len(found)} sets were not looked into to the end"
         )  # fmt: skip
     tree.drops = largest(found[1:])

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from math import inf
 from time import monotonic
 from typing import TypeVar
 
 from rankdrop._handles import check_robot
+from rankdrop.atlas.search import check_numbers
 from rankdrop.derived.conditions import Conditions
 from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
@@ -29,8 +31,11 @@ from rankdrop.version import VERSION
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
 T = TypeVar("T")
+_TREE = 0.7  # of the time limit at most: what it finds has to be put in words
 POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
+MOST_POINTS = 100_000
+"""More of them take longer than any derivation."""
 
 
 def conditions(
@@ -85,13 +90,14 @@ def conditions(
         [('θ2 = 0 or π',)]
     """
     check_robot(robot)
-    _check(method, coranks, seconds, points)
+    _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
     chain = exact_chain(robot, task, lengths=lengths, snap=snap)
     work = Work(seconds, seed, progress)
     full = min(chain.task.m, chain.n)
     lowest = 0 if coranks is None else max(full - coranks, 0)
-    tree = rank_tree(chain, work, lowest=lowest)
+    with work.share(_TREE):
+        tree = rank_tree(chain, work, lowest=lowest)
     kept = _Kept(tree.interrupted, list(tree.left))
     found, not_real, extra = _families(chain, tree, work, seed, kept)
     first = kept.run(
@@ -167,15 +173,18 @@ class _Kept:
         return otherwise
 
 
-def _check(method: str, coranks: int | None, seconds: float, points: int) -> None:
+def _check(method: str, coranks: int | None, seconds: float, points: int, snap: float, seed: int) -> None:
     if method not in METHODS:
         raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if coranks is not None and coranks < 1:
         raise OptionError("the highest corank is at least 1", where="coranks", got=coranks)
     if not seconds > 0:
         raise OptionError("the time limit is positive", where="seconds", got=seconds)
-    if points < 0:
-        raise OptionError("a number of points is not negative", where="points", got=points)
+    if not 0 <= points <= MOST_POINTS:
+        raise OptionError("points is outside the range", got=points, allowed=f"0 … {MOST_POINTS}")
+    if not 0 <= snap < inf:
+        raise OptionError("a length to snap is not negative", where="snap", got=snap)
+    check_numbers(1, seed, 0)
 
 
 def _families(
@@ -237,9 +246,9 @@ def _cloud(
         check, remaining = explained(met, rows)
         tested, agree = tested + check.tested, agree + check.agree
         if len(remaining):
-            q = ", ".join(f"{x:.6g}" for x in met.q[remaining[0]])
+            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in met.q[remaining[0]])
             over.append(
-                f"corank {corank}: {len(remaining)} of {check.tested} configurations found numerically lie on no "
+                f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
                 f"family, q = ({q}) is one"
             )
     return Check(tested, agree), over

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError, RankdropError
@@ -79,11 +80,11 @@ class Question:
         if self.flags is not None:
             flags = found.flags(self._q(self.flags))
             record["flags"] = flags.to_dict()
-            sections.append(_flags("Configuration flags", flags))
+            sections.append(self._flags("Configuration flags", flags))
         if self.start is not None and self.end is not None:
             between = found.between(self._q(self.start), self._q(self.end))
             record["between"] = between.to_dict()
-            sections += [_flags("From", between.first), _flags("To", between.second)]
+            sections += [self._flags("From", between.first), self._flags("To", between.second)]
             sections.append(_section("What parts them", between.sentences()))
         return Answer(tuple(sections), record, fine)
 
@@ -92,6 +93,12 @@ class Question:
 
         return parse_configuration(text, self.robot, deg=self.deg)
 
+    def _flags(self, title: str, flags: Flags) -> Section:
+        pairs = zip(flags.q, self.robot.variables, strict=True)
+        shown = [degrees(x) if self.deg and joint.unit == "rad" else x for x, joint in pairs]
+        values = ", ".join(f"{round(x, 12) + 0.0:.6g}".replace("-", "−") for x in shown)
+        return _section(title, flags.sentences(), f"q = ({values}) [{'°' if self.deg else 'rad'}, m]")
+
 
 def _tested(found: Conditions, condition: str) -> tuple[Section, Record | None, bool]:
     try:
@@ -99,11 +106,6 @@ def _tested(found: Conditions, condition: str) -> tuple[Section, Record | None, 
     except RankdropError as error:  # the derivation ended early: what it has is shown all the same
         return _section("Your condition", (f"not tested: {error}",), condition), None, False
     return _section("Your condition", result.sentences(), condition), result.to_dict(), result.verdict == "exact"
-
-
-def _flags(title: str, flags: Flags) -> Section:
-    at = ", ".join(f"{x + 0.0:.6g}".replace("-", "−") for x in flags.q)
-    return _section(title, flags.sentences(), f"q = ({at}) [rad, m]")
 
 
 def _section(title: str, lines: tuple[str, ...], summary: str = "") -> Section:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from rankdrop.atlas.equation import pretty_angle
 from rankdrop.derived.data import ConditionsData
-from rankdrop.derived.wrap import formula, sentence
+from rankdrop.derived.wrap import either, formula, sentence
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.pins import pin_text
 from rankdrop.sections import Section
@@ -21,6 +21,8 @@ METHOD = {"suppression": "dependent-screw suppression", "singular-vector": "the 
     name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")
 }
 """What methods are called in a sentence, where it is not their own name."""
+_ROUNDED = re.compile(r"\d\.\d{5}|\de[−-]\d")
+_DIGITS = re.compile(r"\d{8}")
 _INSET = " " * 7  # below the mark of a family
 _UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
 
@@ -61,7 +63,7 @@ def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
     if found.settings.steps:
         for number, step in enumerate(found.steps):
             summary = f"derivation of corank 1, {found.method}" if number == 0 else ""
-            yield Section(step.title, summary, tuple(piece for line in step.lines for piece in formula(line, width)))
+            yield Section(step.title, summary, tuple(piece for line in step.lines for piece in either(line, width)))
 
 
 def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
@@ -74,9 +76,13 @@ def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
     if highest < last:
-        name = f"Corank {last}" if highest == last - 1 else f"Coranks {highest + 1} to {last}"
+        between = "and" if highest + 2 == last else "to"
+        name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
         yield Section(name, _none(found))
-    notes = [_LEGEND] if any(family.conditions for family in found.families) else []
+    texts = [text for family in found.families for text in family.texts[len(family.pins) :]]
+    notes = [_LEGEND] if texts else []
+    if any(_ROUNDED.search(text) for text in texts):
+        notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
     if last < r:
         notes.append(f"nothing is said about coranks above {last}: they were not asked for")
     if notes:
@@ -124,7 +130,9 @@ def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
     others = [one.text for one in found.assumptions if one.holds and not one.words]
     if others:
         lines += sentence("true here; what happens otherwise was not derived:", width)
-        lines += [piece for text in others for piece in formula(f"    {text}", width)]
+        lines += [piece for text in others if not _DIGITS.search(text) for piece in formula(f"    {text}", width)]
+        if count := sum(1 for text in others if _DIGITS.search(text)):
+            lines += sentence(f"    {count} more, polynomials with long decimals (with --json)", width)
     if lines:
         yield Section("Assumptions on the lengths", "", tuple(lines))
 
@@ -152,14 +160,16 @@ def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
         if len(sets) > _ALIKE:
             lines.append(f"    and {len(sets) - _ALIKE} more sets like these")
     if lines:
-        yield Section("Left out", "zero for complex angles only, as it seems: see each reason", tuple(lines))
+        yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
 
 
 def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     tested = sum(family.rank_check.tested for family in found.families)
     agree = sum(family.rank_check.agree for family in found.families)
-    lines = [f"rank as claimed at {agree:,} of {tested:,} random points of the families (modulo the prime 2^61 − 1)"]
+    lines = []
     cloud = found.explained
+    if tested:
+        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 1")
     if cloud.tested:
         lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
     else:
@@ -174,7 +184,7 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
 
 def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
     if found.left:
-        yield Section("Not finished", "", tuple(piece for one in found.left for piece in formula(one, width)))
+        yield Section("Not finished", "", tuple(piece for one in found.left for piece in either(one, width)))
 
 
 def _number(value: float, digits: int = 12) -> str:

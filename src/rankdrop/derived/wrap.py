@@ -6,8 +6,16 @@ import re
 import textwrap
 from collections.abc import Iterator
 
-_BREAK = re.compile(r" (?=[+−=≠] )| (?=\()|(?<=[,;]) ")
+_BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] )", r" (?=\()"))
+"""Places for a break, the better kinds first."""
 _HANG = 4
+_WORD = re.compile(r"\b[a-z]{4,}\b")
+_WORDS = 4  # so many words make a sentence
+
+
+def either(line: str, width: int | None) -> list[str]:
+    """A line of which is not known whether it is a sentence or a formula."""
+    return sentence(line, width, _HANG) if len(_WORD.findall(line)) >= _WORDS else formula(line, width)
 
 
 def formula(line: str, width: int | None) -> list[str]:
@@ -48,10 +56,10 @@ def sentence(line: str, width: int | None, hang: int = 0) -> list[str]:
 def _place(text: str, room: int) -> int:
     """Where to break: at the shallowest place of the last half of the room; else at a blank; else nowhere good."""
     depths = list(_depths(text))
-    places = [match.start() for match in _BREAK.finditer(text) if 0 < match.start() <= room]
-    late = [place for place in places if place > room // 3] or places
+    places = [(m.start(), kind) for kind, one in enumerate(_BREAKS) for m in one.finditer(text) if m.start() <= room]
+    late = [(place, kind) for place, kind in places if place > room // 3] or places
     if late:
-        return min(late, key=lambda place: (depths[place], -place))
+        return min(late, key=lambda found: (depths[found[0]], found[1], -found[0]))[0]
     blanks = [i for i, letter in enumerate(text) if letter == " " and 0 < i <= room]
     return blanks[-1] if blanks else next((i for i, letter in enumerate(text) if letter == " "), len(text))
 

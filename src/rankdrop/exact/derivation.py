@@ -116,7 +116,7 @@ def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Vari
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
     told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
-    left = tuple(f"suppression: {one}" for one in found.left)
+    left = tuple(f"suppression did not finish {one}" for one in found.left)
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
 
@@ -156,7 +156,7 @@ def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFa
 def _told(found: Derivation) -> tuple[str, ...]:
     """The conditions of a method, its figures and its notes, in lines."""
     ring = found.chain.ring
-    lines = [", ".join(f"{count:,} {name}" for name, count in found.sizes.items())]
+    lines = [", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())]
     for conjunction in found.conditions[:_SHOWN]:
         parts = [_equality(ring, one) for one in conjunction.equal]
         parts += ["not (" + " and ".join(_equality(ring, one) for one in group) + ")" for group in conjunction.unequal]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from math import inf
 from time import monotonic
 
@@ -47,6 +48,16 @@ class Work:
         """
         if monotonic() > self._end:
             raise OutOfTime
+
+    @contextmanager
+    def share(self, part: float) -> Iterator[None]:
+        """Within the block, this part of the time that is left is the limit: what comes after has the rest."""
+        end = self._end
+        self._end = monotonic() + part * self.left
+        try:
+            yield
+        finally:
+            self._end = end
 
     def show(self, label: str, done: int, total: int) -> None:
         """Tell how far the derivation is."""

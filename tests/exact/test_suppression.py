@@ -180,15 +180,7 @@ def test_an_arm_with_too_few_joints_is_refused():
         suppress(exact_chain(arm("scara")))
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize(
-    "name",
-    ["puma560", "ur5", "pa10"]
-    + [pytest.param(name, marks=pytest.mark.slow) for name in ("canadarm2", "panda", "rail", "xarm7")],
-)
-=======
 @pytest.mark.parametrize("name", ["ur5", "pa10", *(pytest.param(x, marks=pytest.mark.slow) for x in GROWN)])
->>>>>>> suppress
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
     """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""
     found = derived(name)

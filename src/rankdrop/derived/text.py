@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from rankdrop.atlas.equation import pretty_angle
 from rankdrop.derived.data import ConditionsData
@@ -56,7 +57,10 @@ def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Sec
         width: characters in a line of a formula; None for as many as it has.
     """
     parts = (_steps, _coranks, _assumed, _not_real, _checks, _unfinished)
-    return tuple(section for part in parts for section in part(found, width))
+    sections = (section for part in parts for section in part(found, width))
+    return tuple(
+        replace(one, lines=tuple(piece for line in one.lines for piece in sentence(line, width))) for one in sections
+    )
 
 
 def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:

@@ -288,7 +288,7 @@ def test_flags_of_a_redundant_arm_are_refused(pa10: Conditions) -> None:
         (("puma560", "--method", "magic"), "decoupling, suppression, tree"),
         (("pa10", "--method", "decoupling"), "does not decouple"),
         (("puma560", "--test", "sin(q5"), "column 7"),
-        (("puma560", "--test", "sin(q5)*foo(q3)"), "▸"),
+        (("puma560", "--test", "sin(q5)*foo(q3)"), "there is no function foo; got 'sin(q5)*▸foo(q3)'"),
         (("puma560", "--test", "sin(q9)"), "▸"),
         (("puma560", "--time-limit", "0"), "the time limit is positive"),
         (("puma560", "--coranks", "0"), "at least 1"),

@@ -40,6 +40,12 @@ def arm_lines(found: ConditionsData) -> dict[str, str]:
     ]
     if shifted:
         lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < found.robot.n else "")
+    full = min(found.task.m, found.robot.n)
+    if found.generic_rank < full:
+        lines["always"] = (
+            f"singular for this task at every configuration: the rank is {found.generic_rank}, {full} would be full; "
+            "coranks are counted from there"
+        )
     if found.remarks:
         lines["remarks"] = "; ".join(found.remarks)
     told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))

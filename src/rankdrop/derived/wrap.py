@@ -6,7 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 
-_BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] )", r" (?=\()"))
+_BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
 """Places for a break, the better kinds first."""
 _HANG = 4
 _WORD = re.compile(r"\b[a-z]{4,}\b")
@@ -28,8 +28,8 @@ def formula(line: str, width: int | None) -> list[str]:
         width: characters in a line; None for as many as there are.
 
     Example:
-        >>> formula("a2 c2 + a3 (c23 + s23) = 0", 20)
-        ['a2 c2', '    + a3 (c23 + s23)', '    = 0']
+        >>> formula("a2 c2 + a3 (c23 + s23) = 0", 24)
+        ['a2 c2', '    + a3 (c23 + s23) = 0']
     """
     if width is None or len(line) <= width:
         return [line]
@@ -54,10 +54,10 @@ def sentence(line: str, width: int | None, hang: int = 0) -> list[str]:
 
 
 def _place(text: str, room: int) -> int:
-    """Where to break: at the shallowest place of the last half of the room; else at a blank; else nowhere good."""
+    """Where to break: at the shallowest place that is not right at the beginning; else at a blank; else nowhere good."""
     depths = list(_depths(text))
     places = [(m.start(), kind) for kind, one in enumerate(_BREAKS) for m in one.finditer(text) if m.start() <= room]
-    late = [(place, kind) for place, kind in places if place > room // 3] or places
+    late = [(place, kind) for place, kind in places if place > room // 5] or places
     if late:
         return min(late, key=lambda found: (depths[found[0]], found[1], -found[0]))[0]
     blanks = [i for i, letter in enumerate(text) if letter == " " and 0 < i <= room]

@@ -54,7 +54,7 @@ def sentence(line: str, width: int | None, hang: int = 0) -> list[str]:
 
 
 def _place(text: str, room: int) -> int:
-    """Where to break: at the shallowest place that is not right at the beginning; else at a blank; else nowhere good."""
+    """Where to break: at the shallowest place that is not right at the beginning, else at a blank, else at the end."""
     depths = list(_depths(text))
     places = [(m.start(), kind) for kind, one in enumerate(_BREAKS) for m in one.finditer(text) if m.start() <= room]
     late = [(place, kind) for place, kind in places if place > room // 5] or places

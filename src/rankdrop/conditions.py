@@ -15,6 +15,7 @@ from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
 from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
@@ -98,6 +99,12 @@ def conditions(
     lowest = 0 if coranks is None else max(full - coranks, 0)
     with work.share(_TREE):
         tree = rank_tree(chain, work, lowest=lowest)
+    broken = _broken(chain, work)
+    if broken and not tree.interrupted:  # what letters rule out is so for this arm: its numbers alone tell what it does
+        chain = exact_chain(robot, task, lengths="numbers", snap=snap)
+        work = Work(max(work.left, 0.1), seed, progress)
+        with work.share(_TREE):
+            tree = rank_tree(chain, work, lowest=lowest)
     kept = _Kept(tree.interrupted, list(tree.left))
     found, not_real, extra = _families(chain, tree, work, seed, kept)
     first = kept.run(
@@ -126,7 +133,7 @@ def conditions(
         generic_rank=tree.generic_rank,
         letters=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *(one.text for one in structure_of(chain).near)),
+        remarks=(*chain.remarks, *broken, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
         steps=tuple(Step(title, lines) for title, lines in first.steps),
@@ -185,6 +192,15 @@ def _check(method: str, coranks: int | None, seconds: float, points: int, snap: 
     if not 0 <= snap < inf:
         raise OptionError("a length to snap is not negative", where="snap", got=snap)
     check_numbers(1, seed, 0)
+
+
+def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
+    """Assumptions on lengths that the arm's own lengths break, in words."""
+    return tuple(
+        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
+        for f in work.assumed.values()
+        if sign_of(chain, f) == 0
+    )
 
 
 def _families(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
@@ -16,11 +17,13 @@ from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
 from rankdrop.exact.real import STARTS, Reality, reality
+from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest
 from rankdrop.exact.verify import rank_modulo
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
 
+_SHARPENED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
 
 
@@ -44,12 +47,13 @@ def real_sets(chain: Chain, drops: Sequence[Drop], work: Work, seed: int = 0) ->
     """
     kept: list[RealSet] = []
     left_out: list[str] = []
+    known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
         work.check()
         drop = waiting.pop(0)
-        piece = tidy(drop.piece, work)
-        found = reality(chain, piece, drop.rank, np.random.default_rng([seed, len(kept), drop.rank]))
+        work.show("sets with real points", len(drops) - len(waiting), len(drops))
+        piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
         elif found.proof:
@@ -61,6 +65,23 @@ def real_sets(chain: Chain, drops: Sequence[Drop], work: Work, seed: int = 0) ->
                 left_out.append(f"{_words(piece)}: no real point was found from {STARTS} random starts")
     remaining = largest([Drop(one.piece, one.rank) for one in kept])
     return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], left_out
+
+
+def _sharp(
+    chain: Chain, drop: Drop, rng: np.random.Generator, known: list[Polynomial], work: Work
+) -> tuple[Variety, Reality]:
+    """A set in short words, with conditions added until no configuration of higher rank satisfies them."""
+    piece = tidy(drop.piece, work)
+    found = reality(chain, piece, drop.rank, rng)
+    for _ in range(_SHARPENED):
+        if not len(found.strays):
+            break
+        more = sharpened(chain, piece, drop.rank, found.strays, known, work)
+        if more is None:
+            break
+        known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
+        piece, found = more, reality(chain, more, drop.rank, rng)
+    return piece, found
 
 
 def _words(piece: Variety) -> str:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from math import inf
 from time import monotonic
 
 from rankdrop._handles import check_robot
-from rankdrop.derived import Conditions, Step
+from rankdrop.atlas.search import check_numbers
+from rankdrop.derived.conditions import Conditions
+from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -31,6 +34,8 @@ Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
 POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
+MOST_POINTS = 100_000
+"""More of them take longer than any derivation."""
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
 _LONG = 4.0  # where less time is left, fewer configurations are tried [s]
@@ -89,7 +94,7 @@ def conditions(
         [('θ2 = 0 or π',)]
     """
     check_robot(robot)
-    _check(method, coranks, seconds, points)
+    _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
     work = Work(seconds, seed, progress)
     chain, tree, work, remarks = _tree(exact_chain(robot, task, lengths=lengths, snap=snap), coranks, lengths, work)
@@ -121,22 +126,29 @@ def conditions(
         explained=check,
         disagreements=(*first.disagreements, *wrong, *over),
         complete=tree.complete and not left,
+        interrupted=work.interrupted,
         left=tuple(left),
         seconds=monotonic() - begun,
-        seed=seed,
-        version=VERSION,
-    )
+        settings=ConditionSettings(
+            method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), snap=snap, coranks=coranks,
+            seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
+        ),
+        chain=chain,
+    )  # fmt: skip
 
 
-def _check(method: str, coranks: int | None, seconds: float, points: int) -> None:
+def _check(method: str, coranks: int | None, seconds: float, points: int, snap: float, seed: int) -> None:
     if method not in METHODS:
         raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if coranks is not None and coranks < 1:
         raise OptionError("the highest corank is at least 1", where="coranks", got=coranks)
     if not seconds > 0:
         raise OptionError("the time limit is positive", where="seconds", got=seconds)
-    if points < 0:
-        raise OptionError("a number of points is not negative", where="points", got=points)
+    if not 0 <= points <= MOST_POINTS:
+        raise OptionError("points is outside the range", got=points, allowed=f"0 … {MOST_POINTS}")
+    if not 0 <= snap < inf:
+        raise OptionError("a length to snap is not negative", where="snap", got=snap)
+    check_numbers(1, seed, 0)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:

@@ -1,0 +1,274 @@
+"""Families found numerically held against families derived exactly: have they the same points?
+
+Neither side knows how the other came about. Random points of each family, solutions of its own equations from random
+starts, are tried on the families of the other side: every point has to lie on one of them, of the same corank and
+dimension. What is one family here may be several there, so a union is as good as a single one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.atlas.equation import Equation, normalised
+from rankdrop.atlas.sampling import Setting
+from rankdrop.atlas.signature import HIGHER
+from rankdrop.atlas.system import REACHED, Mask, System
+from rankdrop.exact.check import Check
+from rankdrop.exact.verify import WITHIN, Cloud, explained
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+STARTS = 256
+"""Random starts for the points of each family: 32 combinations of values get eight each."""
+CONDITIONED = 1e-3
+"""Points where a family's equations have a smaller slope are known too inexactly to be tried."""
+
+
+COMMON = 3
+"""So many random points of a family on another one make them kin: a single one may be near where the two cross."""
+
+
+class Side(Protocol):
+    """What is read of a family of either side."""
+
+    @property
+    def id(self) -> str:
+        """"k1.f1"."""
+
+    @property
+    def name(self) -> str:
+        """In words."""
+
+    @property
+    def corank(self) -> int:
+        """Rank lost."""
+
+    @property
+    def dimension(self) -> int:
+        """In joint space."""
+
+    @property
+    def equations(self) -> tuple[Equation, ...]:
+        """Every condition; empty where none is known."""
+
+    @property
+    def witness(self) -> tuple[float, ...]:
+        """A configuration on it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The exact families that a numeric one consists of.
+
+    Attributes:
+        row: id of the numeric family.
+        families: ids of the exact ones; empty where its points lie on none.
+    """
+
+    row: str
+    families: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How two sets of families go together.
+
+    Attributes:
+        matches: one for each numeric family, in order.
+        numeric: points of numeric families, and how many lie on an exact one.
+        exact: points of exact families, and how many lie on a numeric one.
+        disagreements: sentences; empty where every point lies on both sides.
+        wider: sentences on exact families whose conditions hold at configurations of a lower corank, too: of several
+            sets that the conditions describe together, only some are meant.
+    """
+
+    matches: tuple[Match, ...]
+    numeric: Check
+    exact: Check
+    disagreements: tuple[str, ...]
+    wider: tuple[str, ...] = ()
+
+
+def match(
+    robot: Robot,
+    task: Task,
+    generic_rank: int,
+    rows: Sequence[Side],
+    families: Sequence[Side],
+    *,
+    limits: bool = False,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+) -> Agreement:
+    """Try random points of each family on the families of the other side.
+
+    A family and another share a component when points of one lie on the other and their dimensions agree: random
+    points of an irreducible set lie on another set only if all of it does.
+
+    Args:
+        robot, task, generic_rank: of both sides.
+        rows: found numerically. One without equations is known by its witness alone, its dimension not at all.
+        families: derived exactly, of the same coranks.
+        limits: only points within the joint limits count; a family without any is left out.
+        seed: of the starts.
+        tolerances: `explained`, the longest way from a point to a family that holds there.
+
+    Returns:
+        Agreement.
+
+    Example:
+        >>> from rankdrop.atlas.families import families
+        >>> from rankdrop.atlas.search import search
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("scara")
+        >>> rows = families(search(arm, 1, starts=100)).families
+        >>> match(arm, resolve_task(None, arm), 4, rows, rows).matches
+        (Match(row='k1.f1', families=('k1.f1',)),)
+    """
+    links: dict[str, set[str]] = {row.id: set() for row in rows}
+    counts = {True: Check(0, 0), False: Check(0, 0)}
+    said: list[str] = []
+    wider: list[str] = []
+    for corank in sorted({one.corank for one in (*rows, *families)}):
+        setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
+        mine = [row for row in rows if row.corank == corank]
+        other = [family for family in families if family.corank == corank]
+        for numeric, here, there in ((True, mine, other), (False, other, mine)):
+            rng = np.random.default_rng([seed, corank, numeric])
+            for one in here:
+                points = _points(setting, one, rng, singular=not numeric)
+                met = _tried(setting, one, points, there)
+                counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
+                own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
+                said += [f"{own} {one.id} ({one.name}): {text}" for text in met.wrong(others)]
+                wider += [f"{one.id} ({one.name}): {text}" for text in points.wider(corank)]
+                for name in met.kin:
+                    row, family = (one.id, name) if numeric else (name, one.id)
+                    links[row].add(family)
+    order = [family.id for family in families]
+    matches = tuple(Match(row.id, tuple(sorted(links[row.id], key=order.index))) for row in rows)
+    return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider))
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Configurations on a family.
+
+    Attributes:
+        q: (N, n) its witness first, where that satisfies the equations; then random ones.
+        special: how many at the beginning are not random.
+        solved, left_out: solutions of the equations, and how many of them have a lower corank.
+    """
+
+    q: Array
+    special: int
+    solved: int = 0
+    left_out: int = 0
+
+    def wider(self, corank: int) -> list[str]:
+        """A sentence where the conditions hold on more than the family."""
+        if not self.left_out:
+            return []
+        return [
+            f"its conditions also hold where the arm loses less than {corank}: {self.left_out} of {self.solved} random "
+            "solutions are such"
+        ]
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Points of one family, tried on those of the other side.
+
+    Attributes:
+        tested, agree: points, and how many lie on one of the other families.
+        kin: ids of the others that some point lies on and whose dimension is the same.
+        over: a point that lies on none, if there is one.
+        dimensions: (own, others) where points lie on others, but on none of the same dimension.
+        empty: no point was found on the family, its witness included.
+    """
+
+    tested: int
+    agree: int
+    kin: tuple[str, ...]
+    over: Array | None = None
+    dimensions: tuple[int, tuple[int, ...]] | None = None
+    empty: bool = False
+
+    def wrong(self, others: str) -> list[str]:
+        """Sentences on what does not go together."""
+        found = []
+        if self.empty:
+            found.append("no configuration satisfies its own conditions, its witness included")
+        if self.over is not None:
+            q = ", ".join(f"{x:.6g}" for x in self.over)
+            count = f"{self.tested - self.agree} of {self.tested} of its points lie"
+            found.append(f"{count} on no {others} family of this corank, q = ({q}) is one")
+        if self.dimensions is not None:
+            own, theirs = self.dimensions
+            found.append(f"dimension {own}, but the {others} families on it have {', '.join(map(str, theirs))}")
+        return found
+
+
+def _tried(setting: Setting, one: Side, points: _Points, others: Sequence[Side]) -> _Tried:
+    q = points.q
+    if not len(q):
+        return _Tried(0, 0, (), empty=not setting.limits)
+    on = np.array([_lies(other, q, setting.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
+    left = np.flatnonzero(~on.any(axis=0))
+    if len(left):  # where sheets cross, the way to a family is not told from its square
+        cloud = Cloud(setting.robot, setting.task, q[left], np.full(len(left), setting.corank))
+        _, over = explained(cloud, [other.equations for other in others if other.equations], setting.tolerances)
+        left = left[over]
+    generic = on[:, points.special :] if len(q) > points.special else on
+    met = [other for other, mask in zip(others, generic, strict=True) if mask.sum() >= min(COMMON, len(mask))]
+    vague = not one.equations or any(not other.equations for other in met)
+    kin = tuple(other.id for other in met if vague or other.dimension == one.dimension)
+    differing = None if kin or not met else (one.dimension, tuple(sorted({other.dimension for other in met})))
+    return _Tried(len(q), len(q) - len(left), kin, q[left[0]] if len(left) else None, differing)
+
+
+def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: bool) -> _Points:
+    """Solutions of a family's equations from random starts, where these are well conditioned.
+
+    Args:
+        setting: the arm and the corank.
+        one: the family.
+        rng: of the starts.
+        singular: leave out, and count, solutions of a lower corank.
+    """
+    witness = np.array([one.witness], dtype=np.float64)
+    if not one.equations:
+        return _Points(witness, 1)
+    system = _system(one)
+    witness = witness[np.abs(system.values(witness)).max(axis=1) <= setting.tolerances.explained]
+    q, _ = system.solve(setting.random(STARTS, rng), iterations=60)
+    q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
+    slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
+    q = q[slopes[:, min(setting.robot.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
+    solved = len(q)
+    if singular:
+        q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
+    left_out = solved - len(q)
+    witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
+    return _Points(np.concatenate([witness, q]), len(witness), solved, left_out)
+
+
+def _system(one: Side) -> System:
+    return System(tuple(normalised(equation.terms) for equation in one.equations))
+
+
+def _lies(other: Side, q: Array, tolerances: Tolerances) -> Mask:
+    """(N,) which points lie on a family; one without equations is known by its witness alone."""
+    if not other.equations:
+        near: NDArray[np.bool_] = np.linalg.norm(q - np.array(other.witness), axis=1) <= tolerances.explained
+        return near
+    way, _ = _system(other).nearest(q, WITHIN)
+    return np.asarray(way <= tolerances.explained)

@@ -69,11 +69,29 @@ class Match:
 
     Attributes:
         row: id of the numeric family.
-        families: ids of the exact ones; empty where its points lie on none.
+        families: ids of the exact ones that lie on it.
+        parts: ids of exact ones that share some of their points with it, and the rest with other rows.
     """
 
     row: str
     families: tuple[str, ...]
+    parts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Wider:
+    """An exact family whose conditions hold on more than the family.
+
+    Of several sets that the conditions describe together only some are meant; the others are of a lower corank.
+
+    Attributes:
+        family: its id.
+        solved, elsewhere: random solutions of its conditions, and how many of them have a lower corank.
+    """
+
+    family: str
+    solved: int
+    elsewhere: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +103,14 @@ class Agreement:
         numeric: points of numeric families, and how many lie on an exact one.
         exact: points of exact families, and how many lie on a numeric one.
         disagreements: sentences; empty where every point lies on both sides.
-        wider: sentences on exact families whose conditions hold at configurations of a lower corank, too: of several
-            sets that the conditions describe together, only some are meant.
+        wider: exact families to be read with care.
     """
 
     matches: tuple[Match, ...]
     numeric: Check
     exact: Check
     disagreements: tuple[str, ...]
-    wider: tuple[str, ...] = ()
+    wider: tuple[Wider, ...] = ()
 
 
 def match(
@@ -131,31 +148,38 @@ def match(
         >>> arm = open_robot("scara")
         >>> rows = families(search(arm, 1, starts=100)).families
         >>> match(arm, resolve_task(None, arm), 4, rows, rows).matches
-        (Match(row='k1.f1', families=('k1.f1',)),)
+        (Match(row='k1.f1', families=('k1.f1',), parts=()),)
     """
-    links: dict[str, set[str]] = {row.id: set() for row in rows}
+    kin: set[tuple[str, str]] = set()
+    inside: set[tuple[str, str]] = set()
     counts = {True: Check(0, 0), False: Check(0, 0)}
     said: list[str] = []
-    wider: list[str] = []
+    wider: list[Wider] = []
     for corank in sorted({one.corank for one in (*rows, *families)}):
         setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
         mine = [row for row in rows if row.corank == corank]
         other = [family for family in families if family.corank == corank]
         for numeric, here, there in ((True, mine, other), (False, other, mine)):
             rng = np.random.default_rng([seed, corank, numeric])
+            own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
             for one in here:
                 points = _points(setting, one, rng, singular=not numeric)
                 met = _tried(setting, one, points, there)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
-                own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
                 said += [f"{own} {one.id} ({one.name}): {text}" for text in met.wrong(others)]
-                wider += [f"{one.id} ({one.name}): {text}" for text in points.wider(corank)]
-                for name in met.kin:
-                    row, family = (one.id, name) if numeric else (name, one.id)
-                    links[row].add(family)
-    order = [family.id for family in families]
-    matches = tuple(Match(row.id, tuple(sorted(links[row.id], key=order.index))) for row in rows)
+                kin |= {(one.id, name) if numeric else (name, one.id) for name in met.kin}
+                if not numeric:
+                    inside |= {(name, one.id) for name in met.around}
+                if points.elsewhere:
+                    wider.append(Wider(one.id, points.solved, points.elsewhere))
+    matches = tuple(_match(row.id, families, kin, inside) for row in rows)
     return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider))
+
+
+def _match(row: str, families: Sequence[Side], kin: set[tuple[str, str]], inside: set[tuple[str, str]]) -> Match:
+    related = [family.id for family in families if (row, family.id) in kin]
+    whole = tuple(name for name in related if (row, name) in inside)
+    return Match(row, whole, tuple(name for name in related if name not in whole))
 
 
 @dataclass(frozen=True)
@@ -165,22 +189,13 @@ class _Points:
     Attributes:
         q: (N, n) its witness first, where that satisfies the equations; then random ones.
         special: how many at the beginning are not random.
-        solved, left_out: solutions of the equations, and how many of them have a lower corank.
+        solved, elsewhere: solutions of the equations, and how many were left out for their lower corank.
     """
 
     q: Array
     special: int
     solved: int = 0
-    left_out: int = 0
-
-    def wider(self, corank: int) -> list[str]:
-        """A sentence where the conditions hold on more than the family."""
-        if not self.left_out:
-            return []
-        return [
-            f"its conditions also hold where the arm loses less than {corank}: {self.left_out} of {self.solved} random "
-            "solutions are such"
-        ]
+    elsewhere: int = 0
 
 
 @dataclass(frozen=True)
@@ -190,6 +205,7 @@ class _Tried:
     Attributes:
         tested, agree: points, and how many lie on one of the other families.
         kin: ids of the others that some point lies on and whose dimension is the same.
+        around: ids of those on which all of them lie.
         over: a point that lies on none, if there is one.
         dimensions: (own, others) where points lie on others, but on none of the same dimension.
         empty: no point was found on the family, its witness included.
@@ -198,6 +214,7 @@ class _Tried:
     tested: int
     agree: int
     kin: tuple[str, ...]
+    around: tuple[str, ...] = ()
     over: Array | None = None
     dimensions: tuple[int, tuple[int, ...]] | None = None
     empty: bool = False
@@ -228,11 +245,17 @@ def _tried(setting: Setting, one: Side, points: _Points, others: Sequence[Side])
         _, over = explained(cloud, [other.equations for other in others if other.equations], setting.tolerances)
         left = left[over]
     generic = on[:, points.special :] if len(q) > points.special else on
-    met = [other for other, mask in zip(others, generic, strict=True) if mask.sum() >= min(COMMON, len(mask))]
-    vague = not one.equations or any(not other.equations for other in met)
-    kin = tuple(other.id for other in met if vague or other.dimension == one.dimension)
-    differing = None if kin or not met else (one.dimension, tuple(sorted({other.dimension for other in met})))
-    return _Tried(len(q), len(q) - len(left), kin, q[left[0]] if len(left) else None, differing)
+    met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
+    vague = not one.equations or any(not others[k].equations for k in met)
+    kin = [k for k in met if vague or others[k].dimension == one.dimension]
+    return _Tried(
+        tested=len(q),
+        agree=len(q) - len(left),
+        kin=tuple(others[k].id for k in kin),
+        around=tuple(others[k].id for k in kin if generic[k].all()),
+        over=q[left[0]] if len(left) else None,
+        dimensions=None if kin or not met else (one.dimension, tuple(sorted({others[k].dimension for k in met}))),
+    )
 
 
 def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: bool) -> _Points:
@@ -256,9 +279,9 @@ def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: 
     solved = len(q)
     if singular:
         q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
-    left_out = solved - len(q)
+    elsewhere = solved - len(q)
     witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
-    return _Points(np.concatenate([witness, q]), len(witness), solved, left_out)
+    return _Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
 
 
 def _system(one: Side) -> System:

@@ -105,10 +105,10 @@ def conditions(
         work = Work(max(work.left, 0.1), seed, progress)
         with work.share(_TREE):
             tree = rank_tree(chain, work, lowest=lowest)
-    kept = _Kept(tree.interrupted, list(tree.left))
+    kept = _Kept(tree.interrupted, list(tree.left), work.show)
     found, not_real, extra = _families(chain, tree, work, seed, kept)
     first = kept.run(
-        f"corank 1 once more by another method ({method})",
+        "corank 1 by another method",
         lambda: corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps),
         CorankOne("tree", "another method was not tried", ()),
     )
@@ -163,14 +163,17 @@ class _Kept:
         left: what was not finished.
     """
 
-    def __init__(self, interrupted: bool, left: list[str]) -> None:
-        self.interrupted, self.left = interrupted, left
+    def __init__(self, interrupted: bool, left: list[str], show: Progress) -> None:
+        self.interrupted, self.left, self._show = interrupted, left, show
 
     def run(self, what: str, step: Callable[[], T], otherwise: T) -> T:
         """The result of a step, or `otherwise` where it was not finished."""
         if not self.interrupted:
+            self._show(what, 0, 1)
             try:
-                return step()
+                result = step()
+                self._show(what, 1, 1)
+                return result
             except OutOfTime:
                 self.left.append(what)
                 return otherwise

@@ -84,6 +84,8 @@ def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         rows = found.of_corank(corank)
         lines = [line for family in rows for line in _family(family, width)]
         count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
+        if rows and not found.complete:
+            count += " so far"
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
     if highest < last:
         between = "and" if highest + 2 == last else "to"

@@ -108,7 +108,7 @@ def _none(found: ConditionsData) -> str:
 def _family(family: ExactFamily, width: int | None) -> Iterator[str]:
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
-    yield from (piece for line in condition_lines(family) for piece in formula(f"{_INSET}{line}", width))
+    yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
     if family.reality:
         yield from formula(f"{_INSET}{family.reality}; here it is", width)
     yield f"{_INSET}dimension {family.dimension}, codimension {family.codimension}"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 from time import monotonic
-from typing import TypeVar
 
 from rankdrop._handles import check_robot
 from rankdrop.atlas.search import check_numbers
@@ -22,6 +22,7 @@ from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.settled import settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
@@ -31,12 +32,14 @@ from rankdrop.version import VERSION
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
-T = TypeVar("T")
-_TREE = 0.7  # of the time limit at most: what it finds has to be put in words
 POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
 MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
+_SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
+_LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
+_LONG = 4.0  # where less time is left, fewer configurations are tried [s]
+_FEWEST = 50
 
 
 def conditions(
@@ -69,7 +72,7 @@ def conditions(
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
         snap: lengths up to this are taken for zero [m].
         coranks: the highest corank to derive; None for all.
-        seconds: time limit; what was derived by then is returned, and what is left is told.
+        seconds: time limit; what was derived by then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand.
@@ -93,39 +96,18 @@ def conditions(
     check_robot(robot)
     _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
-    chain = exact_chain(robot, task, lengths=lengths, snap=snap)
     work = Work(seconds, seed, progress)
-    full = min(chain.task.m, chain.n)
-    lowest = 0 if coranks is None else max(full - coranks, 0)
-    with work.share(_TREE):
-        tree = rank_tree(chain, work, lowest=lowest)
-    broken = _broken(chain, work)
-    if broken and not tree.interrupted:  # what letters rule out is so for this arm: its numbers alone tell what it does
-        chain = exact_chain(robot, task, lengths="numbers", snap=snap)
-        work = Work(max(work.left, 0.1), seed, progress)
-        with work.share(_TREE):
-            tree = rank_tree(chain, work, lowest=lowest)
-    kept = _Kept(tree.interrupted, list(tree.left), work.show)
-    found, not_real, extra = _families(chain, tree, work, seed, kept)
-    first = kept.run(
-        "corank 1 by another method",
-        lambda: corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps),
-        CorankOne("tree", "another method was not tried", ()),
-    )
-    kept.left += [*first.left, *_unresolved(work)]
-    assumed: Sequence[Assumption] = ()
-    if special:
-        assumed = kept.run(
-            "arms of special lengths", lambda: assumptions(chain, tree.drops, tree.generic_rank, lowest, work), ()
-        )
-    nothing: tuple[Check, list[str]] = (Check(0, 0), [])
-    check, over = kept.run(
-        "configurations found numerically",
-        lambda: _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress),
-        nothing,
-    )
-    if kept.left:  # what is not on a family may be on one that is not derived yet
-        kept.left += over
+    chain, tree, work, remarks = _tree(exact_chain(robot, task, lengths=lengths, snap=snap), coranks, lengths, work)
+    lowest = _lowest(chain, coranks)
+    left = list(tree.left)
+    with work.share(_SHARE):
+        found, not_real, wrong = _families(chain, tree, work, seed, left)
+    first = _first(chain, method, tree, found, work, seed, steps)
+    left += [*first.left, *_unresolved(chain, tree, lowest, work)]
+    assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
+    check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
+    if left:  # what is left over belongs to what was not derived
+        left += over
         over = []
     return Conditions(
         robot=robot,
@@ -133,7 +115,7 @@ def conditions(
         generic_rank=tree.generic_rank,
         letters=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *broken, *(one.text for one in structure_of(chain).near)),
+        remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
         steps=tuple(Step(title, lines) for title, lines in first.steps),
@@ -142,10 +124,10 @@ def conditions(
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
         explained=check,
-        disagreements=(*first.disagreements, *extra, *over),
-        complete=tree.complete and not kept.left,
-        interrupted=kept.interrupted,
-        left=tuple(kept.left),
+        disagreements=(*first.disagreements, *wrong, *over),
+        complete=tree.complete and not left,
+        interrupted=work.interrupted,
+        left=tuple(left),
         seconds=monotonic() - begun,
         settings=ConditionSettings(
             method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), snap=snap, coranks=coranks,
@@ -153,34 +135,6 @@ def conditions(
         ),
         chain=chain,
     )  # fmt: skip
-
-
-class _Kept:
-    """What stays where time runs out or Ctrl-C comes: the step is skipped, and told as left.
-
-    Attributes:
-        interrupted: Ctrl-C came; no further step is begun.
-        left: what was not finished.
-    """
-
-    def __init__(self, interrupted: bool, left: list[str], show: Progress) -> None:
-        self.interrupted, self.left, self._show = interrupted, left, show
-
-    def run(self, what: str, step: Callable[[], T], otherwise: T) -> T:
-        """The result of a step, or `otherwise` where it was not finished."""
-        if not self.interrupted:
-            self._show(what, 0, 1)
-            try:
-                result = step()
-                self._show(what, 1, 1)
-                return result
-            except OutOfTime:
-                self.left.append(what)
-                return otherwise
-            except KeyboardInterrupt:
-                self.interrupted = True
-        self.left.append(f"interrupted: {what}")
-        return otherwise
 
 
 def _check(method: str, coranks: int | None, seconds: float, points: int, snap: float, seed: int) -> None:
@@ -206,21 +160,37 @@ def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
     )
 
 
-def _families(
-    chain: Chain, tree: Tree, work: Work, seed: int, kept: _Kept
-) -> tuple[list[ExactFamily], list[str], list[str]]:
-    """(families, sets without real points, disagreements); what time did not allow is told.
+def _lowest(chain: Chain, coranks: int | None) -> int:
+    return 0 if coranks is None else max(min(chain.task.m, chain.n) - coranks, 0)
 
-    After Ctrl-C in the tree this is still done: it makes what was found readable. A second one ends it.
-    """
-    try:
-        sets, not_real = real_sets(chain, tree.drops, work, seed)
-        found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
-    except (OutOfTime, KeyboardInterrupt) as end:
-        kept.interrupted |= isinstance(end, KeyboardInterrupt)
-        why = "interrupted: " if isinstance(end, KeyboardInterrupt) else ""
-        kept.left.append(f"{why}{len(tree.drops)} sets were found, but not looked at for real points")
-        return [], [], []
+
+def _tree(
+    chain: Chain, coranks: int | None, lengths: str | Mapping[str, float], work: Work
+) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
+    """The rank tree; with numbers where letters that nobody asked for take too long, or rule out this arm's lengths."""
+    lowest = _lowest(chain, coranks)
+    optional = lengths == "auto" and bool(chain.letters)
+    with work.share(_LETTERS if optional else _SHARE):
+        tree = rank_tree(chain, work, lowest=lowest)
+    broken = _broken(chain, work)
+    if not broken and (tree.complete or not optional or work.interrupted):
+        return chain, tree, work, ()
+    plain, again = replace(chain, letters={}, written={}), work.again()
+    with again.share(_SHARE):
+        other = rank_tree(plain, again, lowest=lowest)
+    if broken:
+        return plain, other, again, broken
+    if not other.complete and not again.interrupted:
+        return chain, tree, work, ()
+    return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
+
+
+def _families(
+    chain: Chain, tree: Tree, work: Work, seed: int, left: list[str]
+) -> tuple[list[ExactFamily], list[str], list[str]]:
+    """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
+    sets, not_real = real_sets(chain, tree.drops, work, left, seed)
+    found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
     wrong = [
         f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
         f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
@@ -230,39 +200,66 @@ def _families(
     return found, not_real, wrong
 
 
-def _unresolved(work: Work) -> list[str]:
+def _first(
+    chain: Chain, method: str, tree: Tree, found: Sequence[ExactFamily], work: Work, seed: int, steps: bool
+) -> CorankOne:
+    """Corank 1 by the method a person would take; left out where the user has asked to stop."""
+    if not work.interrupted:
+        work.show("the method for corank 1", 0, 1)
+        try:
+            return corank_one(chain, method, tree, found, Work(max(_SHARE * work.left, 0.1), seed), steps=steps)
+        except KeyboardInterrupt:
+            work.interrupt()
+    return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
+
+
+def _unresolved(chain: Chain, tree: Tree, lowest: int, work: Work) -> list[str]:
     count = len(set(work.unresolved))
     if not count:
         return []
+    if tree.complete and chain.letters and not work.interrupted:
+        with work.share(_SHARE):
+            if settled(chain, tree, lowest, work):
+                return []
     return [
         f"{count} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
         "common zeros of that size, those are missing"
     ]
 
 
+def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
+    if not work.interrupted:
+        work.show("arms of special lengths", 0, 1)
+        try:
+            with work.share(_SHARE):
+                return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
+        except OutOfTime:
+            pass
+        except KeyboardInterrupt:
+            work.interrupt()
+    left.append("arms of special lengths")
+    return ()
+
+
 def _cloud(
-    chain: Chain,
-    generic_rank: int,
-    lowest: int,
-    found: Sequence[ExactFamily],
-    seed: int,
-    points: int,
-    progress: Progress | None,
+    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work
 ) -> tuple[Check, list[str]]:
-    """Singular configurations found numerically, tried on the families; those left over as disagreements."""
+    """Singular configurations found numerically, tried on the families, and sentences on those left over."""
     tested = agree = 0
     over = []
     for corank in range(1, generic_rank - lowest + 1):
-        if not points:
+        if not points or work.interrupted or (corank > 1 and work.left < 0):
             break
-        if progress is not None:
-            progress("checks", corank - 1, generic_rank - lowest)
+        work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)
-        met = cloud(chain.robot, chain.task, corank, wanted, seed)
-        if not len(met.q):
+        try:
+            met = cloud(chain.robot, chain.task, corank, _few(wanted, work.left), work.seed, work.left)
+            if not len(met.q):
+                break
+            check, remaining = explained(met, [family.equations for family in found if family.corank >= corank])
+        except KeyboardInterrupt:
+            work.interrupt()
             break
-        rows = [family.equations for family in found if family.corank >= corank]
-        check, remaining = explained(met, rows)
         tested, agree = tested + check.tested, agree + check.agree
         if len(remaining):
             q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in met.q[remaining[0]])
@@ -271,3 +268,8 @@ def _cloud(
                 f"family, q = ({q}) is one"
             )
     return Check(tested, agree), over
+
+
+def _few(wanted: int, seconds: float) -> int:
+    """Fewer points where little time is left."""
+    return wanted if seconds >= _LONG else max(int(wanted * seconds / _LONG), min(wanted, _FEWEST))

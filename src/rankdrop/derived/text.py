@@ -40,12 +40,9 @@ def arm_lines(found: ConditionsData) -> dict[str, str]:
     ]
     if shifted:
         lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < found.robot.n else "")
-    full = min(found.task.m, found.robot.n)
-    if found.generic_rank < full:
-        lines["always"] = (
-            f"singular for this task at every configuration: the rank is {found.generic_rank}, {full} would be full; "
-            "coranks are counted from there"
-        )
+    if found.generic_rank < found.task.m:
+        rank, rows = found.generic_rank, found.task.m
+        lines["always"] = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
     if found.remarks:
         lines["remarks"] = "; ".join(found.remarks)
     told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))

@@ -1,9 +1,9 @@
 """Every set of configurations on which the rank drops, of every rank, by branching on minors.
 
-On an irreducible set the rank is some ρ almost everywhere, found at random points modulo a prime. Where it drops, every
-minor of order ρ vanishes; one that is not zero on the set is factored, the set is cut by each factor, and every
-irreducible piece is looked at in the same way. A piece with a lower rank is a find; from a piece with the same rank the
-search goes on to the drops inside it.
+Where the rank is lower than r, every minor of order r vanishes. One that is not zero on a set is factored, the set is
+cut by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points
+modulo a prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for
+every r: small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 
+_STAGE = 0.5  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
 _SEVERAL = 24  # random points on a set that may be several
 _RESTRICTED = 4  # minors by which such sets are told apart
@@ -41,10 +42,9 @@ class Tree:
     Attributes:
         generic_rank: almost everywhere.
         drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
-        complete: False when time ran out, or where a set could not be looked into.
+        complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
         visited: sets looked at.
-        interrupted: Ctrl-C ended the search; what was found until then is kept.
     """
 
     generic_rank: int
@@ -52,7 +52,6 @@ class Tree:
     complete: bool = True
     left: list[str] = field(default_factory=list)
     visited: int = 0
-    interrupted: bool = False
 
 
 def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
@@ -64,31 +63,30 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         lowest: drops to this rank are the last ones looked for.
 
     Returns:
-        Tree; incomplete, with what is left in words, where time ran out.
+        Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
-    columns = chain.columns
     whole = Variety.whole(chain.ring)
-    generic = _rank(columns, whole)
+    generic = _rank(chain.columns, whole)
     tree = Tree(generic)
-    found: list[Drop] = [Drop(whole, generic)]
-    at = 0
-    try:
-        while at < len(found):
-            drop = found[at]
-            work.show("sets looked into", at, len(found))
-            if drop.rank > lowest:
-                _explore(columns, drop, found, tree, work)
-            at += 1
-    except (OutOfTime, KeyboardInterrupt) as end:
-        tree.complete = False
-        tree.interrupted = isinstance(end, KeyboardInterrupt)
-        why = "interrupted" if tree.interrupted else "time ran out"
-        missing = sorted({drop.rank for drop in found[at:] if drop.rank > lowest}, reverse=True)
-        tree.left.append(
-            f"{why} while looking for drops below rank " + ", ".join(map(str, missing))
-            + f": {len(found) - at} of {len(found)} sets were not looked into to the end"
-        )  # fmt: skip
-    tree.drops = largest(found[1:])
+    found: list[Drop] = []
+    for order in range(generic, lowest, -1):
+        waiting = [whole]
+        try:
+            with work.share(1.0 if order == lowest + 1 else _STAGE):
+                _explore(chain.columns, order, waiting, found, tree, work)
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            tree.complete = False
+            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
+            tree.left.append(
+                f"{what} while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
+                "to the end"
+            )
+            if isinstance(stop, KeyboardInterrupt):
+                work.interrupt()
+                break
+        if not any(drop.rank < order for drop in found):
+            break
+    tree.drops = largest(found)
     return tree
 
 
@@ -104,28 +102,27 @@ def largest(found: Sequence[Drop]) -> list[Drop]:
     return sorted(kept, key=lambda drop: (-drop.rank, drop.piece.codimension, drop.piece.key))
 
 
-def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tree: Tree, work: Work) -> None:
-    """Find the drops inside one set, and append them to `found`.
+def _explore(
+    columns: list[list[Polynomial]], order: int, waiting: list[Variety], found: list[Drop], tree: Tree, work: Work
+) -> None:
+    """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
-    A piece of the set where an m × n matrix has rank ≤ r binds at most (m − r)(n − r) freedoms, so pieces that bind
-    more lie inside others.
+    A piece of the space where an m × n matrix has rank < r binds at most (m − r + 1)(n − r + 1) freedoms, so pieces
+    that bind more lie inside others. The shortest set that waits comes first: where time runs out, long ones are left.
     """
     n, m = len(columns), len(columns[0])
-    bound = (m - start.rank + 1) * (n - start.rank + 1)
-    waiting = [start.piece]
+    bound = (m - order + 1) * (n - order + 1)
     seen: list[Variety] = []
     while waiting:
-        piece = waiting.pop(0)
-        work.check()
-        tree.visited += 1
-        minor = _minor(columns, piece, start.rank, work)
-        if minor is None:
-            found.append(Drop(piece, _rank(columns, piece)))  # its random points lay on a part of higher rank before
-            continue
-        for part in cut(piece, minor, work):
+        work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
+        piece = min(waiting, key=_length)
+        minor = _minor(columns, piece, order, work)
+        if minor is None:  # its random points lay on a part of higher rank before
+            found.append(Drop(piece, _rank(columns, piece)))
+        for part in cut(piece, minor, work) if minor is not None else ():
             if not part.samples:
                 continue  # no point modulo P: no real one either
-            dropped = _dropped(columns, part, start.rank, work)
+            dropped = _dropped(columns, part, order, work)
             for drop in dropped:
                 if not any(drop.piece.inside(other.piece) for other in found if other.rank == drop.rank):
                     found.append(drop)
@@ -135,6 +132,12 @@ def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tr
             if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
                 seen.append(part)
                 waiting.append(part)
+        waiting.remove(piece)
+        tree.visited += 1
+
+
+def _length(piece: Variety) -> int:
+    return piece.codimension + sum(map(len, piece.equations))
 
 
 def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, permutations, product
+from math import prod
 
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, primitive, used
@@ -17,6 +18,8 @@ from rankdrop.exact.algebra.variety import Solved, Variety, independent
 from rankdrop.exact.algebra.work import Work
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
+_DEGREE = 64  # product of two degrees beyond which their resultant takes seconds
+_POWERS = 200_000  # and so it does where its degrees allow for more terms than this
 
 Form = tuple[Polynomial, tuple[int, ...]]
 """A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
@@ -133,7 +136,8 @@ def _at_infinity(
         if joint in pins or not any(f.degrees()[k] for f in system):
             continue
         leading = [coefficients(f, k)[-1] for f in system]
-        if any(factors(ring, f.gcd(g), work) for f, g in combinations(leading, 2)):
+        # two conditions with the third they may bind: their leading coefficients vanish together on a common factor
+        if most > 2 < len(system) or any(factors(ring, f.gcd(g), work) for f, g in combinations(leading, 2)):
             there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
             yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
 
@@ -186,7 +190,7 @@ def _reduced(
         work.check()
         one, two = sorted((str(f), str(g)))
         pair = (one, two, k)
-        if pair in done or len(f) * len(g) > _LARGE:
+        if pair in done or not _eliminable(f, g, k):
             continue
         done |= {pair}
         combined = _combined(f, g, k) if f.degrees()[k] == g.degrees()[k] == 2 else f.resultant(g, ring.names[k])
@@ -232,6 +236,15 @@ def _remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
     if k < ring.angles:
         degree[k] = int(g.degrees()[k]) if g != 0 else 0
     return g, tuple(degree)
+
+
+def _eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
+    """Whether the resultant is worth its time: it cannot be interrupted."""
+    one, two = f.degrees(), g.degrees()
+    if len(f) * len(g) > _LARGE or int(one[k]) * int(two[k]) > _DEGREE:
+        return False
+    powers = (1 + a * two[k] + b * one[k] for place, (a, b) in enumerate(zip(one, two, strict=True)) if place != k)
+    return prod(map(int, powers)) <= _POWERS
 
 
 def _several(

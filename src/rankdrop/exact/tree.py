@@ -1,9 +1,9 @@
 """Every set of configurations on which the rank drops, of every rank, by branching on minors.
 
 Where the rank is lower than r, every minor of order r vanishes. One that is not zero on a set is factored, the set is
-cut by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points modulo a
-prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for every
-r: small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
+cut by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points
+modulo a prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for
+every r: small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
 """
 
 from __future__ import annotations

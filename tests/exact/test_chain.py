@@ -33,7 +33,7 @@ def numeric(chain: Chain, q: np.ndarray) -> np.ndarray:
 
     def value(p) -> float:
         return sum(
-            float(int(c.p) / int(c.q)) * np.prod([values[name] ** int(e) for name, e in zip(names, powers, strict=True)])
+            int(c.p) / int(c.q) * np.prod([values[name] ** int(e) for name, e in zip(names, powers, strict=True)])
             for powers, c in p.terms()
         )
 
@@ -99,7 +99,8 @@ def test_tasks_of_some_rows(name: str, task: str) -> None:
 @pytest.mark.parametrize("name", ["puma560", "stanford", "scara", "almarkhi4"])
 def test_base_tool_units_and_signs_of_joints(name: str) -> None:
     robot = open_robot(name)
-    for other in (*in_other_words(robot, np.random.default_rng(2)), remade(robot, length=1000.0), reversed_chain(robot)):
+    others = (*in_other_words(robot, np.random.default_rng(2)), remade(robot, length=1000.0), reversed_chain(robot))
+    for other in others:
         assert_exact(other, tolerance=1e-6)
 
 
@@ -109,7 +110,8 @@ def test_one_and_two_joints() -> None:
 
 
 def test_equal_lengths_share_a_letter_with_their_sign() -> None:
-    robot = standard_dh("equal", [(0, HALF, 0.1, 0), (0.4, 0, 0.2, 0), (-0.4, 0, 0.3, 0.3), (0, HALF, 0.2, 0), (0, 0, 0.1, 0)])
+    rows = [(0, HALF, 0.1, 0), (0.4, 0, 0.2, 0), (-0.4, 0, 0.3, 0.3), (0, HALF, 0.2, 0), (0, 0, 0.1, 0)]
+    robot = standard_dh("equal", rows)
     chain = exact_chain(robot, "position")
     assert set(chain.letters) >= {"a2"}
     assert {name for name in chain.letters if name[0] == "a"} == {"a2"}
@@ -166,7 +168,9 @@ def test_values_and_signs_of_lengths() -> None:
 
 def test_the_home_of_the_tool_moves_the_rows_of_a_position_only() -> None:
     robot = open_robot("puma560")
-    longer = replace(robot, home=robot.home @ np.block([[np.eye(3), np.array([[0], [0], [0.2]])], [np.zeros((1, 3)), 1]]))
+    tool = np.eye(4)
+    tool[2, 3] = 0.2
+    longer = replace(robot, home=robot.home @ tool)
     assert_exact(longer, "position")
     q = np.full(robot.n, 0.3)
     assert jacobian(robot, q).shape == (6, robot.n)

@@ -64,7 +64,8 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
     seen_pins = set()
     for _ in range(30):
         s, c = ring.s, ring.c
-        planted = [s[1], 1 + c[2], 1 - c[4], s[2] - 1, c[1] + c[2] * s[4] + ring.letter["a"], ring.q[3] - ring.letter["b"]]
+        a, b = ring.letter["a"], ring.letter["b"]
+        planted = [s[1], 1 + c[2], 1 - c[4], s[2] - 1, c[1] + c[2] * s[4] + a, ring.q[3] - b]
         chosen = rng.sample(planted, 3)
         p = ring.reduce(chosen[0] * chosen[1] * chosen[2])
         found = ring.factor(p)
@@ -83,7 +84,7 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
                 value = half_evaluator(ring)(atom.f, point)
             product = product * pow(value, power, P) % P
         # what is left out is a power of 1 + t², which has no real zero
-        _, degree = ring.to_half(p)
+        _, _degree = ring.to_half(p)
         left = half_evaluator(ring)(ring.to_half(p)[0], point) * pow(product, -1, P) % P
         units = {1}
         for j in ring.revolute:
@@ -158,7 +159,8 @@ def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
 
     rng = random.Random(7)
     for n in (1, 2, 3, 4):
-        rows = [[random_polynomial(ring, rng, 3) if rng.random() < 0.7 else ring.zero for _ in range(n)] for _ in range(n)]
+        entries = [random_polynomial(ring, rng, 3) if rng.random() < 0.7 else ring.zero for _ in range(n * n)]
+        rows = [entries[n * i : n * (i + 1)] for i in range(n)]
         point = random_point(ring, rng)
         values = [trig_evaluator(ring)(x, point) for row in rows for x in row]
         assert trig_evaluator(ring)(ring.determinant(rows), point) == int(flint().nmod_mat(n, n, values, P).det())

@@ -30,9 +30,9 @@ def is_there(ring: Ring, found: list[Variety], pins: dict[int, str], *conditions
     """Whether exactly this set is among those found: each holds the conditions of the other."""
     codimension = len(pins) + len(conditions)
     for one in found:
-        if one.codimension == codimension and all(one.stands(j, value) for j, value in pins.items()):
-            if all(one.half_vanishes(f) for f in conditions):
-                return True
+        there = one.codimension == codimension and all(one.stands(j, value) for j, value in pins.items())
+        if there and all(one.half_vanishes(f) for f in conditions):
+            return True
     return False
 
 

@@ -77,7 +77,7 @@ def corank_one(
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work)
+    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
 
 
 def _tree_lines(tree: Tree) -> tuple[str, ...]:
@@ -133,7 +133,9 @@ def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work:
     return _differences("suppression", missing, surplus)
 
 
-def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work) -> CorankOne:
+def _compared(
+    chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work, steps: bool
+) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
     found = derive(chain, method.replace("-", "_"), max(work.left, 0.1))
     different = []
@@ -145,10 +147,9 @@ def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFa
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    steps = ((f"Method: {method}", _told(found)),)
+    told = ((f"Method: {method}", _told(found)),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
-    return CorankOne(method, reason, steps, left, tuple(different))
-
+    return CorankOne(method, reason, told, left, tuple(different))
 
 def _told(found: Derivation) -> tuple[str, ...]:
     """The conditions of a method, its figures and its notes, in lines."""

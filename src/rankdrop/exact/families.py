@@ -15,7 +15,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
+from rankdrop.exact.merge import Pins, Row, alone, merge
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
@@ -90,7 +90,7 @@ def _sharp(
 
 
 def _words(piece: Variety) -> str:
-    return ", ".join(row_texts(alone(piece)))
+    return ", ".join(alone(piece).texts)
 
 
 def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
@@ -137,14 +137,13 @@ def families(
             if one.rank == rank:
                 by_reality.setdefault(one.reality.condition, []).append(one.piece)
         rows = [row for pieces in by_reality.values() for row in merge(pieces)]
-        for number, (pins, pieces) in enumerate(sorted(rows, key=lambda row: row[1][0].codimension), 1):
+        for number, row in enumerate(sorted(rows, key=lambda row: row.pieces[0].codimension), 1):
             work.show("families described", len(result), len(result) + len(rows) - number + 1)
-            realities = [seen[id(piece)] for piece in pieces]
+            realities = [seen[id(piece)] for piece in row.pieces]
             points = np.concatenate([one.points for one in realities])
-            told = describe(corank, points, pins)
-            ranks = [rank_modulo(chain, point) for piece in pieces for point in piece.points(work.rng, _CHECKED)]
+            told = describe(corank, points, row.pins)
+            ranks = [rank_modulo(chain, point) for piece in row.pieces for point in piece.points(work.rng, _CHECKED)]
             check = Check(len(ranks), sum(one == rank for one in ranks))
-            row = (pins, pieces)
             result.append(_family(chain, f"k{corank}.f{number}", corank, row, realities[0].condition, told, check))
     return result
 
@@ -158,9 +157,8 @@ def _family(
     told: tuple[str, tuple[str, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
-    pins, pieces = row
-    piece = pieces[0]
-    conditions = tuple(Condition(chain.ring, f) for f in sorted(piece.equations, key=len))
+    piece = row.pieces[0]
+    conditions = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
     return ExactFamily(
         id=identifier,
@@ -168,9 +166,9 @@ def _family(
         corank=corank,
         dimension=piece.dimension,
         codimension=piece.codimension,
-        pins=tuple(sorted(pins.items())),
+        pins=tuple(sorted(row.pins.items())),
         conditions=conditions,
-        free=tuple(j for j in range(1, chain.n + 1) if j not in pins and j not in coupled),
+        free=tuple(j for j in range(1, chain.n + 1) if j not in row.pins and j not in coupled),
         coupled=coupled,
         reality=condition,
         witness=told[2],
@@ -178,5 +176,5 @@ def _family(
         rank_check=check,
         numbers=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        pieces=tuple(pieces),
+        pieces=row.pieces,
     )

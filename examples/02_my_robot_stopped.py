@@ -12,13 +12,13 @@ q = np.radians([10, 20, 30, 40, 0, 50])  # as the controller reported it
 found = rankdrop.explain(arm, q)
 
 print(f"{found.verdict}: {found.reason}")
-print("singular values:", np.round(found.sigma, 4))
+print("singular values:", np.round(found.rank.sigma, 4))
 for member in found.met:
     print("family:", member.family.name, "-", ", ".join(f"{e} = 0" for e in member.family.equations))
 for words in found.lost.words:
     print("lost:", words)
 for circuit in found.blame.smallest:
-    print("joints to blame:", ", ".join(str(number) for number in circuit))
+    print("to blame:", circuit.words)
 for way in found.escape.single:
     if way.order:  # the power of its motion at which the lost freedom comes back
         print(f"out by joint {way.number}: σ6 grows by {way.rate:.4f} per rad")

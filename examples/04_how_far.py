@@ -20,7 +20,7 @@ q = np.radians([0, -135, 45, 90, -90, 0])
 near = rankdrop.nearest_singularity(arm, q)
 print(f"nearest found: {near.distance:.4f} rad away, at", np.round(np.degrees(near.q), 1), "deg")
 
-for one in family_distances(arm, q, task, known_analysis(arm, task).families):
+for one in family_distances(known_analysis(arm, task).families, arm, q, task):
     print(f"  {one.family.name}: {one.distance:.4f} rad")
 
 proven = certified_radius(arm, q, evaluations=20000)

@@ -21,13 +21,15 @@ def with_tool(x: float, z: float) -> rankdrop.Robot:
     return replace(arm, home=arm.home @ tool)
 
 
-for task in ("pose", "position"):
+for task, rows in (("pose", range(6)), ("position", range(3))):
     print(f"task {task}")
     for x, z in ((0.0, 0.0), (0.0, 0.2), (0.1, 0.2)):
         robot = with_tool(x, z)
-        # one length scale for all, so that σ can be compared
-        same = rankdrop.Task(task, (0, 1, 2, 3, 4, 5) if task == "pose" else (0, 1, 2), length_scale=1.0)
+        same = rankdrop.Task(task, tuple(rows), length_scale=1.0)  # one scale for all: σ can be compared
         sigma = rankdrop.singular_values(robot, sample(robot, same, 20000, seed=0), same)[:, -1]
-        found = rankdrop.analyze(robot, same, starts=400)
-        families = "; ".join(f"{f.name} (dim {f.dimension})" for f in found.of_corank(1))
-        print(f"  tool x = {x:.1f} m, z = {z:.1f} m: smallest σ in the middle {np.median(sigma):.3f}; {families}")
+        found = rankdrop.analyze(robot, same, starts=200).of_corank(1)
+        largest = max(family.dimension for family in found)
+        print(f"  tool point x = {x:.1f} m, z = {z:.1f} m: median of the smallest σ {np.median(sigma):.3f},")
+        print(f"    singular set of dimension {largest} of {robot.n}")
+        if task == "pose":
+            print("    " + "; ".join(family.name for family in found))

@@ -1,7 +1,7 @@
 """Every family of an arm.
 
-At which configurations does a Mitsubishi PA-10 lose a freedom, and which one? `analyze` searches every corank, tells the
-families with their conditions, and tests each row both ways.
+At which configurations does a Mitsubishi PA-10 lose a freedom, and which one? `analyze` searches every corank and
+tells the families with their conditions; each row is tested both ways.
 """
 
 import rankdrop

@@ -24,7 +24,8 @@ for one in family_distances(known_analysis(arm, task).families, arm, q, task):
     print(f"  {one.family.name}: {one.distance:.4f} rad")
 
 proven = certified_radius(arm, q, evaluations=20000)
-print(f"proven free: {np.floor(1e3 * proven.radius) / 1e3:.3f} rad, {proven.radius / near.distance:.2f} of the distance")
+share = proven.radius / near.distance
+print(f"proven free: {np.floor(1e3 * proven.radius) / 1e3:.3f} rad, {100 * share:.1f} % of that distance")
 
 small = certified_radius(arm, q, at_most=0.3, keep_boxes=True)
 print("a ball of 0.3 rad, proven again by another program:", check(arm, small).holds)

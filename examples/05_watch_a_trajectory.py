@@ -1,7 +1,7 @@
 """Is this path safe?
 
-Every point of a joint path is looked at: rank, nearest family, distance. Then balls are proven free around some of them,
-so that nothing hides between the samples; where the chain of balls has a gap, it is shown, and the path is not proven.
+Points of a joint path are looked at: rank, nearest family, distance. Then balls around some of them are proven free, so
+that nothing hides between the samples. Where the chain of balls has a gap, it is shown, and the path is not proven.
 """
 
 import csv

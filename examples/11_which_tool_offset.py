@@ -1,7 +1,7 @@
 """Which tool offset is best?
 
-For the full pose a tool changes nothing: the rank does not depend on the point of the end effector, and neither do the
-families. If only the position of the tool point matters, it does: the families move with it.
+For the full pose a tool changes no singularity: the rank does not depend on the point of the end effector. If only the
+position of the tool point matters, it does: beside the wrist centre, the other joints can make up for more.
 """
 
 from dataclasses import replace

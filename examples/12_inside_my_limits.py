@@ -1,7 +1,7 @@
 """Which singularities lie inside my joint limits?
 
-A family of the whole joint space may lie outside the limits of a real arm, or partly. For a Unitree Z1 its limits
-leave one of eleven.
+A family of the whole joint space may lie outside the limits of a real arm, or partly. Of eleven families
+of a Unitree Z1, one was met inside its limits.
 """
 
 import numpy as np

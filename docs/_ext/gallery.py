@@ -1,7 +1,7 @@
 """The gallery: a page for each numbered example, with the script and what it prints.
 
-Scripts are not run here. `tests/docs/test_examples.py` runs them and compares what they print with `examples/output`, so
-that the pages are true and the site builds in seconds.
+Scripts are not run here. `tests/docs/test_examples.py` runs them and compares what they print with `examples/output`:
+the pages are true, and the site builds in seconds.
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ def parts(script: Path) -> tuple[str, str, str]:
         ValueError: the script has no docstring.
     """
     source = script.read_text(encoding="utf-8")
-    first = ast.parse(source).body[0]
-    if not (isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant) and isinstance(first.value.value, str)):
+    tree = ast.parse(source)
+    docstring = ast.get_docstring(tree)
+    if docstring is None:
         raise ValueError(f"{script.name} has no docstring")
-    title, _, text = first.value.value.partition("\n")
-    code = "\n".join(source.splitlines()[first.end_lineno or 0 :]).strip()
-    return title.rstrip("."), text.strip(), code
+    title, _, text = docstring.partition("\n")
+    code = "\n".join(source.splitlines()[tree.body[0].end_lineno :]).strip()
+    return title.removesuffix("."), text.strip(), code
 
 
 def page(script: Path) -> str:

@@ -22,8 +22,6 @@ version = release = rankdrop.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.napoleon", "mathml", "gallery"]
 exclude_patterns = ["_ext"]
-# pages that belong to other parts of the product join the table of contents when they exist
-suppress_warnings = ["toc.empty_glob"]
 nitpicky = True
 
 myst_enable_extensions = ["dollarmath"]
@@ -70,6 +68,15 @@ def public_name(app: Sphinx, env: BuildEnvironment, node: pending_xref, content:
     return content
 
 
+def pages_that_exist(app: Sphinx, docname: str, source: list[str]) -> None:
+    """In the table of contents a line "?report" is the page report.md if there is one, and nothing else."""
+    lines = source[0].split("\n") if docname == "index" else []
+    if lines:
+        kept = (line for line in lines if line[:1] != "?" or Path(app.srcdir, f"{line[1:]}.md").exists())
+        source[0] = "\n".join(line.removeprefix("?") for line in kept)
+
+
 def setup(app: Sphinx) -> None:
     """Connect what this file has of its own."""
+    app.connect("source-read", pages_that_exist)
     app.connect("missing-reference", public_name)

@@ -14,10 +14,10 @@ _SPECIAL = re.compile(r"([\\*|]|(?<=\w)_(?!\w))")
 
 
 def plain(line: str) -> str:
-    """A line of text: code becomes literal, everything else stands for itself."""
+    """A line of text: code becomes literal, whatever stands beside it; everything else stands for itself."""
     pieces = _CODE.split(line)
     return "".join(
-        f"``{piece.strip('`')}``" if i % 2 else _SPECIAL.sub(r"\\\1", piece) for i, piece in enumerate(pieces)
+        f"\\ ``{piece.strip('`')}``\\ " if i % 2 else _SPECIAL.sub(r"\\\1", piece) for i, piece in enumerate(pieces)
     )
 
 

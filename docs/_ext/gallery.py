@@ -15,13 +15,6 @@ from sphinx.util.typing import ExtensionMetadata
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
-OPENING = """# Gallery
-
-Each page is a script of the folder `examples`, with what it prints. All of them are run by the tests, and what they \
-print is compared with what is shown here. From a copy of the project: `python examples/{first}`.
-
-"""
-
 
 def parts(script: Path) -> tuple[str, str, str]:
     """(title, text, code) of a script: the first line of its docstring, the rest of it, and what follows.
@@ -50,15 +43,10 @@ def page(script: Path) -> str:
 
 
 def write_pages(app: Sphinx) -> None:
-    """Write `gallery/*.md` and their index into the source folder, where they have changed."""
+    """Write `gallery/*.md` into the source folder, where they have changed; docs/gallery.md lists them."""
     folder = Path(app.srcdir) / "gallery"
     folder.mkdir(exist_ok=True)
-    scripts = sorted(EXAMPLES.glob("[0-9]*_*.py"))
-    pages = {f"{script.stem}.md": page(script) for script in scripts}
-    lines = [f"- [{parts(script)[0]}]({script.stem}.md)" for script in scripts]
-    tree = "\n".join(script.stem for script in scripts)
-    index = OPENING.format(first=scripts[0].name) + "\n".join(lines)
-    pages["index.md"] = f"{index}\n\n```{{toctree}}\n:hidden:\n\n{tree}\n```\n"
+    pages = {f"{script.stem}.md": page(script) for script in sorted(EXAMPLES.glob("[0-9]*_*.py"))}
     for old in folder.glob("*.md"):
         if old.name not in pages:
             old.unlink()

@@ -16,12 +16,13 @@ from golden.test_golden import without_noise, without_time
 from rankdrop.cli import main
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = [DOCS / "index.md", DOCS / "start.md", DOCS / "choose.md", *DOCS.glob("howto/*.md"), *DOCS.glob("mathematics/*.md")]
+PAGES = [*(DOCS / name for name in ("index.md", "start.md", "choose.md")), *sorted(DOCS.glob("howto/*.md"))]
 
 
 def commands(page: Path) -> list[tuple[str, str]]:
     """(command, what the page shows of its output), for blocks that begin with a $ prompt."""
-    blocks = re.findall(r"^```console\n\$ (rankdrop .*?)\n(.*?)^```$", page.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(r"^```console\n\$ (rankdrop .*?)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
     return [(command, shown) for command, shown in blocks if shown.strip()]
 
 
@@ -37,7 +38,7 @@ def test_commands_print_what_is_shown(
     monkeypatch.setenv("COLUMNS", "80")
     assert main.run([*shlex.split(command)[1:], *(["--quiet"] if " analyze " in command else [])]) in (0, 3, 4)
     printed = without_noise(without_time(capsys.readouterr().out))
-    for piece in re.split(r"^…\n", shown, flags=re.MULTILINE):
+    for piece in filter(str.strip, re.split(r"^…\n", shown, flags=re.MULTILINE)):
         wanted = without_noise(without_time(piece))
         assert wanted in printed, f"{page.name}: {command}"
         printed = printed.partition(wanted)[2]

@@ -29,6 +29,7 @@ myst_heading_anchors = 3
 highlight_language = "none"
 
 autodoc_typehints = "signature"
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "Progress")}
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
 autodoc_preserve_defaults = True

@@ -141,7 +141,9 @@ def test_every_public_name_and_example_has_an_entry(site: Path, pages: dict[Path
 
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
-@pytest.mark.parametrize("name", ["index", "start", "choose", "mathematics/escape", "mathematics/distance", "api/local"])
+@pytest.mark.parametrize(
+    "name", ["index", "start", "choose", "mathematics/escape", "mathematics/distance", "api/local"]
+)
 def test_pages_fit_a_phone_and_show_no_error(name: str, site: Path, tmp_path: Path) -> None:
     """The page, in a frame as wide as a phone (no window is so narrow), tells its own width once it is laid out."""
     script = (
@@ -169,5 +171,5 @@ def test_pages_fit_a_phone_and_show_no_error(name: str, site: Path, tmp_path: Pa
     told = re.search(r"laid out (\d+) of (\d+) math (-?\d+)", done.stdout)
     assert told, done.stderr
     width, room, math = map(int, told.groups())
-    assert width <= room == PHONE
+    assert width <= room <= PHONE  # a scroll bar takes some
     assert math == -1 or math > 5

@@ -80,6 +80,7 @@ def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
         "tip": robot.tip,
         "about": robot.about,
         "notes": list(robot.notes),
+        **({"lengths": dict(robot.lengths)} if robot.lengths else {}),
         "source": asdict(robot.source),
         "made_for": robot.task,
         "frame": {"axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)},
@@ -114,6 +115,7 @@ def robot_from_dict(record: Record) -> Robot:
         tip=record["tip"],
         notes=tuple(record["notes"]),
         about=record["about"],
+        lengths=tuple(record.get("lengths", {}).items()),
     )
 
 

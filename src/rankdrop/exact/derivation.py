@@ -74,7 +74,7 @@ def corank_one(
             )
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
-        reason = f"the arm has {chain.n} joints for six freedoms: {why_not(chain)}"
+        reason = "asked for" if method == "suppression" else why_not(chain)
         return _suppressed(chain, reason, tree, work, steps)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
@@ -116,7 +116,7 @@ def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Vari
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
     told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
-    left = tuple(f"suppression: {one}" for one in found.left)
+    left = tuple(f"suppression did not finish {one}" for one in found.left)
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
 
@@ -153,11 +153,10 @@ def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFa
     return CorankOne(method, reason, steps, left, tuple(different))
 
 
-
 def _told(found: Derivation) -> tuple[str, ...]:
     """The conditions of a method, its figures and its notes, in lines."""
     ring = found.chain.ring
-    lines = [f"{', '.join(f'{count:,} {name}' for name, count in found.sizes.items())}; {found.seconds:.2f} s"]
+    lines = [", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())]
     for conjunction in found.conditions[:_SHOWN]:
         parts = [_equality(ring, one) for one in conjunction.equal]
         parts += ["not (" + " and ".join(_equality(ring, one) for one in group) + ")" for group in conjunction.unequal]

@@ -5,20 +5,19 @@ Needs `pip install "rankdrop[exact]"`.
 """
 
 import rankdrop
-from rankdrop.exact.writing.code import Code
 
 arm = rankdrop.open_robot("puma560")
 found = rankdrop.conditions(arm, coranks=1, points=200)
 
-print("lengths [m]:", {name: round(value, 4) for name, value in sorted(found.letters.items())})
-print("method:", found.method, "-", found.reason)
+print("lengths [m]:", ", ".join(f"{name} = {value:g}" for name, value in sorted(found.letters.items())))
+print("derived by:", found.method)
 for family in found.families:
-    print(f"{family.name}")
+    print(family.name)
     print("  text ", "; ".join(family.texts))
     print("  LaTeX", "; ".join(family.latex))
 check = found.explained
-print(f"singular configurations found numerically that lie on a family: {check.agree} of {check.tested}")
+print(f"found numerically, and on a family: {check.agree} of {check.tested}")
+print("verified:", found.verified)
 
-code = Code(arm.name, arm.n, found.families, found.letters, found.shifts)
 print()
-print(code.c())  # and code.python(), code.latex()
+print(found.code("c"))  # and found.code("python"), found.latex()

@@ -32,7 +32,7 @@ with tempfile.TemporaryDirectory() as folder:
     by_urdf = rankdrop.open_robot(path, tip="l6")
 
 for arm in (by_table, by_urdf):
-    found = rankdrop.analyze(arm, starts=500)
+    found = rankdrop.analyze(arm, starts=500, exact="off")
     print(f"{arm.name}: joints {', '.join(joint.name for joint in arm.joints)}")
     for family in found.of_corank(1):
         print(f"  {family.name}: {', '.join(f'{e} = 0' for e in family.equations)}")

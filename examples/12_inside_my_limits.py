@@ -14,8 +14,8 @@ arm = rankdrop.open_robot("z1")  # or your URDF: its limits come with it
 for joint in arm.joints:
     print(f"{joint.name}: {np.degrees(joint.lower):+.0f} to {np.degrees(joint.upper):+.0f} deg")
 
-everywhere = rankdrop.analyze(arm, starts=1000)
-inside = rankdrop.analyze(arm, starts=1000, limits=True)
+everywhere = rankdrop.analyze(arm, starts=1000, exact="off")
+inside = rankdrop.analyze(arm, starts=1000, exact="off", limits=True)
 for title, found in (("whole joint space", everywhere), ("inside the limits", inside)):
     print(title)
     for summary in found.coranks:

@@ -3,7 +3,7 @@
     python tools/draw_singularities.py docs/images/pa10.svg
 
 Everything drawn is a result: free joints stand where the picture is clear; family, conditions, blamed axes and lost
-motions come from `rankdrop.explain`. Colours near the vermillion and blue of Okabe and Ito; solid arrows translate,
+motions come from `rankdrop.explain`. Colours near the vermilion and blue of Okabe and Ito; solid arrows translate,
 dotted ones rotate.
 """
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
+from pygments.lexers.special import TextLexer
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
@@ -79,5 +80,6 @@ def pages_that_exist(app: Sphinx, docname: str, source: list[str]) -> None:
 
 def setup(app: Sphinx) -> None:
     """Connect what this file has of its own."""
+    app.add_lexer("console", TextLexer)  # what tables print is no shell: % and numbers mean nothing there
     app.connect("source-read", pages_that_exist)
     app.connect("missing-reference", public_name)

@@ -49,7 +49,18 @@ def convert(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: li
     lines[:] = converted(lines)
 
 
+def named(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Aliases of types under their names, in unions as well: ArrayLike, not what it stands for."""
+    first, last = (
+        re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text or "") or None for text in (signature, returned)
+    )
+    return first, last
+
+
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Come before napoleon."""
     app.connect("autodoc-process-docstring", convert, priority=100)
+    app.connect("autodoc-process-signature", named)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

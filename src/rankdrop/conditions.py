@@ -262,9 +262,9 @@ def _cloud(
             break
         tested, agree = tested + check.tested, agree + check.agree
         if len(remaining):
-            q = ", ".join(f"{x:.6g}" for x in met.q[remaining[0]])
+            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in met.q[remaining[0]])
             over.append(
-                f"corank {corank}: {len(remaining)} of {check.tested} configurations found numerically lie on no "
+                f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
                 f"family, q = ({q}) is one"
             )
     return Check(tested, agree), over

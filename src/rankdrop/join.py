@@ -7,7 +7,7 @@ from math import pi, remainder
 
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.conditions import conditions
-from rankdrop.derived import Conditions
+from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.match import match

@@ -164,7 +164,7 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     found = derived("canadarm2", "reciprocity")
     assert found.sizes["exceptional"] > 0
     invalid = next(note for note in found.notes if note.startswith("invalid"))
-    assert "θ4=0" in invalid
+    assert "θ4 = 0" in invalid
     assert found.sizes["choices"] > 1
     first = found.conditions[0]
     assert first.unequal, "the first choice holds only where its screw does not vanish"

@@ -16,7 +16,7 @@ from rankdrop import join as join_module
 from rankdrop.analyze import analyze
 from rankdrop.cli import exits, main
 from rankdrop.conditions import conditions
-from rankdrop.derived import Conditions
+from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
 from rankdrop.record import json_text
 from rankdrop.result import Analysis

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 from rankdrop.derived.data import ConditionsData
 from rankdrop.derived.record import conditions_to_dict
 from rankdrop.derived.text import sections_of
-from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.reading.lint import lint
 from rankdrop.exact.reading.record import LintResult
 from rankdrop.exact.signs.aspects import Between, Flags, between, configuration_flags
 from rankdrop.exact.writing.code import Code
-from rankdrop.record import Record, json_text
+from rankdrop.record import Record, save_record
 from rankdrop.sections import Section, html, text
 
 LANGUAGES = ("python", "c")
@@ -85,11 +85,7 @@ class Conditions(ConditionsData):
         Raises:
             ResultFileError: the file cannot be written.
         """
-        try:
-            Path(path).write_text(json_text(self.to_dict()), encoding="utf-8")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+        save_record(self.to_dict(), path)
 
     def sections(self, *, width: int | None = None) -> tuple[Section, ...]:
         """The conditions in words: see `rankdrop.derived.text.sections_of`."""

@@ -40,12 +40,9 @@ def arm_lines(found: ConditionsData) -> dict[str, str]:
     ]
     if shifted:
         lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < found.robot.n else "")
-    full = min(found.task.m, found.robot.n)
-    if found.generic_rank < full:
-        lines["always"] = (
-            f"singular for this task at every configuration: the rank is {found.generic_rank}, {full} would be full; "
-            "coranks are counted from there"
-        )
+    if found.generic_rank < found.task.m:
+        rank, rows = found.generic_rank, found.task.m
+        lines["always"] = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
     if found.remarks:
         lines["remarks"] = "; ".join(found.remarks)
     told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))
@@ -84,6 +81,8 @@ def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         rows = found.of_corank(corank)
         lines = [line for family in rows for line in _family(family, width)]
         count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
+        if rows and not found.complete:
+            count += " so far"
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
     if highest < last:
         between = "and" if highest + 2 == last else "to"
@@ -106,7 +105,7 @@ def _none(found: ConditionsData) -> str:
 def _family(family: ExactFamily, width: int | None) -> Iterator[str]:
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
-    yield from (piece for line in condition_lines(family) for piece in formula(f"{_INSET}{line}", width))
+    yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
     if family.reality:
         yield from formula(f"{_INSET}{family.reality}; here it is", width)
     yield f"{_INSET}dimension {family.dimension}, codimension {family.codimension}"

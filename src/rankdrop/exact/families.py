@@ -18,7 +18,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
-from rankdrop.exact.tree import Drop, largest
+from rankdrop.exact.tree import Drop, largest, rank_on
 from rankdrop.exact.verify import rank_modulo
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
@@ -54,7 +54,7 @@ def real_sets(
             work.check()
             drop = waiting[0]
             piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
-            thinner = [] if found.real or found.proof else _thinner(chain, piece, drop.rank, work)
+            thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
             left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not looked at for real points")
@@ -93,15 +93,20 @@ def _words(piece: Variety) -> str:
     return ", ".join(row_texts(alone(piece)))
 
 
-def _thinner(chain: Chain, piece: Variety, rank: int, work: Work) -> list[Drop]:
+def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
     """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
     if len(piece.equations) != 1 or piece.also:
         return []
-    f = piece.equations[0]
-    ring = chain.ring
-    slopes = [f.derivative(name) for name in ring.names[: ring.moving]]
-    found = decompose(ring, piece.pins, [form(g, ring) for g in (f, *slopes)], chain.n, work)
-    return [Drop(one, rank) for one in found if one.codimension > piece.codimension]
+    ring, (f, degree) = chain.ring, form(piece.equations[0], chain.ring)
+    slopes = []
+    for place, name in enumerate(ring.names[: ring.moving]):
+        slope = f.derivative(name)
+        if place < ring.angles:  # by the angle, of f / (1 + t²)^(D/2): a polynomial of degree D again
+            t = f.context().gen(place)
+            slope = (1 + t**2) * slope - degree[place] * t * f
+        slopes.append((slope, degree))
+    found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
+    return [Drop(one, rank_on(chain.columns, one)) for one in found if one.codimension > piece.codimension]
 
 
 def families(

@@ -66,7 +66,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
     whole = Variety.whole(chain.ring)
-    generic = _rank(chain.columns, whole)
+    generic = rank_on(chain.columns, whole)
     tree = Tree(generic)
     found: list[Drop] = []
     for order in range(generic, lowest, -1):
@@ -118,7 +118,7 @@ def _explore(
         piece = min(waiting, key=_length)
         minor = _minor(columns, piece, order, work)
         if minor is None:  # its random points lay on a part of higher rank before
-            found.append(Drop(piece, _rank(columns, piece)))
+            found.append(Drop(piece, rank_on(columns, piece)))
         for part in cut(piece, minor, work) if minor is not None else ():
             if not part.samples:
                 continue  # no point modulo P: no real one either
@@ -143,7 +143,7 @@ def _length(piece: Variety) -> int:
 def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:
     """The part as a drop where its rank is lower; where two conditions hold on several sets, those it is lower on."""
     if len(part.rest) < 2:
-        here = _rank(columns, part)
+        here = rank_on(columns, part)
         return [Drop(part, here)] if here < above else []
     ranks = {rank(_matrix(columns, point, part)) for point in part.points(work.rng, _SEVERAL)}
     found = (_restricted(columns, part, lower, work, _RESTRICTED) for lower in sorted(ranks) if lower < above)
@@ -176,7 +176,7 @@ def _restricted(columns: list[list[Polynomial]], part: Variety, most: int, work:
     return None
 
 
-def _rank(columns: list[list[Polynomial]], piece: Variety) -> int:
+def rank_on(columns: list[list[Polynomial]], piece: Variety) -> int:
     """Rank almost everywhere on a set."""
     return max((rank(_matrix(columns, point, piece)) for point in piece.samples), default=0)
 

@@ -127,6 +127,8 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seco
         found, lost = 0, 0
         for part in range(ROUNDS):
             run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)
+            if not run.complete:
+                raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
             kept = run.outcome == 0
             parts.append(run.converged)
             coranks.append(generic - (run.sigma[kept][:, :generic] > run.tolerances.singular).sum(axis=1))

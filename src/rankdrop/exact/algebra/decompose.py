@@ -131,15 +131,21 @@ def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Varie
 def _at_infinity(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> Iterator[Variety]:
-    """Components with a further joint at π: there two leading coefficients have a common factor."""
+    """Components with a further joint at π: there two leading coefficients vanish together."""
     for k, joint in enumerate(ring.revolute):
         if joint in pins or not any(f.degrees()[k] for f in system):
             continue
-        leading = [coefficients(f, k)[-1] for f in system]
-        # two conditions with the third they may bind: their leading coefficients vanish together on a common factor
-        if most > 2 < len(system) or any(factors(ring, f.gcd(g), work) for f, g in combinations(leading, 2)):
-            there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+        there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+        # more than two conditions may meet there without a common factor, where they may bind more than two freedoms
+        if most > 2 < len(system) or any(_share(ring, one, two, work) for one, two in combinations(there, 2)):
             yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
+
+
+def _share(ring: Ring, one: Form, two: Form, work: Work) -> bool:
+    """Whether two forms have a common factor, or both vanish at π of a joint."""
+    (f, most), (g, most_too) = one, two
+    degrees = zip(most, f.degrees(), most_too, g.degrees(), strict=False)
+    return any(a > b and c > d for a, b, c, d in degrees) or bool(factors(ring, f.gcd(g), work))
 
 
 def _eliminated(
@@ -152,6 +158,7 @@ def _eliminated(
     solved, f = min(solvable, key=lambda pair: (not _unit(ring, pair[0].denominator), len(pair[1])))
     others = [g for g in system if g != f]
     found: list[Variety] = []
+    factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
     if not _unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
         found += decompose(ring, pins, [form(g, ring) for g in both], most, work, done)
@@ -348,6 +355,7 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
 
 
 def divides(h: Polynomial, f: Polynomial) -> bool:
+    """Whether the first polynomial divides the second one."""
     return f != 0 and bool(divmod(f, h)[1] == 0)
 
 

@@ -204,17 +204,19 @@ class Variety:
         It is where the conditions hold and every solution of the other set exists. Where a denominator vanishes on
         this set, points of it may or may not be limits of points of the other.
         """
-        return self.satisfies(other) and all(other._solvable(point) for point in self.samples)
+        return self.satisfies(other) and all(other._solves(point) for point in self.samples)
 
-    def _solvable(self, point: Point) -> bool:
+    def _solves(self, point: Point) -> bool:
+        """Whether every solution exists at a point and is the one there."""
         ring, evaluate = self.ring, half_evaluator(self.ring)
         far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
         for one in self.solved:
             if ring.names[one.place] not in point:
                 return False
             degrees = tuple(map(max, one.numerator.degrees(), one.denominator.degrees()))
-            bottom = ring.half_at(one.denominator, far, degrees)
-            if bottom == 0 or evaluate(bottom, point) == 0:
+            bottom, top = (ring.half_at(f, far, degrees) for f in (one.denominator, one.numerator))
+            divisor = evaluate(bottom, point)
+            if divisor == 0 or (point[ring.names[one.place]] * divisor - evaluate(top, point)) % P:
                 return False
         return True
 

@@ -20,6 +20,7 @@ try:
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # Ctrl-C before there is anything to keep
@@ -33,6 +34,7 @@ For example:
     rankdrop analyze arm.urdf --tip flange --json arm.json
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+    rankdrop view pa10
 
 {exits.HELP}"""
 
@@ -52,6 +54,7 @@ app.command(find)
 app.command(explain)
 app.command(escape)
 app.command(nearest)
+app.command(view)
 
 
 def main() -> None:

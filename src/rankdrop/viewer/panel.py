@@ -6,6 +6,7 @@ them says anything that a word beside it does not say.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
 from math import isfinite, log10
 
@@ -43,7 +44,7 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int) -> str:
     ]
     if now.outside:
         lines.append(f"<b>beyond a limit:</b> joint {_numbers(now.outside)}")
-    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
+    return lines_html(lines)
 
 
 def _family_line(now: Now) -> str:
@@ -101,7 +102,7 @@ def details_html(found: Explanation) -> str:
         lines.append(f"<span style='{_QUIET}'>nearest singular configuration found:</span> {angle(far.distance)} away")
     if found.certified_radius:
         lines.append(f"<span style='{_QUIET}'>proven free of any:</span> {angle_below(found.certified_radius)}")
-    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'
+    return lines_html(lines)
 
 
 def circuit_text(circuit: Circuit) -> str:
@@ -124,3 +125,8 @@ def legend_html() -> str:
 def message_html(text: str) -> str:
     """A line of plain text."""
     return f'<div style="{_STYLE}">{escape(text)}</div>'
+
+
+def lines_html(lines: Iterable[str]) -> str:
+    """Lines that are HTML already, words from files in them escaped."""
+    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'

@@ -108,7 +108,12 @@ def read_trajectory(path: str | Path, robot: Robot, *, deg: bool = False) -> Tra
     try:
         text = read_text(Path(path))
     except RankdropError as error:
-        raise TrajectoryError(error.what, where=error.where or name, got=error.got, allowed=error.allowed) from error
+        raise TrajectoryError(error.what, where=error.where or name, got=error.got) from error
+    return parse_trajectory(text, name, robot, deg=deg)
+
+
+def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -> Trajectory:
+    """As `read_trajectory`, from the text of a file; `name` stands in errors."""
     rows = _rows(text, name)
     if not rows:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
@@ -132,7 +137,7 @@ def read_trajectory(path: str | Path, robot: Robot, *, deg: bool = False) -> Tra
     if time is not None:
         times = np.array([_float(row, time, name, number, head) for number, row in rows])
         _check_times(times, [number for number, _ in rows], name, head[time])
-    return Trajectory(Path(path).name, times, q, time is not None, unused)
+    return Trajectory(Path(name).name, times, q, time is not None, unused)
 
 
 def _rows(text: str, name: str) -> list[tuple[int, list[str]]]:

@@ -90,7 +90,9 @@ def body_of(robot: Robot) -> Body:
     thin = THIN * size
     places = _places(robot)
     frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    capsules, barrels, rods = [], [], []
+    capsules: list[Capsule] = []
+    barrels: list[Barrel] = []
+    rods: list[Rod] = []
     position = np.zeros(3)
     numbers = _variables(robot)
     for number, (joint, (arrival, departure)) in enumerate(zip(robot.joints, places, strict=True), start=1):

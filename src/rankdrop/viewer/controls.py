@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 _MARGIN = 1e-6
 
 
+def put(handle: Any, value: Any) -> None:
+    """Set what an input shows; viser declares it read-only where it declares the type."""
+    handle.value = value
+
+
 class Controls:
     """Status and sliders.
 
@@ -56,7 +61,7 @@ class Controls:
         limited = np.isfinite(joint.lower) and np.isfinite(joint.upper)
         slider = self.server.gui.add_slider(
             f"{index + 1} {joint.name} [{sign.strip()}]", min(low[index] * unit, value),
-            max(high[index] * unit, value), step, value,
+            max(high[index] * unit, value), step, round(value, 1 if joint.unit == "rad" else 3),
             hint=f"limits {joint.lower * unit:.4g} … {joint.upper * unit:.4g}{sign}" if limited else "no limits",
         )  # fmt: skip
 
@@ -93,7 +98,7 @@ class Controls:
     def shown(self, now: Now, source: object) -> None:
         """A configuration was looked at."""
         self.now = now
-        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank)
+        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, len(self.live.families))
         for index, slider in enumerate(self._sliders):
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
@@ -105,8 +110,9 @@ class Controls:
             slider.min = value
         if value > slider.max + _MARGIN:
             slider.max = value
-        if slider.value != value:
-            slider.value = value
+        shown = round(value, 1 if self._unit[index] != 1.0 else 3)  # as many digits as the box has room for
+        if slider.value != shown:
+            put(slider, shown)
 
     def explained(self, found: Explanation) -> None:
         """A configuration was explained."""

@@ -11,6 +11,7 @@ from html import escape
 from math import isfinite, log10
 
 from rankdrop.atlas.family import Family
+from rankdrop.atlas.which import Condition
 from rankdrop.explanation.explanation import Explanation
 from rankdrop.explanation.words import angle, angle_below, short
 from rankdrop.local.circuits import Circuit
@@ -23,13 +24,15 @@ VERDICTS = {
     "singular": (VERMILION, "#fff", "■"),
     "always-singular": (VERMILION, "#fff", "■"),
 }
+CIRCUITS = (ORANGE, PURPLE, GREEN)
+"""Of the circuits to blame, the smallest first; further ones take the last."""
 _FLOOR = 9  # decades of σ that a bar shows
-_STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.3em 0.6em;overflow-wrap:anywhere"
+_STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.5em 0.6em;overflow-wrap:anywhere"
 _QUIET = "opacity:0.75"
 
 
-def status_html(now: Now, length_of_chain: int, generic_rank: int) -> str:
-    """Verdict, σ bars, family and distance: what is known at once."""
+def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -> str:
+    """Verdict, σ bars, family and distance: what is known at once; `known` families are."""
     background, ink, sign = VERDICTS[now.verdict]
     badge = (
         f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
@@ -39,7 +42,7 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int) -> str:
     spare = length_of_chain - now.seen.rank
     lines = [
         f"{badge} &nbsp;{rank}" + (f", {spare} spare" if spare else ""),
-        _family_line(now),
+        _family_line(now, known),
         _bars(now, generic_rank),
     ]
     if now.outside:
@@ -47,18 +50,21 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int) -> str:
     return lines_html(lines)
 
 
-def _family_line(now: Now) -> str:
+def _family_line(now: Now, known: int) -> str:
     if now.family is not None:
         return f"on <b>{_name(now.family)}</b>"
     distance = f"≈ {angle(now.seen.distance)}" if isfinite(now.seen.distance) else "unknown"
-    first = "singular, on no known family" if now.seen.corank else f"to the singular set {distance}"
+    first = f"to the singular set {distance}"
+    if now.seen.corank:
+        first = "on none of the known families" if known else "no families are known beforehand"
     if now.nearest is None:
         return first
     return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {_name(now.nearest)}"
 
 
-def _name(family: Family) -> str:
-    return f"{escape(family.id)} {escape(family.name)}"
+def _name(family: Condition) -> str:
+    known = f"{escape(family.id)} " if isinstance(family, Family) else ""
+    return known + escape(family.name)
 
 
 def _numbers(numbers: tuple[int, ...]) -> str:
@@ -96,10 +102,11 @@ def details_html(found: Explanation) -> str:
     if found.lost.words:
         what = "lost" if found.verdict == "singular" else "about to be lost"
         lines += [f"<span style='{_QUIET}'>{what}:</span> {escape(words)}" for words in found.lost.words]
-    lines += [f"<span style='{_QUIET}'>to blame:</span> {circuit_text(one)}" for one in found.blame.smallest]
-    far = found.far.nearest
-    if far is not None and far.distance > 0:
-        lines.append(f"<span style='{_QUIET}'>nearest singular configuration found:</span> {angle(far.distance)} away")
+    lines += [
+        f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
+        f"{circuit_text(one)}"
+        for i, one in enumerate(found.blame.smallest)
+    ]
     if found.certified_radius:
         lines.append(f"<span style='{_QUIET}'>proven free of any:</span> {angle_below(found.certified_radius)}")
     return lines_html(lines)
@@ -116,7 +123,8 @@ def legend_html() -> str:
     items = [
         (VERMILION, "━▶ solid: translation that is lost; ┅▶ dotted: rotation that is lost"),
         (SKY, "the same arrows, at a regular configuration: the weakest motion, which is lost first"),
-        (ORANGE, "joints to blame, and their axes"),
+        (ORANGE, "joints to blame and their axes: the smallest circuit"),
+        (PURPLE, "the second circuit; a joint of both is drawn in the colour of the first"),
     ]
     rows = "".join(f'<div><span style="color:{colour}">■</span> {text}</div>' for colour, text in items)
     return f'<div style="{_STYLE}">{rows}</div>'

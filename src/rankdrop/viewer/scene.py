@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,15 +85,27 @@ def rods(body: Body, links: Array) -> Array:
     return np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
 
 
-def axis_lines(body: Body, links: Array, variables: set[int]) -> Array:
-    """(A, 2, 3) the axes of some variables as long lines through their barrels, in the base frame [m]."""
+def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
+    """(A, 2, 3) the axes of some variables as long lines through their barrels, in the base frame [m].
+
+    One line for each of them, in their order; of a variable that moves several joints, the axis of the first.
+    """
     lines = []
-    for barrel in body.barrels:
-        if barrel.variable in variables:
-            way = 0.35 * body.size * (links[barrel.link][:3, :3] @ barrel.axis)
-            centre = _out(links[barrel.link], barrel.centre)
-            lines.append([centre - way, centre + way])
+    for variable in variables:
+        barrel = next(one for one in body.barrels if one.variable == variable)
+        way = 0.3 * body.size * (links[barrel.link][:3, :3] @ barrel.axis)
+        centre = _out(links[barrel.link], barrel.centre)
+        lines.append([centre - way, centre + way])
     return np.array(lines, dtype=np.float64).reshape(-1, 2, 3)
+
+
+def circuit_of(circuits: Sequence[Sequence[int]]) -> dict[int, int]:
+    """Variable -> the first of the circuits (from 0) that it belongs to: the smallest, as they are ordered."""
+    found: dict[int, int] = {}
+    for index, numbers in enumerate(circuits):
+        for number in numbers:
+            found.setdefault(number, index)
+    return found
 
 
 def _out(frame: Array, point: Array) -> Array:
@@ -154,8 +167,9 @@ def barrel_mesh(centre: Array, axis: Array, length: float, radius: float) -> tup
     around = np.linspace(0.0, 2 * np.pi, AROUND + 8, endpoint=False)
     n = len(around)
     circle = np.stack([radius * np.cos(around), radius * np.sin(around), np.zeros(n)], axis=-1)
-    low, high = circle - [0, 0, length / 2], circle + [0, 0, length / 2]
-    poles = np.array([[0, 0, -length / 2], [0, 0, length / 2]])
+    half = np.array([0.0, 0.0, length / 2])
+    low, high = circle - half, circle + half
+    poles = np.stack([-half, half])
     vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto(axis / np.linalg.norm(axis)).T + centre
     j = np.arange(n)
     k = (j + 1) % n

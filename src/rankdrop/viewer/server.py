@@ -125,7 +125,7 @@ class Viewer:
 
     def _paint(self, *, dark: bool) -> None:
         self.server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
-                                        control_width="medium", brand_color=(0, 114, 178))  # fmt: skip
+                                        control_width="large", brand_color=(0, 114, 178))  # fmt: skip
         self.stage.paint(dark=dark)
 
     def shown(self, now: Now, source: object) -> None:
@@ -134,7 +134,7 @@ class Viewer:
         found = self.controls.found
         near = found is not None and now.verdict == "near" and np.abs(found.q - now.q).max() < 0.1
         circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
-        self.stage.blame(frozenset(number for one in circuits for number in one.numbers), now)
+        self.stage.blame([one.numbers for one in circuits], now)
         self.controls.shown(now, source)
         self.path.shown(now, source)
         self.slice.shown(now, source)
@@ -145,7 +145,7 @@ class Viewer:
         self._escape.explained(found)
         now = self.controls.now
         if now is not None and np.array_equal(now.q, found.q):
-            self.stage.blame(frozenset(number for one in found.blame.smallest for number in one.numbers), now)
+            self.stage.blame([one.numbers for one in found.blame.smallest], now)
 
     def failed(self, error: BaseException) -> None:
         """Say what went wrong."""

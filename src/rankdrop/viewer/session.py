@@ -161,8 +161,7 @@ class Session:
         seen = 0
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._version != seen or not self._open)
-                if not self._open:
+                if not self._newer_than(seen):
                     return
                 seen, q, source = self._version, self._q, self._source
             begun = monotonic()
@@ -174,11 +173,16 @@ class Session:
             with self._changed:
                 self._changed.wait_for(lambda: not self._open, max(0.0, begun + 1 / FASTEST - monotonic()))
 
+    def _newer_than(self, version: int) -> bool:
+        """Wait, the lock being held, until the configuration has changed; False where all is to end."""
+        self._changed.wait_for(lambda: self._version != version or not self._open)
+        return self._open
+
     def _thinking(self) -> None:
         known, last = 0, 0.0
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._version != known or not self._open)
+                self._newer_than(known)
                 while self._open:
                     left = min(self._moved + STILL, max(last + OVERDUE, self._moved)) - monotonic()
                     if left <= 0:

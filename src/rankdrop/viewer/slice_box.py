@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from math import degrees
 
 import numpy as np
@@ -11,8 +12,10 @@ from rankdrop.local.block import sampling_box
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
-EDGE = 0.9  # of the box, as a share of the arm's size
-ASIDE = (0.0, 1.1, 0.1)  # its corner, as shares of the size: beside the arm, above the floor
+EDGE = 0.8  # of the box, as a share of the arm's size
+AXES = np.array([[0.78, 0.62, 0.0], [0.0, 0.0, 1.0], [-0.62, 0.78, 0.0]]) / np.array([[0.9964], [1.0], [0.9964]])
+"""Directions of the first, second, third joint: across, up and away from the camera as the viewer places it."""
+CORNER = np.array([-1.3, 0.12, 0.0]) @ AXES  # left of the arm, above the floor
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +23,7 @@ class SliceBox:
     """Two or three joints along the edges of a box; two stand upright in a plane.
 
     Attributes:
-        joints: numbers from 1, along y, z (two) or y, z, x (three).
+        joints: numbers from 1, along `AXES`.
         low, high: (d,) range of each [rad, m].
         corner: (3,) of the box [m].
         edge: [m].
@@ -37,32 +40,30 @@ class SliceBox:
         """The box for some joints of an arm of this size [m]."""
         low, high = sampling_box(robot, task, limits=limits)
         chosen = [joint - 1 for joint in joints]
-        return cls(joints, low[chosen], high[chosen], size * np.array(ASIDE), EDGE * size)
+        return cls(joints, low[chosen], high[chosen], size * CORNER, EDGE * size)
 
     def place(self, q: Array) -> Array:
         """(N, 3) where configurations (N, n) stand in the box [m]."""
         share = (q[:, [joint - 1 for joint in self.joints]] - self.low) / np.maximum(self.high - self.low, 1e-300)
-        points = np.zeros((len(q), 3))
-        points[:, [1, 2, 0][: len(self.joints)]] = share
-        return np.asarray(self.corner + self.edge * points)
+        return np.asarray(self.corner + self.edge * share @ AXES[: len(self.joints)])
 
     def lines(self) -> Array:
         """(E, 2, 3) edges of the box, or of the square of two joints [m]."""
-        spans = [(0.0, 1.0) if axis in [1, 2, 0][: len(self.joints)] else (0.0,) for axis in range(3)]
-        corners = [np.array([x, y, z]) for x in spans[0] for y in spans[1] for z in spans[2]]
+        corners = [np.array(one, dtype=np.float64) for one in product((0, 1), repeat=len(self.joints))]
         edges = [[a, b] for i, a in enumerate(corners) for b in corners[i + 1 :] if np.abs(a - b).sum() == 1.0]
-        return np.asarray(self.corner + self.edge * np.array(edges))
+        return np.asarray(self.corner + self.edge * np.array(edges) @ AXES[: len(self.joints)])
 
     def labels(self, robot: Robot) -> list[tuple[str, Array]]:
         """What to write where: the joints at the middles of their edges, the ends of their ranges at the corners."""
         found = []
-        for axis, joint, low, high in zip([1, 2, 0], self.joints, self.low, self.high, strict=False):
+        for number, (joint, low, high) in enumerate(zip(self.joints, self.low, self.high, strict=True)):
             unit = robot.variables[joint - 1].unit
-            way = np.eye(3)[axis] * self.edge
-            aside = -0.06 * self.edge * np.eye(3)[2 if axis != 2 else 1]
-            found.append((f"{joint} {robot.variables[joint - 1].name}", self.corner + 0.5 * way + 1.6 * aside))
-            found.append((_value(low, unit), self.corner + 0.06 * way + aside))
-            found.append((_value(high, unit), self.corner + 0.94 * way + aside))
+            way = AXES[number] * self.edge
+            aside = -0.09 * self.edge * AXES[0 if number == 1 else 1]
+            start = self.corner + (self.edge * AXES[0] if number == 2 else 0.0)
+            found.append((f"{joint} {robot.variables[joint - 1].name}", start + 0.5 * way + 2.0 * aside))
+            found.append((_value(low, unit), start + 0.06 * way + aside))
+            found.append((_value(high, unit), start + 0.94 * way + aside))
         return found
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rankdrop.robot.model import Array
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import Mesh
-from rankdrop.viewer.panel import ORANGE, SKY, VERMILION
-from rankdrop.viewer.scene import HEAD, axis_lines, barrel_mesh, capsule_mesh, rods, wxyz
+from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
+from rankdrop.viewer.scene import HEAD, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
 
 if TYPE_CHECKING:
     import viser
@@ -19,7 +20,15 @@ Rgb = tuple[int, int, int]
 _LIGHT_ARM, _DARK_ARM = (196, 202, 210), (150, 158, 168)
 _LIGHT_JOINT, _DARK_JOINT = (86, 98, 114), (74, 84, 98)
 _DULL = 0.45  # dark meshes are lifted so far towards grey: black parts are not seen on a dark page
+_LIT = (176, 34, 0)  # vermilion under the lights of the scene, which wash it out to orange
 _NONE = np.zeros((1, 2, 3), dtype=np.float32)
+
+
+def camera_for(size: float, *, wide: bool) -> tuple[Array, Array]:
+    """Position and aim of a camera that sees an arm of this size [m]; the panel covers the right or the lower part."""
+    aim = np.array([0.0, 0.0, 0.3]) + (0.27 * np.array([0.78, 0.62, 0.0]) if wide else np.array([0.0, 0.0, -0.8]))
+    away = np.array([1.1, -1.35, 0.75]) * (1.0 if wide else 1.5)
+    return size * (aim + away), size * aim
 
 
 def rgb(colour: str) -> Rgb:
@@ -40,11 +49,11 @@ class Stage:
         self.server, self.live = server, live
         self.size = live.body.size
         self.always_weakest = True
-        self._blamed: frozenset[int] = frozenset()
+        self._blamed: dict[int, int] = {}
         scene = server.scene
         scene.set_up_direction("+z")
         self._links = [scene.add_frame(f"/arm/{i}", show_axes=False) for i in range(len(live.robot.joints) + 2)]
-        self._tip = scene.add_frame(f"/arm/{len(self._links) - 1}/axes", axes_length=0.1 * self.size,
+        self._tip = scene.add_frame(f"/arm/{len(self._links) - 1}/axes", axes_length=0.07 * self.size,
                                     axes_radius=0.006 * self.size, origin_radius=0.0)  # fmt: skip
         self._add_body()
         self._meshes = [
@@ -80,7 +89,7 @@ class Stage:
 
     def _add_marks(self) -> None:
         scene, size = self.server.scene, self.size
-        shape = {"shaft_radius": 0.011 * size, "head_radius": 0.03 * size, "head_length": 0.08 * size}
+        shape: Any = {"shaft_radius": 0.011 * size, "head_radius": 0.03 * size, "head_length": 0.08 * size}
         red = rgb(VERMILION)
         self._solid = scene.add_arrows("/lost/translations", _NONE, red, **shape, visible=False)
         self._heads = scene.add_arrows("/lost/rotation heads", _NONE, red, **shape, visible=False)
@@ -88,10 +97,14 @@ class Stage:
         self._axes = scene.add_line_segments("/blamed", _NONE, rgb(ORANGE), thickness=0.012 * size, visible=False)
 
     def look_at_arm(self) -> None:
-        """Place the camera so that the arm is seen whole."""
+        """Place the camera so that the arm is seen whole, left of the panel or, on an upright screen, above it."""
         camera = self.server.initial_camera
-        camera.position = np.array([1.5, -1.7, 1.1]) * self.size
-        camera.look_at = np.array([0.0, 0.0, 0.32]) * self.size
+        camera.position, camera.look_at = camera_for(self.size, wide=True)
+        self.server.on_client_connect(self._turn_upright)
+
+    def _turn_upright(self, client: viser.ClientHandle) -> None:
+        if client.camera.aspect < 1.0:
+            client.camera.position, client.camera.look_at = camera_for(self.size, wide=False)
 
     def paint(self, *, dark: bool) -> None:
         """Colours of the body and the floor for a light or a dark page."""
@@ -106,7 +119,8 @@ class Stage:
 
     def _paint_joints(self) -> None:
         for barrel, handle in zip(self.live.body.barrels, self._barrels, strict=True):
-            handle.color = rgb(ORANGE) if barrel.variable in self._blamed else self._joint
+            index = self._blamed.get(barrel.variable)
+            handle.color = self._joint if index is None else _circuit_colour(index)
 
     def show_meshes(self, shown: bool) -> None:
         """Meshes, or the body of capsules."""
@@ -122,15 +136,18 @@ class Stage:
         for label in self._labels:
             label.visible = shown
 
-    def blame(self, variables: frozenset[int], now: Now) -> None:
-        """Mark joints (numbers from 1) and their axes."""
-        if variables != self._blamed:
-            self._blamed = variables
+    def blame(self, circuits: Sequence[Sequence[int]], now: Now) -> None:
+        """Mark the joints (numbers from 1) of circuits and their axes, each circuit in its colour."""
+        blamed = circuit_of(circuits)
+        if blamed != self._blamed:
+            self._blamed = blamed
             self._paint_joints()
-        lines = axis_lines(self.live.body, now.links, set(variables))
+        lines = axis_lines(self.live.body, now.links, list(blamed))
         self._axes.visible = bool(len(lines))
         if len(lines):
             self._axes.points = lines.astype(np.float32)
+            colours = np.array([_circuit_colour(index) for index in blamed.values()], dtype=np.uint8)
+            self._axes.colors = np.repeat(colours[:, None], 2, axis=1)
 
     def show(self, now: Now) -> None:
         """Draw a configuration."""
@@ -147,11 +164,11 @@ class Stage:
     def _show_arrows(self, now: Now) -> None:
         strong = now.verdict in {"singular", "near"}
         shown = now.arrows if strong or self.always_weakest else ()
-        colour = rgb(VERMILION if strong else SKY)
+        colour, lit = (rgb(VERMILION), _LIT) if strong else (rgb(SKY), rgb(SKY))
         solid = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
         turning = [arrow for arrow in shown if arrow.turns]
-        self._set(self._solid, np.array(solid), colour)
-        self._set(self._heads, np.array([[_tail(arrow.start, arrow.end), arrow.end] for arrow in turning]), colour)
+        self._set(self._solid, np.array(solid), lit)
+        self._set(self._heads, np.array([[_tail(arrow.start, arrow.end), arrow.end] for arrow in turning]), lit)
         dashes = [arrow.segments() for arrow in turning]
         self._set(self._dashes, np.concatenate(dashes) if dashes else np.zeros(0), colour)
 
@@ -160,6 +177,10 @@ class Stage:
         if len(points):
             handle.points = points.astype(np.float32)
             handle.colors = np.array(colour, dtype=np.uint8)
+
+
+def _circuit_colour(index: int) -> Rgb:
+    return rgb(CIRCUITS[min(index, len(CIRCUITS) - 1)])
 
 
 def _tail(start: Array, end: Array) -> Array:

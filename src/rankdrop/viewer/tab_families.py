@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape as plain
 from math import radians
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from rankdrop.explanation.words import angle
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
-
-if TYPE_CHECKING:
-    import viser
 
 STEP = radians(5.0)  # of a click [rad; slides in length scales]
 PACE = 0.012  # of a walk, per frame [rad]
@@ -57,8 +54,8 @@ class FamiliesTab:
         with gui.add_folder("walk along the family"):
             options = [f"{number} {name}" for number, name in enumerate(names, start=1)]
             self._joint = gui.add_dropdown("by joint", tuple(options), initial_value=options[0])
-            arrows: viser.GuiButtonGroupHandle[Any] = gui.add_button_group("step", ("◀ 5°", "5° ▶"))
-            going: viser.GuiButtonGroupHandle[Any] = gui.add_button_group("walk", ("◀", "■", "▶"))
+            arrows: Any = gui.add_button_group("step", ("◀ 5°", "5° ▶"))
+            going: Any = gui.add_button_group("walk", ("◀", "■", "▶"))
             self._told = gui.add_html("")
         arrows.on_click(lambda _: self.controls.attempt(lambda: self._step(-1 if arrows.value.startswith("◀") else 1)))
         going.on_click(lambda _: self.controls.attempt(lambda: self._go({"◀": -1, "■": 0, "▶": 1}[going.value])))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.explanation.words import angle, short
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
-from rankdrop.viewer.controls import Controls
+from rankdrop.viewer.controls import Controls, put
 from rankdrop.viewer.live import Now
 from rankdrop.viewer.session import FRAMES
 from rankdrop.viewer.trajectory import Track, Trajectory, parse_trajectory, track_of
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     import viser
 
 PLOTTED = 600  # points of a plot: more than a panel has pixels
-_SMALLEST = 1e-12  # σ and distances are plotted from here up, on a logarithmic scale
+_SMALLEST = 1e-12  # σ is plotted from here up, its logarithm being shown
 _GREY = "#888888"
 
 
@@ -41,9 +43,11 @@ class PathTab:
             self._about = gui.add_html(panel.message_html(
                 "Columns: joint names or q1 … qn, and a time if there is one."))  # fmt: skip
             self._plots: list[viser.GuiUplotHandle] = []
+            self._curves: list[tuple[str, Array, str]] = []
+            self._times = np.zeros(1)
             self._time = gui.add_slider("time [s]", 0.0, 1.0, 0.001, 0.0, visible=False)
             self._speed = gui.add_slider("speed", 0.1, 5.0, 0.1, 1.0, visible=False)
-            self._buttons: viser.GuiButtonGroupHandle[Any] = gui.add_button_group(
+            self._buttons: Any = gui.add_button_group(
                 "path", ("▶ play", "■ stop", "worst"), visible=False
             )
         upload.on_upload(lambda event: controls.attempt(lambda: self._uploaded(event.target.value)))
@@ -74,7 +78,7 @@ class PathTab:
         self._time.step = max((last - first) / 1000, 1e-6)
         for handle in (self._time, self._speed, self._buttons):
             handle.visible = True
-        self._time.value = first
+        put(self._time, first)
         self._plot(track, r)
         self.controls.session.go(trajectory.q[0])
 
@@ -83,29 +87,30 @@ class PathTab:
             plot.remove()
         keep = thinned(track)
         times = track.times[keep]
-        self._curves = [(f"σ{r}", np.maximum(track.sigma[keep], _SMALLEST), panel.BLUE),
-                        ("distance [rad]", np.maximum(np.where(np.isfinite(track.distance[keep]),
-                                                               track.distance[keep], _SMALLEST), _SMALLEST),
-                         panel.VERMILION)]  # fmt: skip
         self._times = times
-        self._plots = [self._one_plot(times, *curve, order) for order, curve in enumerate(self._curves)]
+        distance = np.where(np.isfinite(track.distance), track.distance, 0.0)[keep]
+        self._curves = [(f"log₁₀ σ{r}", np.log10(np.maximum(track.sigma[keep], _SMALLEST)), panel.BLUE),
+                        ("distance [rad], first order", distance, panel.VERMILION)]  # fmt: skip
+        self._plots = [self._one_plot(*curve, order) for order, curve in enumerate(self._curves)]
 
-    def _one_plot(self, times: Array, name: str, values: Array, colour: str, order: int) -> viser.GuiUplotHandle:
-        axis = {"stroke": _GREY, "grid": {"stroke": "rgba(128,128,128,0.25)"}}
+    def _one_plot(self, name: str, values: Array, colour: str, order: int) -> viser.GuiUplotHandle:
+        axis = {"stroke": _GREY, "grid": {"stroke": "rgba(128,128,128,0.25)", "width": 1}, "ticks": {"show": False}}
+        options: Any = {  # uPlot's options are plain dictionaries; the stubs of viser want every key
+            "series": ({"label": "t [s]"}, {"label": name, "stroke": colour, "width": 2},
+                       {"label": "now", "stroke": _GREY, "width": 1}),
+            "scales": {"x": {"time": False}},
+            "axes": (axis, {**axis, "size": 48}),
+            "legend": {"show": False},
+        }  # fmt: skip
         return self.controls.server.gui.add_uplot(
-            data=(times, values, self._marker(values, times[0])),
-            series=({"label": "t [s]"}, {"label": name, "stroke": colour, "width": 2},
-                    {"label": "now", "stroke": _GREY, "width": 1}),
-            scales={"x": {"time": False}, "y": {"distr": 3, "log": 10}},
-            axes=(axis, {**axis, "size": 62}), height=150, title=name, order=self._time.order - 0.5 + 0.1 * order,
-        )  # type: ignore[arg-type]  # uPlot's options are plain dictionaries, the stubs want each key  # fmt: skip
+            data=(self._times, values, self._marker(values)), height=140, title=name,
+            order=self._time.order - 0.5 + 0.1 * order, **options,
+        )  # fmt: skip
 
-    def _marker(self, values: Array, time: float) -> Array:
-        """A spike at the moment, on a base line along the bottom."""
+    def _marker(self, values: Array) -> Array:
+        """A spike at the time of the slider, on a base line along the bottom."""
         marker = np.full(len(values), float(values.min()))
-        marker[int(np.abs((self._times if hasattr(self, "_times") else np.zeros(len(values))) - time).argmin())] = float(
-            values.max()
-        )
+        marker[int(np.abs(self._times - self._time.value).argmin())] = float(values.max())
         return marker
 
     def _pressed(self) -> None:
@@ -114,7 +119,7 @@ class PathTab:
         if self._buttons.value.startswith("■"):
             self.controls.session.stop()
         elif self._buttons.value == "worst":
-            self._time.value = float(self._track.times[self._track.worst])
+            put(self._time, float(self._track.times[self._track.worst]))
             self.controls.session.go(self.trajectory.q[self._track.worst])
         else:
             self.controls.session.follow(self._playing(self.trajectory), self)
@@ -124,10 +129,10 @@ class PathTab:
         last = float(trajectory.times[-1])
         time = self._time.value if self._time.value < last - 1e-3 else float(trajectory.times[0])
         while time < last:
-            self._time.value = time
+            put(self._time, time)
             yield trajectory.at(time)
             time += self._speed.value / FRAMES
-        self._time.value = last
+        put(self._time, last)
         yield trajectory.q[-1]
 
     def _dragged(self, event: viser.GuiEvent[Any]) -> None:
@@ -138,10 +143,10 @@ class PathTab:
         """Move the marks of the plots, where the trajectory moves the arm."""
         if source is self:
             for plot, (_, values, _) in zip(self._plots, self._curves, strict=True):
-                plot.data = (self._times, values, self._marker(values, self._time.value))
+                plot.data = (self._times, values, self._marker(values))
 
 
-def thinned(track: Track, count: int = PLOTTED) -> Array:
+def thinned(track: Track, count: int = PLOTTED) -> NDArray[np.intp]:
     """(P,) indices of rows to plot: at most about `count`, and of every stretch the one with the smallest σ.
 
     A dip of one row between two that are plotted would be lost otherwise.
@@ -151,6 +156,6 @@ def thinned(track: Track, count: int = PLOTTED) -> Array:
         return np.arange(total)
     edges = np.linspace(0, total, count // 2 + 1).astype(int)
     keep = {0, total - 1}
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
-        keep |= {int(low), int(low + track.sigma[low:high].argmin())}
-    return np.array(sorted(keep))
+    for low, high in pairwise(edges.tolist()):
+        keep |= {low, low + int(track.sigma[low:high].argmin())}
+    return np.array(sorted(keep), dtype=np.intp)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.atlas.in_slice import in_slice
 from rankdrop.robot.model import Array
@@ -109,7 +110,7 @@ class SliceTab:
             self._busy.release()
 
 
-def _said(corank: Array, starts: int) -> list[str]:
+def _said(corank: NDArray[np.int64], starts: int) -> list[str]:
     """How many points of which corank, and what a missing one does not prove."""
     if not len(corank):
         return [f"none of {starts} starts met a singularity in this slice; that is no proof"]

@@ -132,8 +132,8 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         raise TrajectoryError("there is no row below the names", where=f"{name}, line {line}")
     if len(rows) > MOST_ROWS:
         raise TrajectoryError("there are too many rows", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
-    q = np.array([[_value(row, column, name, number, head) for column in columns] for number, row in rows])
-    times = np.arange(len(rows)) * ROW_SECONDS
+    q: Array = np.array([[_value(row, column, name, number, head) for column in columns] for number, row in rows])
+    times: Array = np.arange(len(rows), dtype=np.float64) * ROW_SECONDS
     if time is not None:
         times = np.array([_float(row, time, name, number, head) for number, row in rows])
         _check_times(times, [number for number, _ in rows], name, head[time])
@@ -211,7 +211,9 @@ def _float(row: list[str], place: int, name: str, line: int, head: list[str], un
         try:
             value = quantity(row[place], "number", where=where)
         except RankdropError:
-            raise TrajectoryError("this is no number", where=where, got=repr(row[place]), allowed=unit or None) from None
+            raise TrajectoryError(
+                "this is no number", where=where, got=repr(row[place]), allowed=unit or None
+            ) from None
     if not isfinite(value):
         raise TrajectoryError("the value is not finite", where=where, got=row[place])
     return value

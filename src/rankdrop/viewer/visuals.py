@@ -113,7 +113,7 @@ def _home(tree: Tree, link: str) -> Array:
 
 def _colours(root: Element) -> dict[str, tuple[float, float, float]]:
     """Colours of the materials that the file names."""
-    found = {}
+    found: dict[str, tuple[float, float, float]] = {}
     for element in [root, *(visual for link in root.children for visual in link.children)]:
         for material in element.children:
             name, colour = material.attributes.get("name", ""), material.first("color")

@@ -59,7 +59,7 @@ def session() -> Iterator[tuple[Session, Ear]]:
     made.start()
     yield made, ear
     made.close()
-    assert [thread.name for thread in threading.enumerate() if thread.name in {"rankdrop-look", "rankdrop-explain"}] == []
+    assert not {"rankdrop-look", "rankdrop-explain"} & {thread.name for thread in threading.enumerate()}
 
 
 def test_it_looks_and_explains(session: tuple[Session, Ear]) -> None:

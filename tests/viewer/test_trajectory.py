@@ -37,7 +37,7 @@ def test_degrees_are_for_angles_only() -> None:
 
 def test_numbers_alone_need_one_column_for_each_joint() -> None:
     assert parse_trajectory("0,0,0.1,0\n1,0,0.1,0\n", "a.csv", ARM).times.tolist() == [0.0, 0.1]
-    with pytest.raises(TrajectoryError, match="no names.*5 numbers"):
+    with pytest.raises(TrajectoryError, match=r"no names.*5 numbers"):
         parse_trajectory("0,0,0,0.1,0\n", "a.csv", ARM)
 
 
@@ -63,7 +63,7 @@ def test_errors_name_file_line_and_column(text: str, said: str) -> None:
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(TrajectoryError, match="missing.csv"):
+    with pytest.raises(TrajectoryError, match=r"missing\.csv"):
         read_trajectory(tmp_path / "missing.csv", ARM)
     (tmp_path / "bytes.csv").write_bytes(b"q1,\0\n")
     with pytest.raises(TrajectoryError, match=r"bytes.csv"):

@@ -48,7 +48,7 @@ class Controls:
         self.tabs = gui.add_tab_group()
         self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
         with self.tabs.add_tab("Joints"):
-            self._sliders = [self._slider(i) for i in range(self.robot.n)]
+            self.sliders = [self._slider(i) for i in range(self.robot.n)]
             self.button("all joints to 0", lambda: session.go(np.zeros(self.robot.n)))
             self.button("a random configuration", lambda: session.go(self._random()))
 
@@ -99,13 +99,13 @@ class Controls:
         """A configuration was looked at."""
         self.now = now
         self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, len(self.live.families))
-        for index, slider in enumerate(self._sliders):
+        for index, slider in enumerate(self.sliders):
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
 
     def _place(self, index: int, value: float) -> None:
         """A slider to a value; its range grows where a motion goes beyond it."""
-        slider = self._sliders[index]
+        slider = self.sliders[index]
         if value < slider.min - _MARGIN:
             slider.min = value
         if value > slider.max + _MARGIN:

@@ -49,11 +49,11 @@ class Stage:
         self.server, self.live = server, live
         self.size = live.body.size
         self.always_weakest = True
-        self._blamed: dict[int, int] = {}
+        self.blamed: dict[int, int] = {}
         scene = server.scene
         scene.set_up_direction("+z")
-        self._links = [scene.add_frame(f"/arm/{i}", show_axes=False) for i in range(len(live.robot.joints) + 2)]
-        self._tip = scene.add_frame(f"/arm/{len(self._links) - 1}/axes", axes_length=0.07 * self.size,
+        self.links = [scene.add_frame(f"/arm/{i}", show_axes=False) for i in range(len(live.robot.joints) + 2)]
+        self._tip = scene.add_frame(f"/arm/{len(self.links) - 1}/axes", axes_length=0.07 * self.size,
                                     axes_radius=0.006 * self.size, origin_radius=0.0)  # fmt: skip
         self._add_body()
         self._meshes = [
@@ -119,7 +119,7 @@ class Stage:
 
     def _paint_joints(self) -> None:
         for barrel, handle in zip(self.live.body.barrels, self._barrels, strict=True):
-            index = self._blamed.get(barrel.variable)
+            index = self.blamed.get(barrel.variable)
             handle.color = self._joint if index is None else _circuit_colour(index)
 
     def show_meshes(self, shown: bool) -> None:
@@ -139,8 +139,8 @@ class Stage:
     def blame(self, circuits: Sequence[Sequence[int]], now: Now) -> None:
         """Mark the joints (numbers from 1) of circuits and their axes, each circuit in its colour."""
         blamed = circuit_of(circuits)
-        if blamed != self._blamed:
-            self._blamed = blamed
+        if blamed != self.blamed:
+            self.blamed = blamed
             self._paint_joints()
         lines = axis_lines(self.live.body, now.links, list(blamed))
         self._axes.visible = bool(len(lines))
@@ -153,7 +153,7 @@ class Stage:
         """Draw a configuration."""
         with self.server.atomic():
             turns = wxyz(now.links[:, :3, :3])
-            for link, turn, pose in zip(self._links, turns, now.links, strict=True):
+            for link, turn, pose in zip(self.links, turns, now.links, strict=True):
                 link.wxyz = turn
                 link.position = pose[:3, 3]
             ends = rods(self.live.body, now.links)

@@ -1,4 +1,4 @@
-"""Updates a second of the viewer: what a slider does at once, the explanation behind it, and both while an arm moves."""
+"""Updates a second of the viewer: what a slider does at once, the explanation behind it, both while an arm moves."""
 
 from __future__ import annotations
 

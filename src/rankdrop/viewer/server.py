@@ -109,10 +109,10 @@ class Viewer:
         with self.controls.tabs.add_tab("View"):
             gui.add_html(panel.legend_html())
             night = gui.add_checkbox("dark page", dark)
-            weakest = gui.add_checkbox("weakest motion where nothing is lost", True)
-            numbers = gui.add_checkbox("numbers at the joints", True)
+            weakest = gui.add_checkbox("weakest motion", True, hint="arrows at regular configurations too")
+            numbers = gui.add_checkbox("joint numbers", True)
             if self.stage.has_meshes:
-                drawn = gui.add_checkbox("meshes of the URDF", True)
+                drawn = gui.add_checkbox("meshes", True)
                 drawn.on_update(lambda _: self.stage.show_meshes(drawn.value))
         night.on_update(lambda _: self._paint(dark=night.value))
         numbers.on_update(lambda _: self.stage.show_numbers(numbers.value))

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.atlas.family import Family
 from rankdrop.atlas.in_slice import in_slice
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
@@ -15,7 +18,9 @@ from rankdrop.viewer.live import Now
 from rankdrop.viewer.slice_box import SliceBox
 from rankdrop.viewer.stage import rgb
 
-COLOURS = (panel.BLUE, panel.VERMILION, panel.PURPLE, panel.GREEN)  # corank 1, 2, 3, more
+COLOURS = (panel.BLUE, panel.VERMILION, panel.GREEN, panel.PURPLE, panel.ORANGE, panel.SKY)
+"""Of the families, in their order; after the last one the first again."""
+UNKNOWN = "#888888"
 STARTS = {2: 1500, 3: 6000}
 FOLLOWING = 400  # starts while the arm moves
 _NONE = "–"
@@ -42,7 +47,7 @@ class SliceTab:
                 gui.add_dropdown("deep", (_NONE, *names), initial_value=_NONE),
             ]
             controls.button("draw the singular set", self.draw, colour="blue")
-            self._follow = gui.add_checkbox("draw it anew when other joints move", False)
+            self._follow = gui.add_checkbox("follow", False, hint="draw it anew when other joints move")
             controls.button("clear", self.clear)
             self._told = gui.add_html("")
 
@@ -58,18 +63,19 @@ class SliceTab:
         found = in_slice(live.robot, live.task, q, joints, starts=starts or STARTS[len(joints)], limits=limits)
         box = SliceBox.of(live.robot, live.task, joints, stage.size, limits=limits)
         scene = self.controls.server.scene
-        colours = np.array([rgb(COLOURS[min(max(int(k), 1), len(COLOURS)) - 1]) for k in found.corank])
+        families = live.monitor.look(found.q).family if len(found.q) else np.zeros(0, dtype=np.int32)
+        colours = np.array([rgb(_colour(int(index))) for index in families])
         with self.controls.server.atomic():
             self._frame(box)
             if len(found.q):
                 scene.add_point_cloud("/slice/points", box.place(found.q), colours.astype(np.uint8),
-                                      point_size=0.009 * stage.size, point_shape="circle",
+                                      point_size=(0.009 if len(joints) == 2 else 0.005) * stage.size, point_shape="circle",
                                       precision="float32")  # fmt: skip
             else:
                 scene.remove_by_name("/slice/points")
         self._drawn = box, q.copy()
         self._mark(q)
-        self._told.content = "".join(panel.message_html(line) for line in _said(found.corank, found.starts))
+        self._told.content = panel.lines_html(_said(live.families, families, found.corank, found.starts))
 
     def _frame(self, box: SliceBox) -> None:
         scene, size = self.controls.server.scene, self.controls.stage.size
@@ -110,10 +116,20 @@ class SliceTab:
             self._busy.release()
 
 
-def _said(corank: NDArray[np.int64], starts: int) -> list[str]:
-    """How many points of which corank, and what a missing one does not prove."""
+def _colour(index: int) -> str:
+    return UNKNOWN if index < 0 else COLOURS[index % len(COLOURS)]
+
+
+def _said(
+    known: Sequence[Family], families: NDArray[np.int32], corank: NDArray[np.int64], starts: int
+) -> list[str]:
+    """How many points of which family, as HTML, and what a missing one does not prove."""
     if not len(corank):
         return [f"none of {starts} starts met a singularity in this slice; that is no proof"]
-    names = {1: "blue", 2: "red", 3: "purple"}
-    counts = [f"{int((corank == k).sum())} of corank {k} ({names.get(int(k), 'green')})" for k in np.unique(corank)]
-    return [f"{len(corank)} of {starts} starts arrived: {', '.join(counts)}", "the ball is where the arm stands"]
+    lines = [f"{len(corank)} of {starts} starts arrived; the ball is where the arm stands"]
+    for index in np.unique(families).tolist():
+        here = families == index
+        name = f"{known[index].id} {escape(known[index].name)}" if index >= 0 else "on no known family"
+        ranks = ", ".join(str(k) for k in np.unique(corank[here]))
+        lines.append(f"<span style='color:{_colour(index)}'>■</span> {name}: {int(here.sum())}, corank {ranks}")
+    return lines

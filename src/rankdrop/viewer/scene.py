@@ -113,7 +113,7 @@ def _out(frame: Array, point: Array) -> Array:
 
 
 def wxyz(turns: Array) -> Array:
-    """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3), by the largest of the four (Shepperd)."""
+    """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3), from the largest of the four."""
     r = np.asarray(turns, dtype=np.float64)
     d = np.diagonal(r, axis1=-2, axis2=-1)
     squares = np.stack([

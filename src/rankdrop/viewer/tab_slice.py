@@ -68,9 +68,9 @@ class SliceTab:
         with self.controls.server.atomic():
             self._frame(box)
             if len(found.q):
-                scene.add_point_cloud("/slice/points", box.place(found.q), colours.astype(np.uint8),
-                                      point_size=(0.009 if len(joints) == 2 else 0.005) * stage.size, point_shape="circle",
-                                      precision="float32")  # fmt: skip
+                size = (0.009 if len(joints) == 2 else 0.005) * stage.size
+                scene.add_point_cloud("/slice/points", box.place(found.q), colours.astype(np.uint8), point_size=size,
+                                      point_shape="circle", precision="float32")  # fmt: skip
             else:
                 scene.remove_by_name("/slice/points")
         self._drawn = box, q.copy()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import exits, main
-from rankdrop.errors import OptionError
+from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import link_poses
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -154,3 +154,21 @@ def test_bad_input_is_one_line(argv: list[str], said: str, capsys: pytest.Captur
     assert captured.out == ""
     assert said in captured.err
     assert captured.err.count("\n") == 1
+
+
+def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(MissingExtraError, match=r"rankdrop\[viewer\]"):
+        viewer_of("planar2r")
+
+
+def test_it_listens_on_the_other_loopback_address_too() -> None:
+    try:
+        free_port("::1", 0, next_one=False)
+    except OptionError:
+        pytest.skip("this machine has no IPv6")
+    viewer = viewer_of("planar2r", host="::1")
+    try:
+        assert viewer.url == f"http://[::1]:{viewer.server.get_port()}/"
+    finally:
+        viewer.close()

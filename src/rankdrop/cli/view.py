@@ -26,18 +26,19 @@ def view(
     host: str = "127.0.0.1",
     expose: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Open the arm in a browser page: sliders, verdict, σ, lost directions, joints to blame, ways out, families.
+    """Open the arm in a browser page: verdict, lost motions, joints to blame, ways out.
 
-    The page is served on the loopback address of this machine only, and answers no page of another origin. To show it
-    on other machines give --host and --expose; the address that is printed then holds a token, without which nobody is
-    let in. The connection is not encrypted: anybody on the network between can read it.
+    The page is served on the loopback address of this machine only, and to no
+    page of another origin. To show it on other machines give --host and
+    --expose; the address that is printed then holds a token, without which
+    nobody is let in. The connection is not encrypted.
 
     For example:
         rankdrop view pa10
-        rankdrop view arm.urdf --tip flange --package arm_description=src/arm_description
+        rankdrop view arm.urdf --tip flange --package arm_meshes=src/arm_meshes
         rankdrop view ur5 --deg --q 0,-135,45,90,-90,0 --trajectory pick.csv
 
-    Needs the extra "viewer". Ctrl-C ends it. Exit code 0: ended by Ctrl-C; 2: bad input.
+    Needs the extra "viewer". Exit code 0: ended by Ctrl-C; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml); meshes are drawn of a .urdf.

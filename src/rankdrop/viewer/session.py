@@ -65,6 +65,7 @@ class Session:
         self._version = 1
         self._moved = monotonic()
         self._motion = 0  # number of the motion under way
+        self._mover: threading.Thread | None = None
         self._open = True
         self._threads = [threading.Thread(target=work, daemon=True, name=f"rankdrop-{name}")
                          for name, work in (("look", self._looking), ("explain", self._thinking))]  # fmt: skip
@@ -125,15 +126,14 @@ class Session:
         """
         with self._changed:
             self._motion += 1
-            mine = self._motion
-        thread = threading.Thread(target=self._moving, args=(mine, iter(path), source, done), daemon=True,
-                                  name="rankdrop-move")  # fmt: skip
-        thread.start()
+            self._mover = threading.Thread(target=self._moving, args=(self._motion, iter(path), source, done),
+                                           daemon=True, name="rankdrop-move")  # fmt: skip
+            self._mover.start()
 
     @property
     def moving(self) -> bool:
         """Whether a motion is under way."""
-        return any(thread.name == "rankdrop-move" and thread.is_alive() for thread in threading.enumerate())
+        return self._mover is not None and self._mover.is_alive()
 
     def _put(self, q: Array, source: object) -> None:
         self._q, self._source = q, source

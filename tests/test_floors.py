@@ -36,7 +36,8 @@ FLOORS = {
     "cli": 6, "report": 6, "viewer": 6,
 }  # fmt: skip
 
-OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy"}
+OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
+            "trimesh", "websockets", "playwright"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

@@ -111,7 +111,7 @@ def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
         (("find", "pa10", "--corank", "1", "--method", "magic"), "almarkhi"),
         (("find", "pa10", "--corank", "1", "--out", "a.xls"), ".csv, .json, .npz"),
         (("find", "pa10", "--corank", "1", "--history", "a.json"), ".csv, .npz"),
-        (("fly",), "robots, analyze, find"),
+        (("fly",), "robots, analyze, conditions, find"),
     ],
 )
 def test_bad_input_is_one_line_that_names_what_is_allowed(run, argv: tuple[str, ...], words: str) -> None:

@@ -54,6 +54,15 @@ def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
 
 
+def packages_of(options: ArmOptions) -> dict[str, Path]:
+    """Package name -> folder, as given.
+
+    Raises:
+        OptionError: a package is not NAME=PATH, or there is no such folder.
+    """
+    return _packages(options.package) or {}
+
+
 def _packages(words: tuple[str, ...]) -> dict[str, Path] | None:
     packages = {}
     for word in words:

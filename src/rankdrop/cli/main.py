@@ -21,6 +21,7 @@ try:
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # Ctrl-C before there is anything to keep
@@ -35,6 +36,7 @@ For example:
     rankdrop conditions puma560
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+    rankdrop view pa10
 
 {exits.HELP}"""
 
@@ -55,6 +57,7 @@ app.command(find)
 app.command(explain)
 app.command(escape)
 app.command(nearest)
+app.command(view)
 
 
 def main() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rankdrop.explanation.data import Far
 from rankdrop.explanation.words import angle, angle_below, short
 from rankdrop.local.verdict import Rank
+from rankdrop.tolerances import NEAR, SMALL
 
 
 def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]:
@@ -29,6 +30,25 @@ def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, st
         proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
         return "regular", f"{lost}; no singular configuration was found, and {proven}"
     return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
+
+
+def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
+                  small: float = SMALL) -> str:  # fmt: skip
+    """The verdict by what a monitor sees, before any search: near within the first-order distance.
+
+    Args:
+        corank: at the configuration.
+        generic_rank: r.
+        smallest: min(m, n) of the task and the arm.
+        sigma: σ_r [1].
+        distance: σ_r/‖∇σ_r‖ [rad].
+        near, small: as in `rankdrop.explain.explain`.
+    """
+    if corank:
+        return "singular"
+    if generic_rank < smallest:
+        return "always-singular"
+    return "near" if distance <= near or sigma <= small else "regular"
 
 
 def _several(rank: Rank, small: float) -> str:

@@ -54,7 +54,7 @@ def from_urdf(
     pose = np.eye(4)
     joints = []
     for joint in ends.path:
-        pose = pose @ _origin(tree, joint)
+        pose = pose @ joint_origin(tree, joint)
         if joint.moves:
             kind = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
@@ -77,7 +77,12 @@ def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
     return _KINDS[joint.kind]
 
 
-def _origin(tree: Tree, joint: TreeJoint) -> Array:
+def joint_origin(tree: Tree, joint: TreeJoint) -> Array:
+    """(4, 4) pose of a joint in the frame of its parent link.
+
+    Raises:
+        RobotError: not three finite numbers, or a rotation that is not given as rpy.
+    """
     element = joint.element.first("origin")
     if element is None:
         return np.eye(4)

@@ -1,0 +1,125 @@
+"""The panel in viser: status, sliders and what can be done with the arm. The tabs stand in files of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import degrees, radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rankdrop.explanation.explanation import Explanation
+from rankdrop.local.block import sampling_box
+from rankdrop.robot.model import Array
+from rankdrop.viewer import panel
+from rankdrop.viewer.live import Now
+from rankdrop.viewer.session import Session
+from rankdrop.viewer.stage import Stage
+
+if TYPE_CHECKING:
+    import viser
+
+_MARGIN = 1e-6
+
+
+def put(handle: Any, value: Any) -> None:
+    """Set what an input shows; viser declares it read-only where it declares the type."""
+    handle.value = value
+
+
+class Controls:
+    """Status and sliders.
+
+    Args:
+        server: of viser.
+        session: the configuration.
+        stage: the scene.
+    """
+
+    def __init__(self, server: viser.ViserServer, session: Session, stage: Stage) -> None:
+        self.server, self.session, self.stage = server, session, stage
+        self.robot, self.live = session.live.robot, session.live
+        self.found: Explanation | None = None
+        self.now: Now | None = None
+        gui = server.gui
+        self._status = gui.add_html(panel.message_html("…"))
+        self._details = gui.add_html("")
+        self.message = gui.add_html("")
+        self.tabs = gui.add_tab_group()
+        self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
+        with self.tabs.add_tab("Joints"):
+            self.sliders = [self._slider(i) for i in range(self.robot.n)]
+            self.button("all joints to 0", lambda: session.go(np.zeros(self.robot.n)))
+            self.button("a random configuration", lambda: session.go(self._random()))
+
+    def _slider(self, index: int) -> viser.GuiSliderHandle[float]:
+        joint = self.robot.variables[index]
+        low, high = sampling_box(self.robot, self.live.task, limits=True)
+        unit = self._unit[index]
+        value = float(self.session.q[index] * unit)
+        sign, step = ("°", 0.1) if joint.unit == "rad" else (" m", 0.001)
+        limited = np.isfinite(joint.lower) and np.isfinite(joint.upper)
+        slider = self.server.gui.add_slider(
+            f"{index + 1} {joint.name} [{sign.strip()}]", min(low[index] * unit, value),
+            max(high[index] * unit, value), step, round(value, 1 if joint.unit == "rad" else 3),
+            hint=f"limits {joint.lower * unit:.4g} … {joint.upper * unit:.4g}{sign}" if limited else "no limits",
+        )  # fmt: skip
+
+        @slider.on_update
+        def _(event: viser.GuiEvent[Any]) -> None:
+            if event.client_id is not None:  # a hand moved it, not `shown`
+                self.session.set_joint(index, slider.value / unit, slider)
+
+        return slider
+
+    def button(self, label: str, act: Callable[[], object], *, hint: str | None = None,
+               colour: Any = "gray") -> viser.GuiButtonHandle:  # fmt: skip
+        """A button; what goes wrong behind it is told in the panel."""
+        handle = self.server.gui.add_button(label, hint=hint, color=colour)
+
+        @handle.on_click
+        def _(_event: object) -> None:
+            self.attempt(act)
+
+        return handle
+
+    def attempt(self, act: Callable[[], object]) -> None:
+        """Do it, and say what went wrong."""
+        try:
+            self.say("")
+            act()
+        except Exception as error:
+            self.say(f"{error}" or type(error).__name__)
+
+    def say(self, text: str) -> None:
+        """One line below the status; empty to clear it."""
+        self.message.content = panel.message_html(text) if text else ""
+
+    def shown(self, now: Now, source: object) -> None:
+        """A configuration was looked at."""
+        self.now = now
+        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, len(self.live.families))
+        for index, slider in enumerate(self.sliders):
+            if slider is not source:
+                self._place(index, float(now.q[index]) * self._unit[index])
+
+    def _place(self, index: int, value: float) -> None:
+        """A slider to a value; its range grows where a motion goes beyond it."""
+        slider = self.sliders[index]
+        if value < slider.min - _MARGIN:
+            slider.min = value
+        if value > slider.max + _MARGIN:
+            slider.max = value
+        shown = round(value, 1 if self._unit[index] != 1.0 else 3)  # as many digits as the box has room for
+        if slider.value != shown:
+            put(slider, shown)
+
+    def explained(self, found: Explanation) -> None:
+        """A configuration was explained."""
+        self.found = found
+        self._details.content = panel.details_html(found)
+
+    def _random(self) -> Array:
+        low, high = sampling_box(self.robot, self.live.task, limits=True)
+        wide = np.where(high - low > 2 * np.pi + _MARGIN, radians(180.0), np.inf)
+        return np.random.default_rng().uniform(np.maximum(low, -wide), np.minimum(high, wide))

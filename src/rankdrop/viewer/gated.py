@@ -1,0 +1,160 @@
+"""viser behind the gate: every request and handshake is asked before viser sees it, and the gate is tried at once."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import functools
+import io
+import socket
+import threading
+from collections.abc import Iterator
+from http import HTTPStatus
+from http.client import HTTPConnection, HTTPException
+from typing import TYPE_CHECKING, Any
+
+from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.viewer.gate import Gate
+
+if TYPE_CHECKING:
+    import viser
+
+_LAST_PORT = 65535
+_TRIES = 100  # ports after the default one
+_starting = threading.Lock()
+
+
+def free_port(host: str, port: int, *, next_one: bool) -> int:
+    """A port that can be listened on.
+
+    Args:
+        host: address to listen on.
+        port: the one wanted; 0 for any.
+        next_one: take a later one where it is in use.
+
+    Raises:
+        OptionError: the address is not one of this machine, or the port is in use or not allowed.
+    """
+    if not 0 <= port <= _LAST_PORT:
+        raise OptionError("there is no such port", where="--port", got=port, allowed=f"0 … {_LAST_PORT}")
+    for candidate in range(port, min(port + (_TRIES if next_one else 1), _LAST_PORT + 1)):
+        try:
+            with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM) as probe:
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                probe.bind((host, candidate))
+                return int(probe.getsockname()[1])
+        except PermissionError:
+            raise OptionError("no permission to listen on this port", where="--port", got=candidate,
+                              mend="take one from 1024 up") from None  # fmt: skip
+        except socket.gaierror:
+            raise OptionError("this is no address of this machine", where="--host", got=host) from None
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise OptionError("cannot listen there", where="--host", got=f"{host}: {error.strerror}") from None
+    raise OptionError("the port is in use", where="--port", got=port, mend="name another, or 0 for any that is free")
+
+
+def start_gated(host: str, gate: Gate) -> viser.ViserServer:
+    """A viser server that answers nobody whom the gate refuses.
+
+    viser offers no hook before its own request handler. It passes that handler to `websockets.asyncio.server.serve`,
+    which is wrapped while the server starts. Afterwards a request under a foreign name is tried: if it were answered
+    (another viser, built differently), nothing is served.
+
+    Raises:
+        MissingExtraError: viser is not installed.
+        OptionError: the port has been taken meanwhile, or this viser cannot be gated.
+    """
+    try:
+        import viser
+        import websockets.asyncio.server as sockets
+    except ImportError:
+        raise MissingExtraError("viser", "viewer", "the viewer") from None
+    with _starting, _guarding(sockets, gate), contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host=host, port=gate.port, label="rankdrop", verbose=False)
+    closed: Any = server
+    closed.request_share_url = lambda verbose=True: None  # a client could ask for a tunnel through viser's own server
+    if server.get_port() != gate.port:
+        stop(server)
+        raise OptionError("the port is in use", where="--port", got=gate.port, mend="name another")
+    if not _holds(host, gate.port):
+        stop(server)
+        raise OptionError(
+            "this version of viser cannot be guarded against other pages, so it is not started", where="viewer",
+            got=f"viser {viser.__version__}", mend="pip install -U viser, or tell us",
+        )
+    return server
+
+
+def stop(server: viser.ViserServer) -> None:
+    """End it; viser says so on stdout, where results belong."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
+
+
+@contextlib.contextmanager
+def _guarding(sockets: Any, gate: Gate) -> Iterator[None]:
+    """Within it, websocket servers ask the gate first."""
+    plain = sockets.serve
+
+    @functools.wraps(plain)
+    def serve(*args: Any, **options: Any) -> Any:
+        inner = options.get("process_request")
+        return plain(*args, **{**options, "process_request": _asking(gate, inner)})
+
+    sockets.serve = serve
+    try:
+        yield
+    finally:
+        sockets.serve = plain
+
+
+def _asking(gate: Gate, inner: Any) -> Any:
+    def process_request(connection: Any, request: Any) -> Any:
+        try:
+            reason = gate.refuses(request.path, request.headers)
+        except Exception:  # two Host lines, say: websockets raises where a header is not single
+            reason = "the request cannot be read"
+        if reason is not None:
+            return connection.respond(HTTPStatus.FORBIDDEN, f"rankdrop: {reason}\n")
+        response = inner(connection, request) if inner is not None else None
+        cookie = gate.cookie(request.path)
+        if response is not None:
+            _harden(response.headers, cookie)
+        return response
+
+    return process_request
+
+
+def _harden(headers: Any, cookie: str | None) -> None:
+    """No other page may frame this one, and nothing is loaded from elsewhere."""
+    headers["X-Frame-Options"] = "DENY"
+    headers["Referrer-Policy"] = "no-referrer"
+    headers["Cache-Control"] = "no-store"
+    headers["Content-Security-Policy"] = (
+        "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; connect-src 'self' ws: data: blob:; "
+        "frame-ancestors 'none'"
+    )
+    if cookie is not None:
+        headers["Set-Cookie"] = cookie
+
+
+def _holds(host: str, port: int) -> bool:
+    """Whether a page request and a handshake under a foreign name and origin are refused."""
+    address = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+    handshake = {
+        "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+        "Sec-WebSocket-Key": "cmFua2Ryb3AgdGhlIGdhdA==",
+    }  # fmt: skip
+    for more in ({}, handshake):
+        connection = HTTPConnection(address, port, timeout=10)
+        try:
+            connection.request("GET", "/", headers={"Host": "elsewhere.invalid", "Origin": "http://elsewhere.invalid",
+                                                    **more})  # fmt: skip
+            if connection.getresponse().status != HTTPStatus.FORBIDDEN:
+                return False
+        except (OSError, HTTPException):
+            return False
+        finally:
+            connection.close()
+    return True

@@ -1,0 +1,92 @@
+"""What is known of a configuration the moment it is reached: fast enough for every movement of a slider."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.monitor import Monitor, Sighting
+from rankdrop.explanation.verdict import first_verdict
+from rankdrop.kinematics import link_poses
+from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame
+from rankdrop.local.directions import lost_directions
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.viewer.body import body_of
+from rankdrop.viewer.scene import Arrow, arrows
+
+
+@dataclass(frozen=True, eq=False)
+class Now:
+    """One configuration as it is drawn.
+
+    Attributes:
+        q: (n,) [rad, m].
+        verdict: "regular", "near", "singular", "always-singular" by the first-order distance.
+        seen: what the monitor says: σ, corank, family, residual, distance.
+        family: the one q lies on; None at a regular configuration, or where no known one holds.
+        nearest: the one with the smallest residual.
+        links: (N + 2, 4, 4) from `link_poses`.
+        lost: (k, 6) lost directions in the task's frame; at a configuration that is not singular the weakest one.
+        arrows: they as arrows.
+        blamed: circuits to blame; empty where the configuration is not singular.
+        outside: joints (from 1) beyond a limit.
+    """
+
+    q: Array
+    verdict: str
+    seen: Sighting
+    family: Family | None
+    nearest: Family | None
+    links: Array
+    lost: Array
+    arrows: tuple[Arrow, ...]
+    blamed: tuple[Circuit, ...]
+    outside: tuple[int, ...]
+
+    @property
+    def sigma(self) -> Array:
+        """(min(m, n),) singular values, descending."""
+        return self.seen.sigma
+
+
+class Live:
+    """One arm and task under watch.
+
+    Args:
+        robot, task: the arm.
+        families: known ones; those that have no equations are never named.
+    """
+
+    def __init__(self, robot: Robot, task: Task, families: tuple[Family, ...]) -> None:
+        self.robot, self.task, self.families = robot, task, families
+        self.monitor = Monitor(robot, task, families)
+        self.generic_rank = self.monitor.generic_rank
+        self.body = body_of(robot)
+        self._lower, self._upper = robot.lower - 1e-9, robot.upper + 1e-9
+
+    def look(self, q: Array) -> Now:
+        """Everything that is cheap, at one configuration (n,) [rad, m]."""
+        q = np.array(q, dtype=np.float64)
+        seen = self.monitor.look_one(q)
+        links = link_poses(self.robot, q)
+        r = self.generic_rank
+        lost = lost_directions(self.robot, q, self.task, max(1, seen.corank)) if r else np.zeros((0, 6))
+        blamed: tuple[Circuit, ...] = ()
+        if seen.corank and self.robot.n <= LARGEST_CHAIN:
+            blamed = blame(self.robot, q, self.task)
+        sigma = float(seen.sigma[r - 1]) if r else 0.0
+        return Now(
+            q=q,
+            verdict=first_verdict(seen.corank, r, min(self.task.m, self.robot.n), sigma, seen.distance),
+            seen=seen,
+            family=self.families[seen.family] if seen.family >= 0 else None,
+            nearest=self.families[seen.nearest] if seen.nearest >= 0 else None,
+            links=links,
+            lost=lost,
+            arrows=arrows(lost, links, self.task, self.body.size),
+            blamed=blamed,
+            outside=tuple(int(i) + 1 for i in np.flatnonzero((q < self._lower) | (q > self._upper))),
+        )

@@ -1,0 +1,140 @@
+"""What the panel says, as HTML: verdict, σ bars, nearest family, lost motions, joints to blame.
+
+Every word that may come from a file (names of joints, arms, families) is escaped. Colours are Okabe and Ito's; none of
+them says anything that a word beside it does not say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+from math import isfinite, log10
+
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.which import Condition
+from rankdrop.explanation.explanation import Explanation
+from rankdrop.explanation.words import angle, angle_below, short
+from rankdrop.local.circuits import Circuit
+from rankdrop.viewer.live import Now
+
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
+VERDICTS = {
+    "regular": (GREEN, "#fff", "●"),
+    "near": (ORANGE, "#000", "▲"),
+    "singular": (VERMILION, "#fff", "■"),
+    "always-singular": (VERMILION, "#fff", "■"),
+}
+CIRCUITS = (ORANGE, PURPLE, GREEN)
+"""Of the circuits to blame, the smallest first; further ones take the last."""
+_FLOOR = 9  # decades of σ that a bar shows
+_STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.5em 0.6em;overflow-wrap:anywhere"
+_QUIET = "opacity:0.75"
+
+
+def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -> str:
+    """Verdict, σ bars, family and distance: what is known at once; `known` families are."""
+    background, ink, sign = VERDICTS[now.verdict]
+    badge = (
+        f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
+        f'font-weight:700">{sign} {now.verdict}</span>'
+    )
+    rank = f"rank {now.seen.rank} of {generic_rank}"
+    spare = length_of_chain - now.seen.rank
+    lines = [
+        f"{badge} &nbsp;{rank}" + (f", {spare} spare" if spare else ""),
+        _family_line(now, known),
+        _bars(now, generic_rank),
+    ]
+    if now.outside:
+        lines.append(f"<b>beyond a limit:</b> joint {_numbers(now.outside)}")
+    return lines_html(lines)
+
+
+def _family_line(now: Now, known: int) -> str:
+    if now.family is not None:
+        return f"on <b>{_name(now.family)}</b>"
+    distance = f"≈ {angle(now.seen.distance)}" if isfinite(now.seen.distance) else "unknown"
+    first = f"to the singular set {distance}"
+    if now.seen.corank:
+        first = "on none of the known families" if known else "no families are known beforehand"
+    if now.nearest is None:
+        return first
+    return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {_name(now.nearest)}"
+
+
+def _name(family: Condition) -> str:
+    known = f"{escape(family.id)} " if isinstance(family, Family) else ""
+    return known + escape(family.name)
+
+
+def _numbers(numbers: tuple[int, ...]) -> str:
+    return ", ".join(str(number) for number in numbers)
+
+
+def bar_share(sigma: float) -> float:
+    """Length of σ's bar, 0 … 1: its decades above 1e−9; full from 1 up."""
+    return 0.0 if sigma <= 10.0**-_FLOOR else min(1.0, (log10(sigma) + _FLOOR) / _FLOOR)
+
+
+def _bars(now: Now, generic_rank: int) -> str:
+    rows = []
+    for i, sigma in enumerate(now.sigma, start=1):
+        lost = i > now.seen.rank
+        colour = VERMILION if lost else ORANGE if sigma <= 1e-3 else BLUE
+        note = " lost" if lost and i <= generic_rank else " never" if lost else ""
+        rows.append(
+            f'<div style="display:flex;align-items:center;gap:0.5em"><span style="width:1.8em">σ{i}</span>'
+            f'<span style="flex:1;height:0.6em;border-radius:0.3em;background:rgba(128,128,128,0.25)">'
+            f'<span style="display:block;height:100%;width:{100 * bar_share(float(sigma)):.1f}%;border-radius:0.3em;'
+            f'background:{colour}"></span></span>'
+            f'<span style="width:7em;text-align:right;font-variant-numeric:tabular-nums">'
+            f"{short(float(sigma), 3)}{note}</span></div>"
+        )
+    return f'<div style="margin:0.3em 0" title="logarithmic: 1e−{_FLOOR} … 1">{"".join(rows)}</div>'
+
+
+def details_html(found: Explanation) -> str:
+    """What the explanation adds a moment later: reason, lost motions, circuits, certified radius."""
+    lines = [escape(found.reason)]
+    if found.met:
+        names = ", ".join(_name(one.family) for one in found.met[:3])
+        lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
+    if found.lost.words:
+        what = "lost" if found.verdict == "singular" else "about to be lost"
+        lines += [f"<span style='{_QUIET}'>{what}:</span> {escape(words)}" for words in found.lost.words]
+    lines += [
+        f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
+        f"{circuit_text(one)}"
+        for i, one in enumerate(found.blame.smallest)
+    ]
+    if found.certified_radius:
+        lines.append(f"<span style='{_QUIET}'>proven free of any:</span> {angle_below(found.certified_radius)}")
+    return lines_html(lines)
+
+
+def circuit_text(circuit: Circuit) -> str:
+    """Joints of a circuit and what their axes have in common, as HTML."""
+    words = f": {escape(circuit.words)}" if circuit.words else ""
+    return f"<b>joints {_numbers(circuit.numbers)}</b>{words}"
+
+
+def legend_html() -> str:
+    """What the arrows and colours mean."""
+    items = [
+        (VERMILION, "━▶ solid: translation that is lost; ┅▶ dotted: rotation that is lost"),
+        (SKY, "the same arrows, at a regular configuration: the weakest motion, which is lost first"),
+        (ORANGE, "joints to blame and their axes: the smallest circuit"),
+        (PURPLE, "the second circuit; a joint of both is drawn in the colour of the first"),
+    ]
+    rows = "".join(f'<div><span style="color:{colour}">■</span> {text}</div>' for colour, text in items)
+    return f'<div style="{_STYLE}">{rows}</div>'
+
+
+def message_html(text: str) -> str:
+    """A line of plain text."""
+    return f'<div style="{_STYLE}">{escape(text)}</div>'
+
+
+def lines_html(lines: Iterable[str]) -> str:
+    """Lines that are HTML already, words from files in them escaped."""
+    return f'<div style="{_STYLE}">{"".join(f"<div>{line}</div>" for line in lines)}</div>'

@@ -1,0 +1,179 @@
+"""What is drawn for a configuration, as numbers: poses of the links, rods of the slides, arrows of what is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.frames import link_index
+from rankdrop.robot.model import Array
+from rankdrop.task import Task
+from rankdrop.viewer.body import Body
+
+LENGTH = 0.45  # of an arrow for a unit direction, as a share of the size
+_NOTHING = 0.02  # parts of a unit direction that are shorter have no arrow
+DASHES = 7  # of a dotted arrow
+HEAD = 0.18  # share of an arrow that is its head
+RINGS = 6  # capsule ends
+AROUND = 20  # capsule sides
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """One arrow in the base frame.
+
+    Attributes:
+        start, end: (3,) [m].
+        turns: a rotation, drawn dotted (AM); a translation is solid.
+        number: of the direction it belongs to, from 0.
+    """
+
+    start: Array
+    end: Array
+    turns: bool
+    number: int
+
+    @property
+    def neck(self) -> Array:
+        """(3,) where the head begins."""
+        return np.asarray(self.end - HEAD * (self.end - self.start))
+
+    def segments(self) -> Array:
+        """(DASHES, 2, 3) the dashes of a dotted shaft."""
+        cuts = np.linspace(0.0, 1.0, 2 * DASHES)[:, None]
+        points = self.start + cuts * (self.neck - self.start)
+        return np.asarray(points.reshape(DASHES, 2, 3))
+
+
+def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
+    """Axes (3, 3) and reference point (3,) of the task's frame in the base frame.
+
+    Args:
+        links: (N + 2, 4, 4) from `link_poses`.
+        task: its frame.
+    """
+    joints = len(links) - 2
+    carrier = links[link_index(task.frame.origin, joints, "origin")]
+    axes = links[link_index(task.frame.axes, joints, "axes"), :3, :3]
+    return axes, np.asarray(carrier[:3, :3] @ np.array(task.frame.point) + carrier[:3, 3])
+
+
+def arrows(directions: Array, links: Array, task: Task, size: float) -> tuple[Arrow, ...]:
+    """Arrows of directions (k, 6) of the task's frame: solid along v, dotted along ω, each as long as its share.
+
+    Args:
+        directions: unit rows (v; ω) in the task's frame, from `lost_directions`.
+        links: (N + 2, 4, 4) from `link_poses`.
+        task: its frame.
+        size: of the arm [m].
+    """
+    axes, point = task_frame(links, task)
+    found = []
+    for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
+        for turns, part in ((False, direction[:3]), (True, direction[3:])):
+            if np.linalg.norm(part) >= _NOTHING:
+                found.append(Arrow(point, point + LENGTH * size * (axes @ part), turns, number))
+    return tuple(found)
+
+
+def rods(body: Body, links: Array) -> Array:
+    """(R, 2, 3) ends of the slides' rods in the base frame [m]."""
+    ends = [[_out(links[rod.joint - 1], rod.before), _out(links[rod.joint], rod.after)] for rod in body.rods]
+    return np.array(ends, dtype=np.float64).reshape(-1, 2, 3)
+
+
+def axis_lines(body: Body, links: Array, variables: Sequence[int]) -> Array:
+    """(A, 2, 3) the axes of some variables as long lines through their barrels, in the base frame [m].
+
+    One line for each of them, in their order; of a variable that moves several joints, the axis of the first.
+    """
+    lines = []
+    for variable in variables:
+        barrel = next(one for one in body.barrels if one.variable == variable)
+        way = 0.3 * body.size * (links[barrel.link][:3, :3] @ barrel.axis)
+        centre = _out(links[barrel.link], barrel.centre)
+        lines.append([centre - way, centre + way])
+    return np.array(lines, dtype=np.float64).reshape(-1, 2, 3)
+
+
+def circuit_of(circuits: Sequence[Sequence[int]]) -> dict[int, int]:
+    """Variable -> the first of the circuits (from 0) that it belongs to: the smallest, as they are ordered."""
+    found: dict[int, int] = {}
+    for index, numbers in enumerate(circuits):
+        for number in numbers:
+            found.setdefault(number, index)
+    return found
+
+
+def _out(frame: Array, point: Array) -> Array:
+    return np.asarray(frame[:3, :3] @ point + frame[:3, 3])
+
+
+def wxyz(turns: Array) -> Array:
+    """Unit quaternions (..., 4), w ≥ 0, of rotation matrices (..., 3, 3), from the largest of the four."""
+    r = np.asarray(turns, dtype=np.float64)
+    d = np.diagonal(r, axis1=-2, axis2=-1)
+    squares = np.stack([
+        1 + d.sum(axis=-1), 1 + d[..., 0] - d[..., 1] - d[..., 2], 1 - d[..., 0] + d[..., 1] - d[..., 2],
+        1 - d[..., 0] - d[..., 1] + d[..., 2],
+    ], axis=-1)  # fmt: skip
+    off = (r[..., 2, 1] - r[..., 1, 2], r[..., 0, 2] - r[..., 2, 0], r[..., 1, 0] - r[..., 0, 1])
+    sums = (r[..., 2, 1] + r[..., 1, 2], r[..., 0, 2] + r[..., 2, 0], r[..., 1, 0] + r[..., 0, 1])
+    rows = np.stack([
+        np.stack([squares[..., 0], off[0], off[1], off[2]], axis=-1),
+        np.stack([off[0], squares[..., 1], sums[2], sums[1]], axis=-1),
+        np.stack([off[1], sums[2], squares[..., 2], sums[0]], axis=-1),
+        np.stack([off[2], sums[1], sums[0], squares[..., 3]], axis=-1),
+    ], axis=-2)  # fmt: skip
+    best = squares.argmax(axis=-1)
+    chosen = np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :]
+    chosen = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
+    return np.asarray(np.where(chosen[..., :1] < 0, -chosen, chosen))
+
+
+def turn_onto(axis: Array) -> Array:
+    """(3, 3) a rotation that takes z to a unit axis."""
+    z = np.array([0.0, 0.0, 1.0])
+    cross, cosine = np.cross(z, axis), float(z @ axis)
+    if cosine < -1 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    skew = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
+    return np.asarray(np.eye(3) + skew + skew @ skew / (1 + cosine))
+
+
+def capsule_mesh(start: Array, end: Array, radius: float) -> tuple[Array, NDArray[np.uint32]]:
+    """Vertices (V, 3) and triangles (F, 3) of a capsule, outward normals."""
+    way = end - start
+    length = float(np.linalg.norm(way))
+    turn = turn_onto(way / length) if length > 0 else np.eye(3)
+    polar = np.linspace(0.0, np.pi / 2, RINGS)
+    below = [(-radius * np.cos(a), radius * np.sin(a)) for a in polar]
+    above = [(length + radius * np.cos(a), radius * np.sin(a)) for a in polar[::-1]]
+    around = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
+    rings = [[(r * np.cos(b), r * np.sin(b), z) for b in around] for z, r in below + above]
+    vertices = np.array(rings).reshape(-1, 3) @ turn.T + start
+    i, j = np.meshgrid(np.arange(2 * RINGS - 1), np.arange(AROUND), indexing="ij")
+    a, b = i * AROUND + j, i * AROUND + (j + 1) % AROUND
+    c, d = a + AROUND, b + AROUND
+    faces = np.concatenate([np.stack([a, b, d], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
+    return vertices, faces.astype(np.uint32)
+
+
+def barrel_mesh(centre: Array, axis: Array, length: float, radius: float) -> tuple[Array, NDArray[np.uint32]]:
+    """Vertices and triangles of a closed cylinder; its flat ends have vertices of their own, for sharp edges."""
+    around = np.linspace(0.0, 2 * np.pi, AROUND + 8, endpoint=False)
+    n = len(around)
+    circle = np.stack([radius * np.cos(around), radius * np.sin(around), np.zeros(n)], axis=-1)
+    half = np.array([0.0, 0.0, length / 2])
+    low, high = circle - half, circle + half
+    poles = np.stack([-half, half])
+    vertices = np.concatenate([low, high, low, high, poles]) @ turn_onto(axis / np.linalg.norm(axis)).T + centre
+    j = np.arange(n)
+    k = (j + 1) % n
+    side = np.concatenate([np.stack([j, k, n + k], -1), np.stack([j, n + k, n + j], -1)])
+    bottom = np.stack([2 * n + k, 2 * n + j, np.full(n, 4 * n)], -1)
+    top = np.stack([3 * n + j, 3 * n + k, np.full(n, 4 * n + 1)], -1)
+    return vertices, np.concatenate([side, bottom, top]).astype(np.uint32)

@@ -1,0 +1,177 @@
+"""The viewer as a whole: a guarded viser server, the session, the scene and the panel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rankdrop.explanation.explanation import Explanation
+from rankdrop.explanation.which import known_families
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT
+from rankdrop.viewer import panel
+from rankdrop.viewer.controls import Controls
+from rankdrop.viewer.gate import Gate, new_token
+from rankdrop.viewer.gated import free_port, start_gated, stop
+from rankdrop.viewer.live import Live, Now
+from rankdrop.viewer.meshes import meshes_of
+from rankdrop.viewer.session import Session
+from rankdrop.viewer.stage import Stage
+from rankdrop.viewer.tab_escape import EscapeTab
+from rankdrop.viewer.tab_families import FamiliesTab
+from rankdrop.viewer.tab_path import PathTab
+from rankdrop.viewer.tab_slice import SliceTab
+from rankdrop.viewer.trajectory import Trajectory
+from rankdrop.viewer.visuals import visuals_of
+
+if TYPE_CHECKING:
+    import viser
+
+PORT = 8765
+"""Where it listens by default; a later one where this is in use."""
+HOST = "127.0.0.1"
+_SOURCES = {"catalogue": "from the catalogue", "analysis": "from the analysis given", "on the spot": "none known"}
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What a viewer is asked for.
+
+    Attributes:
+        q: (n,) to begin with [rad, m]; None for a plain one.
+        analysis: families from it; None for those of the catalogue.
+        packages: package name -> folder, for meshes.
+        limits: the nearest singularity, families and slices within the joint limits.
+        trajectory: to play; None for none.
+        deg: angles of uploaded files are in degrees.
+        dark: a dark page.
+        host, port: to listen on; port None for the default one or a later one that is free.
+        expose: let other machines in, by a token.
+    """
+
+    q: Array | None = None
+    analysis: Analysis | None = None
+    packages: dict[str, Path] = field(default_factory=dict)
+    limits: bool = False
+    trajectory: Trajectory | None = None
+    deg: bool = False
+    dark: bool = False
+    host: str = HOST
+    port: int | None = None
+    expose: bool = False
+
+
+class Viewer:
+    """A viewer that is open; `close` ends it.
+
+    Attributes:
+        url: the address of the page, the token in it where there is one.
+        notes: what could not be drawn, one line each.
+        session, stage, controls: its parts.
+
+    Raises:
+        MissingExtraError: viser is not installed.
+        OptionError: the port is in use, or an analysis of another arm.
+    """
+
+    def __init__(self, robot: Robot, task: Task, wishes: Wishes) -> None:
+        families, source = known_families(robot, task, wishes.analysis, DEFAULT)
+        live = Live(robot, task, families)
+        visuals, left_out = visuals_of(robot, wishes.packages)
+        meshes, unread = meshes_of(visuals)
+        self.notes = (*left_out, *unread)
+        port = free_port(wishes.host, PORT if wishes.port is None else wishes.port, next_one=wishes.port is None)
+        gate = Gate(port, new_token() if wishes.expose else None)
+        self.server: viser.ViserServer = start_gated(wishes.host, gate)
+        self.url = _url(wishes.host, gate)
+        start = plain_start(robot) if wishes.q is None else wishes.q
+        self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits)
+        self.stage = Stage(self.server, live, meshes)
+        self.stage.look_at_arm()
+        self.controls = Controls(self.server, self.session, self.stage)
+        self._escape = EscapeTab(self.controls)
+        self._families = FamiliesTab(self.controls, _SOURCES[source])
+        self.path = PathTab(self.controls, deg=wishes.deg)
+        self.slice = SliceTab(self.controls)
+        self._add_look(dark=wishes.dark)
+        self.session.start()
+        if wishes.trajectory is not None:
+            self.path.open(wishes.trajectory)
+
+    def _add_look(self, *, dark: bool) -> None:
+        """The tab about what is drawn."""
+        gui = self.server.gui
+        with self.controls.tabs.add_tab("View"):
+            gui.add_html(panel.legend_html())
+            night = gui.add_checkbox("dark page", dark)
+            weakest = gui.add_checkbox("weakest motion", True, hint="arrows at regular configurations too")
+            numbers = gui.add_checkbox("joint numbers", True)
+            if self.stage.has_meshes:
+                drawn = gui.add_checkbox("meshes", True)
+                drawn.on_update(lambda _: self.stage.show_meshes(drawn.value))
+        night.on_update(lambda _: self._paint(dark=night.value))
+        numbers.on_update(lambda _: self.stage.show_numbers(numbers.value))
+        weakest.on_update(lambda _: self._show_weakest(weakest.value))
+        self._paint(dark=dark)
+
+    def _show_weakest(self, shown: bool) -> None:
+        self.stage.always_weakest = shown
+        self.session.set(self.session.q)
+
+    def _paint(self, *, dark: bool) -> None:
+        self.server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
+                                        control_width="large", brand_color=(0, 114, 178))  # fmt: skip
+        self.stage.paint(dark=dark)
+
+    def shown(self, now: Now, source: object) -> None:
+        """Draw what was looked at."""
+        self.stage.show(now)
+        found = self.controls.found
+        near = found is not None and now.verdict == "near" and np.abs(found.q - now.q).max() < 0.1
+        circuits = now.blamed or (found.blame.smallest if found is not None and near else ())
+        self.stage.blame([one.numbers for one in circuits], now)
+        self.controls.shown(now, source)
+        self.path.shown(now, source)
+        self.slice.shown(now, source)
+
+    def explained(self, found: Explanation) -> None:
+        """Show what an explanation adds."""
+        self.controls.explained(found)
+        self._escape.explained(found)
+        now = self.controls.now
+        if now is not None and np.array_equal(now.q, found.q):
+            self.stage.blame([one.numbers for one in found.blame.smallest], now)
+
+    def failed(self, error: BaseException) -> None:
+        """Say what went wrong."""
+        self.controls.say(f"{type(error).__name__}: {error}")
+
+    def close(self) -> None:
+        """End all threads and the server."""
+        self.session.close()
+        stop(self.server)
+
+
+def plain_start(robot: Robot) -> Array:
+    """(n,) where a viewer begins: small different angles inside the limits, where arms are seldom singular [rad, m]."""
+    q = np.resize([0.3, 0.6, -0.5, 0.7, 0.8, 0.4, 0.2], robot.n)
+    for i, joint in enumerate(robot.variables):
+        low, high = joint.lower, joint.upper
+        if joint.unit == "m":
+            q[i] = 0.5 * (low + high) if np.isfinite(low) and np.isfinite(high) else 0.1
+        elif not low < q[i] < high:
+            q[i] = -q[i] if low < -q[i] < high else 0.5 * (max(low, -np.pi) + min(high, np.pi))
+    return q
+
+
+def _url(host: str, gate: Gate) -> str:
+    import socket
+
+    name = socket.gethostname() if host in {"0.0.0.0", "::"} else f"[{host}]" if ":" in host else host
+    token = f"/?token={gate.token}" if gate.token else "/"
+    return f"http://{name}:{gate.port}{token}"

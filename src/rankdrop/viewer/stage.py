@@ -1,0 +1,194 @@
+"""The arm and its arrows in a viser scene. What is drawn where is decided in `scene` and `body`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rankdrop.robot.model import Array
+from rankdrop.viewer.live import Live, Now
+from rankdrop.viewer.meshes import Mesh
+from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
+from rankdrop.viewer.scene import HEAD, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
+
+if TYPE_CHECKING:
+    import viser
+
+Rgb = tuple[int, int, int]
+_LIGHT_ARM, _DARK_ARM = (196, 202, 210), (150, 158, 168)
+_LIGHT_JOINT, _DARK_JOINT = (86, 98, 114), (74, 84, 98)
+_DULL = 0.45  # dark meshes are lifted so far towards grey: black parts are not seen on a dark page
+_LIT = (176, 34, 0)  # vermilion under the lights of the scene, which wash it out to orange
+_NONE = np.zeros((1, 2, 3), dtype=np.float32)
+
+
+def camera_for(size: float, *, wide: bool) -> tuple[Array, Array]:
+    """Position and aim of a camera that sees an arm of this size [m]; the panel covers the right or the lower part."""
+    aim = np.array([0.0, 0.0, 0.3]) + (0.27 * np.array([0.78, 0.62, 0.0]) if wide else np.array([0.0, 0.0, -0.8]))
+    away = np.array([1.1, -1.35, 0.75]) * (1.0 if wide else 1.5)
+    return size * (aim + away), size * aim
+
+
+def rgb(colour: str) -> Rgb:
+    """#rrggbb as three numbers."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+class Stage:
+    """What stands in the scene.
+
+    Args:
+        server: of viser.
+        live: the arm.
+        meshes: of its links; empty where it has none, then its body is drawn.
+    """
+
+    def __init__(self, server: viser.ViserServer, live: Live, meshes: tuple[Mesh, ...]) -> None:
+        self.server, self.live = server, live
+        self.size = live.body.size
+        self.always_weakest = True
+        self.blamed: dict[int, int] = {}
+        scene = server.scene
+        scene.set_up_direction("+z")
+        self.links = [scene.add_frame(f"/arm/{i}", show_axes=False) for i in range(len(live.robot.joints) + 2)]
+        self._tip = scene.add_frame(f"/arm/{len(self.links) - 1}/axes", axes_length=0.07 * self.size,
+                                    axes_radius=0.006 * self.size, origin_radius=0.0)  # fmt: skip
+        self._add_body()
+        self._meshes = [
+            scene.add_mesh_simple(f"/arm/{mesh.link}/mesh{i}", mesh.vertices, mesh.faces, color=_lifted(mesh.colour),
+                                  flat_shading=False, side="double")
+            for i, mesh in enumerate(meshes)
+        ]  # fmt: skip
+        self.has_meshes = bool(meshes)
+        self._add_marks()
+        self.show_meshes(self.has_meshes)
+        self.paint(dark=False)
+
+    def _add_body(self) -> None:
+        scene, body = self.server.scene, self.live.body
+        self._capsules = [
+            scene.add_mesh_simple(f"/arm/{one.link}/capsule{i}", *capsule_mesh(one.start, one.end, one.radius))
+            for i, one in enumerate(body.capsules)
+        ]
+        self._barrels = [
+            scene.add_mesh_simple(f"/arm/{one.link}/barrel{one.joint}",
+                                  *barrel_mesh(one.centre, one.axis, one.length, one.radius))
+            for one in body.barrels
+        ]  # fmt: skip
+        self._labels = [
+            scene.add_label(f"/arm/{one.link}/number{one.joint}", str(one.variable), position=one.centre,
+                            anchor="center-center", font_screen_scale=0.75)
+            for one in body.barrels
+        ]  # fmt: skip
+        radius = 2 * body.rods[0].radius if body.rods else 0.01
+        self._rods = scene.add_line_segments("/rods", _NONE, _LIGHT_ARM, thickness=radius, visible=bool(body.rods))
+        self.grid = scene.add_grid("/floor", 4 * self.size, 4 * self.size, cell_size=0.1 * self.size,
+                                   section_size=0.5 * self.size, position=(0.0, 0.0, -0.002 * self.size))  # fmt: skip
+
+    def _add_marks(self) -> None:
+        scene, size = self.server.scene, self.size
+        shape: Any = {"shaft_radius": 0.011 * size, "head_radius": 0.03 * size, "head_length": 0.08 * size}
+        red = rgb(VERMILION)
+        self._solid = scene.add_arrows("/lost/translations", _NONE, red, **shape, visible=False)
+        self._heads = scene.add_arrows("/lost/rotation heads", _NONE, red, **shape, visible=False)
+        self._dashes = scene.add_line_segments("/lost/rotations", _NONE, red, thickness=0.022 * size, visible=False)
+        self._axes = scene.add_line_segments("/blamed", _NONE, rgb(ORANGE), thickness=0.012 * size, visible=False)
+
+    def look_at_arm(self) -> None:
+        """Place the camera so that the arm is seen whole, left of the panel or, on an upright screen, above it."""
+        camera = self.server.initial_camera
+        camera.position, camera.look_at = camera_for(self.size, wide=True)
+        self.server.on_client_connect(self._turn_upright)
+
+    def _turn_upright(self, client: viser.ClientHandle) -> None:
+        if client.camera.aspect < 1.0:
+            client.camera.position, client.camera.look_at = camera_for(self.size, wide=False)
+
+    def paint(self, *, dark: bool) -> None:
+        """Colours of the body and the floor for a light or a dark page."""
+        self._arm = _DARK_ARM if dark else _LIGHT_ARM
+        self._joint = _DARK_JOINT if dark else _LIGHT_JOINT
+        for one in self._capsules:
+            one.color = self._arm
+        self._rods.colors = np.array(self._arm, dtype=np.uint8)
+        self.grid.cell_color = (60, 60, 64) if dark else (222, 222, 222)
+        self.grid.section_color = (92, 92, 98) if dark else (176, 176, 176)
+        self._paint_joints()
+
+    def _paint_joints(self) -> None:
+        for barrel, handle in zip(self.live.body.barrels, self._barrels, strict=True):
+            index = self.blamed.get(barrel.variable)
+            handle.color = self._joint if index is None else _circuit_colour(index)
+
+    def show_meshes(self, shown: bool) -> None:
+        """Meshes, or the body of capsules."""
+        shown = shown and self.has_meshes
+        for mesh in self._meshes:
+            mesh.visible = shown
+        for one in [*self._capsules, *self._barrels]:
+            one.visible = not shown
+        self._rods.visible = bool(self.live.body.rods) and not shown
+
+    def show_numbers(self, shown: bool) -> None:
+        """Numbers at the joints."""
+        for label in self._labels:
+            label.visible = shown
+
+    def blame(self, circuits: Sequence[Sequence[int]], now: Now) -> None:
+        """Mark the joints (numbers from 1) of circuits and their axes, each circuit in its colour."""
+        blamed = circuit_of(circuits)
+        if blamed != self.blamed:
+            self.blamed = blamed
+            self._paint_joints()
+        lines = axis_lines(self.live.body, now.links, list(blamed))
+        self._axes.visible = bool(len(lines))
+        if len(lines):
+            self._axes.points = lines.astype(np.float32)
+            colours = np.array([_circuit_colour(index) for index in blamed.values()], dtype=np.uint8)
+            self._axes.colors = np.repeat(colours[:, None], 2, axis=1)
+
+    def show(self, now: Now) -> None:
+        """Draw a configuration."""
+        with self.server.atomic():
+            turns = wxyz(now.links[:, :3, :3])
+            for link, turn, pose in zip(self.links, turns, now.links, strict=True):
+                link.wxyz = turn
+                link.position = pose[:3, 3]
+            ends = rods(self.live.body, now.links)
+            if len(ends):
+                self._rods.points = ends.astype(np.float32)
+            self._show_arrows(now)
+
+    def _show_arrows(self, now: Now) -> None:
+        strong = now.verdict in {"singular", "near"}
+        shown = now.arrows if strong or self.always_weakest else ()
+        colour, lit = (rgb(VERMILION), _LIT) if strong else (rgb(SKY), rgb(SKY))
+        solid = [[arrow.start, arrow.end] for arrow in shown if not arrow.turns]
+        turning = [arrow for arrow in shown if arrow.turns]
+        self._set(self._solid, np.array(solid), lit)
+        self._set(self._heads, np.array([[_tail(arrow.start, arrow.end), arrow.end] for arrow in turning]), lit)
+        dashes = [arrow.segments() for arrow in turning]
+        self._set(self._dashes, np.concatenate(dashes) if dashes else np.zeros(0), colour)
+
+    def _set(self, handle: viser.ArrowsHandle | viser.LineSegmentsHandle, points: Array, colour: Rgb) -> None:
+        handle.visible = bool(len(points))
+        if len(points):
+            handle.points = points.astype(np.float32)
+            handle.colors = np.array(colour, dtype=np.uint8)
+
+
+def _circuit_colour(index: int) -> Rgb:
+    return rgb(CIRCUITS[min(index, len(CIRCUITS) - 1)])
+
+
+def _tail(start: Array, end: Array) -> Array:
+    """Where the shaft of a head alone begins."""
+    return np.asarray(end - 1.05 * HEAD * (end - start))
+
+
+def _lifted(colour: Rgb) -> Rgb:
+    """A colour that is seen on a dark page too."""
+    r, g, b = (round(value + _DULL * max(0, 110 - max(colour))) for value in colour)
+    return r, g, b

@@ -1,0 +1,150 @@
+"""The tab "Families": go to the nearest point of a family, to its witness, and walk along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape as plain
+from math import radians
+from typing import Any
+
+import numpy as np
+
+from rankdrop.atlas.distance import family_distances
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.walk import Walk
+from rankdrop.explanation.words import angle
+from rankdrop.robot.model import Array
+from rankdrop.viewer import panel
+from rankdrop.viewer.controls import Controls
+
+STEP = radians(5.0)  # of a click [rad; slides in length scales]
+PACE = 0.012  # of a walk, per frame [rad]
+_ON = 1e-6  # so near a family q is on it: walking starts there [rad]
+
+
+class FamiliesTab:
+    """The families of the atlas.
+
+    Args:
+        controls: the panel.
+        source: where the families come from, in words.
+    """
+
+    def __init__(self, controls: Controls, source: str) -> None:
+        self.controls = controls
+        self.families = controls.live.families
+        with controls.tabs.add_tab("Families"):
+            controls.button("go to the nearest singular configuration", self._nearest, colour="blue")
+            if not self.families:
+                controls.server.gui.add_html(panel.message_html(
+                    "No families are known for this arm. `rankdrop analyze … --json FILE` finds them; "
+                    "then start with --analysis FILE."))  # fmt: skip
+                return
+            self._choice = controls.server.gui.add_dropdown("family", self._names(), initial_value=self._names()[0])
+            self._about = controls.server.gui.add_html("")
+            controls.button("go to its closest point", self._closest)
+            controls.button("go to its witness", lambda: controls.session.go(np.array(self.family.witness)))
+            self._add_walk()
+            controls.server.gui.add_html(panel.message_html(f"families: {source}"))
+            self._choice.on_update(self._chosen)
+            self._chosen(None)
+
+    def _add_walk(self) -> None:
+        gui, names = self.controls.server.gui, [joint.name for joint in self.controls.robot.variables]
+        with gui.add_folder("walk along the family"):
+            options = [f"{number} {name}" for number, name in enumerate(names, start=1)]
+            self._joint = gui.add_dropdown("by joint", tuple(options), initial_value=options[0])
+            arrows: Any = gui.add_button_group("step", ("◀ 5°", "5° ▶"))
+            going: Any = gui.add_button_group("walk", ("◀", "■", "▶"))
+            self._told = gui.add_html("")
+        arrows.on_click(lambda _: self.controls.attempt(lambda: self._step(-1 if arrows.value.startswith("◀") else 1)))
+        going.on_click(lambda _: self.controls.attempt(lambda: self._go({"◀": -1, "■": 0, "▶": 1}[going.value])))
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(f"{family.id} {family.name}" for family in self.families)
+
+    @property
+    def family(self) -> Family:
+        """The chosen one."""
+        return self.families[self._names().index(self._choice.value)]
+
+    def _chosen(self, _event: object) -> None:
+        family = self.family
+        conditions = [f"{plain(str(equation))} = 0" for equation in family.equations[:8]] or ["no conditions found"]
+        lines = [f"corank {family.corank}, dimension {family.dimension}", *conditions,
+                 *(f"lost: {plain(words)}" for words in family.lost_words)]  # fmt: skip
+        self._about.content = panel.lines_html(lines)
+
+    def _nearest(self) -> None:
+        found = self.controls.found
+        session = self.controls.session
+        if found is None or found.far.nearest is None or not np.array_equal(found.q, session.q):
+            from rankdrop.local.nearest import nearest_singularity
+
+            nearest = nearest_singularity(self.controls.robot, session.q, self.controls.live.task,
+                                          limits=session.limits)  # fmt: skip
+        else:
+            nearest = found.far.nearest
+        if nearest is None:
+            self.controls.say("no singular configuration was found")
+        else:
+            session.go(np.array(nearest.q))
+
+    def _closest(self) -> None:
+        point = self._foot()
+        if point is not None:
+            self.controls.session.go(point)
+
+    def _foot(self) -> Array | None:
+        """The nearest point of the chosen family; says so where there is none."""
+        live, session = self.controls.live, self.controls.session
+        record = family_distances([self.family], live.robot, session.q, live.task, limits=session.limits)[0]
+        if not record.q:
+            where = " within the joint limits" if session.limits else ""
+            self.controls.say(f"no point of {self.family.id} was reached{where}")
+            return None
+        self.controls.say(f"{angle(record.distance)} away" if record.distance > _ON else "")
+        return np.array(record.q)
+
+    def _ready(self) -> tuple[Walk, Array, int] | None:
+        """The walk, where it starts, and the joint it follows."""
+        live = self.controls.live
+        walk, joint = Walk(live.robot, live.task, self.family), int(self._joint.value.split()[0])
+        q = walk.back(self.controls.session.q)
+        if q is None or np.abs(q - self.controls.session.q).max() > 1e-4:
+            q = self._foot()
+        if q is None:
+            return None
+        movable = walk.movable(q)
+        self._told.content = panel.message_html(f"joints that move along it here: {', '.join(map(str, movable))}")
+        if joint not in movable:
+            self.controls.say(f"joint {joint} stands still along {self.family.id}; choose one of "
+                              f"{', '.join(map(str, movable))}")  # fmt: skip
+            return None
+        return walk, q, joint
+
+    def _step(self, sign: int) -> None:
+        ready = self._ready()
+        if ready is not None:
+            walk, q, joint = ready
+            there = walk.step(q, joint, sign * STEP)
+            if there is None:
+                self.controls.say("the family ends here, or turns too sharply")
+            else:
+                self.controls.session.go(there)
+
+    def _go(self, sign: int) -> None:
+        if sign == 0:
+            self.controls.session.stop()
+            return
+        ready = self._ready()
+        if ready is not None:
+            self.controls.session.follow(_walking(*ready, sign * PACE))
+
+
+def _walking(walk: Walk, q: Array, joint: int, pace: float) -> Iterator[Array]:
+    """On and on, until the family ends or the joint no longer moves along it."""
+    here: Array | None = q
+    while here is not None:
+        yield here
+        here = walk.step(here, joint, pace)

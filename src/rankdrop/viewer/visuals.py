@@ -1,0 +1,203 @@
+"""The shapes that a URDF draws its links with: which mesh or solid, where on which link of the chain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+
+from rankdrop.errors import RobotError
+from rankdrop.robot.files import read_text
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.urdf import joint_origin
+from rankdrop.robot.urdf_numbers import number, three
+from rankdrop.robot.urdf_tree import Tree, read_tree
+from rankdrop.robot.xml_file import Element, read_xml
+
+MESHES = (".stl", ".dae", ".obj", ".ply")
+GREY = (0.72, 0.74, 0.77)
+_NOT_READ = frozenset({"collision", "inertial", "transmission", "gazebo", "sensor"})
+
+
+@dataclass(frozen=True, eq=False)
+class Visual:
+    """One shape of one link.
+
+    Attributes:
+        link: index of `link_poses`: 0 the base, i the link after joint i.
+        pose: (4, 4) of the shape in the frame of that link.
+        solid: "mesh", "box", "cylinder" or "sphere".
+        size: scale of a mesh, edges of a box, (radius, length) of a cylinder, (radius,) of a sphere [m].
+        file: of the mesh; None for a solid.
+        colour: (r, g, b) in 0 … 1, or None where the mesh's own is meant.
+    """
+
+    link: int
+    pose: Array
+    solid: str
+    size: tuple[float, ...]
+    file: Path | None
+    colour: tuple[float, float, float] | None
+
+
+def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual, ...], tuple[str, ...]]:
+    """The shapes of the links of a robot that was read from a URDF file, and what could not be used.
+
+    Links that hang on the chain by fixed joints belong to the link that carries them; those on moving joints outside
+    the chain (the fingers of a gripper) are drawn at zero. A robot from another source has none.
+
+    Args:
+        robot: from `open_robot`.
+        packages: package name -> folder, for package://. Folders of that name above the file are found as well.
+
+    Returns:
+        Shapes, and one line of text for every shape that was left out.
+    """
+    file = Path(robot.source.origin)
+    if robot.source.kind != "urdf" or not file.is_file():
+        return (), ()
+    root = read_xml(read_text(file), str(file), _NOT_READ)
+    tree = read_tree(root, str(file))
+    if robot.base not in tree.links:
+        return (), ()
+    carriers = _carriers(robot, tree)
+    colours = _colours(root)
+    shapes: list[Visual] = []
+    notes: list[str] = []
+    for element in root.children:
+        if element.tag != "link":
+            continue
+        link, pose = carriers[element.attributes["name"]]
+        for visual in element.children:
+            if visual.tag != "visual":
+                continue
+            try:
+                shapes.append(_visual(visual, link, pose, file, packages, colours))
+            except RobotError as error:
+                notes.append(str(error))
+    return tuple(shapes), tuple(notes)
+
+
+def _carriers(robot: Robot, tree: Tree) -> dict[str, tuple[int, Array]]:
+    """Of every link of the file: the index of the link of the chain that carries it, and its pose in its frame."""
+    moving = {joint.name: number for number, joint in enumerate(robot.joints, start=1)}
+    home = {link: _home(tree, link) for link in tree.links}
+    base = np.linalg.inv(home[robot.base])
+    frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
+    found = {}
+    for link in tree.links:
+        index, above = 0, link
+        while above in tree.above:
+            joint = tree.above[above]
+            if joint.name in moving:
+                index = moving[joint.name]
+                break
+            above = joint.parent
+        found[link] = index, np.linalg.inv(frames[index]) @ base @ home[link]
+    return found
+
+
+def _home(tree: Tree, link: str) -> Array:
+    """(4, 4) pose of a link below its root with every joint at zero."""
+    pose = np.eye(4)
+    while link in tree.above:
+        joint = tree.above[link]
+        pose = joint_origin(tree, joint) @ pose
+        link = joint.parent
+    return pose
+
+
+def _colours(root: Element) -> dict[str, tuple[float, float, float]]:
+    """Colours of the materials that the file names."""
+    found: dict[str, tuple[float, float, float]] = {}
+    for element in [root, *(visual for link in root.children for visual in link.children)]:
+        for material in element.children:
+            name, colour = material.attributes.get("name", ""), material.first("color")
+            if material.tag == "material" and name and colour is not None:
+                rgb = _rgb(colour)
+                if rgb is not None:
+                    found.setdefault(name, rgb)
+    return found
+
+
+def _rgb(colour: Element) -> tuple[float, float, float] | None:
+    words = colour.attributes.get("rgba", "").split()
+    try:
+        r, g, b = (min(1.0, max(0.0, float(word))) for word in words[:3])
+    except ValueError:
+        return None
+    return r, g, b
+
+
+def _visual(
+    visual: Element,
+    link: int,
+    carrier: Array,
+    file: Path,
+    packages: Mapping[str, Path],
+    colours: Mapping[str, tuple[float, float, float]],
+) -> Visual:
+    where = f"{file}, line {visual.line}, <visual>"
+    geometry = visual.first("geometry")
+    shape = next(iter(geometry.children), None) if geometry is not None else None
+    if shape is None:
+        raise RobotError("there is no shape", where=where)
+    origin, material = visual.first("origin"), visual.first("material")
+    given = {} if origin is None else origin.attributes
+    pose = carrier @ from_xyz_rpy(
+        three(given.get("xyz", "0 0 0"), where, "xyz"), three(given.get("rpy", "0 0 0"), where, "rpy")
+    )
+    colour = None
+    if material is not None:
+        inline = material.first("color")
+        colour = _rgb(inline) if inline is not None else colours.get(material.attributes.get("name", ""))
+    solid, size = shape.tag, _size(shape, where)
+    path = mesh_file(shape.attributes.get("filename", ""), file, packages, where) if solid == "mesh" else None
+    return Visual(link, pose, solid, size, path, colour)
+
+
+def _size(shape: Element, where: str) -> tuple[float, ...]:
+    given = shape.attributes
+    if shape.tag == "mesh":
+        return tuple(three(given.get("scale", "1 1 1"), where, "scale"))
+    if shape.tag == "box":
+        return tuple(three(given.get("size", ""), where, "size"))
+    if shape.tag == "cylinder":
+        return number(given.get("radius", ""), where, "radius"), number(given.get("length", ""), where, "length")
+    if shape.tag == "sphere":
+        return (number(given.get("radius", ""), where, "radius"),)
+    raise RobotError("the shape is not known", where=where, got=f"<{shape.tag}>", allowed="mesh, box, cylinder, sphere")
+
+
+def mesh_file(name: str, file: Path, packages: Mapping[str, Path], where: str) -> Path:
+    """The file that a mesh's name means: package://NAME/…, file://… or a path beside the URDF.
+
+    Raises:
+        RobotError: the package or the file is not found, or no mesh by its ending; nothing else is ever opened.
+    """
+    if name.startswith("package://"):
+        package, _, rest = name.removeprefix("package://").partition("/")
+        path = _package(package, file, packages, where) / rest
+    elif "://" in name and not name.startswith("file://"):
+        raise RobotError("meshes are read from this machine only", where=where, got=repr(name))
+    else:
+        path = file.parent / unquote(name.removeprefix("file://"))
+    if path.suffix.lower() not in MESHES:
+        raise RobotError("this is no mesh that can be read", where=where, got=repr(name), allowed=", ".join(MESHES))
+    if not path.is_file():
+        raise RobotError("there is no such mesh", where=where, got=str(path))
+    return path
+
+
+def _package(name: str, file: Path, packages: Mapping[str, Path], where: str) -> Path:
+    if name in packages:
+        return Path(packages[name])
+    for folder in file.resolve().parents:
+        for candidate in (folder, folder / name):
+            if candidate.name == name and candidate.is_dir():
+                return candidate
+    raise RobotError("a package is not found", where=where, got=repr(name), mend=f"--package {name}=FOLDER")

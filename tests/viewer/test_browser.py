@@ -1,0 +1,173 @@
+"""The page in a real browser: it draws, it obeys, it complains of nothing, and it asks nothing of other machines."""
+
+from __future__ import annotations
+
+import base64
+import shutil
+from collections.abc import Callable, Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Thread
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+from rankdrop.local.block import singular_values
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+pytest.importorskip("viser", reason="the extra viewer is not installed")
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright (extra browser) is not installed")
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.slow,  # a minute or two where the browser has to draw by software
+    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed"),
+]
+
+from rankdrop.viewer.server import Viewer, Wishes  # noqa: E402  # needs viser
+
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+         "--ignore-gpu-blocklist", "--disable-dev-shm-usage"]  # fmt: skip
+WRIST = [0.3, 0.5, 0.4, 0.2, 0.0, 0.6]
+LAPTOP, PHONE = (1280, 800), (390, 844)
+
+
+class Tab:
+    """A page of the viewer, and all that it said and asked for."""
+
+    def __init__(self, browser: Any, url: str, size: tuple[int, int]) -> None:
+        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.asked: list[str] = []
+        self.said: list[str] = []
+        self.page.on("request", lambda one: self.asked.append(one.url))
+        self.page.on("websocket", lambda one: self.asked.append(one.url))
+        self.page.on("console", lambda one: self.said.append(one.text) if one.type == "error" else None)
+        self.page.on("pageerror", lambda one: self.said.append(str(one)))
+        self.page.goto(url)
+
+    def until(self, holds: Callable[[], bool], seconds: float = 40.0) -> None:
+        """Let the page work until something holds."""
+        for _ in range(int(10 * seconds)):
+            if holds():
+                return
+            self.page.wait_for_timeout(100)
+        pytest.fail("it never came true")
+
+    def picture(self) -> bytes:
+        """A PNG of what is shown, by the protocol: `page.screenshot` waits too long on a busy machine."""
+        session = self.page.context.new_cdp_session(self.page)
+        return base64.b64decode(session.send("Page.captureScreenshot", {"format": "png"})["data"])
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield started
+        started.close()
+
+
+def opened(browser: Any, size: tuple[int, int], *, dark: bool = False) -> Iterator[tuple[Viewer, Tab]]:
+    arm = open_robot("puma560")
+    viewer = Viewer(arm, resolve_task(None, arm), Wishes(port=0, dark=dark, q=np.array(WRIST)))
+    tab = Tab(browser, viewer.url, size)
+    try:
+        tab.until(lambda: len(viewer.server.get_clients()) == 1)
+        tab.until(lambda: viewer.controls.found is not None)
+        yield viewer, tab
+        assert tab.said == []
+        machines = {urlsplit(url.removeprefix("blob:")).hostname for url in tab.asked}
+        assert machines == {"127.0.0.1"}
+    finally:
+        tab.page.close()
+        viewer.close()
+
+
+@pytest.fixture(scope="module")
+def laptop(browser: Any) -> Iterator[tuple[Viewer, Tab]]:
+    yield from opened(browser, LAPTOP)
+
+
+def test_the_page_says_what_the_numbers_say(laptop: tuple[Viewer, Tab]) -> None:
+    _, tab = laptop
+    tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
+    tab.page.get_by_text("wrist: axes 4 and 6 aligned").first.wait_for(timeout=30_000)
+    assert tab.page.get_by_text("joints 4, 6").count() >= 1
+
+
+def test_a_slider_moves_the_arm(laptop: tuple[Viewer, Tab]) -> None:
+    viewer, tab = laptop
+    tab.page.wait_for_timeout(3000)  # the scene fades in
+    before, start = tab.picture(), viewer.session.q
+    slider = tab.page.get_by_role("slider").nth(1)
+    slider.focus()
+    slider.press("End")
+    tab.until(lambda: viewer.session.q[1] > start[1] + 0.5)
+    moved = viewer.session.q
+    assert (np.delete(moved, 1) == np.delete(start, 1)).all()
+    tab.until(lambda: bool(np.allclose(viewer.stage.links[-1].position, viewer.controls.now.links[-1, :3, 3])))
+    tab.page.wait_for_timeout(1000)
+    assert tab.picture() != before
+
+
+def test_an_escape_button_leads_out_and_a_family_button_back(laptop: tuple[Viewer, Tab]) -> None:
+    viewer, tab = laptop
+    live = viewer.controls.live
+    viewer.session.set(np.array(WRIST))
+    tab.until(lambda: bool((viewer.controls.found.q == WRIST).all()))  # type: ignore[union-attr]
+    tab.page.get_by_role("tab", name="Escape").click()
+    tab.page.get_by_text("joint 5 ", exact=False).first.click()
+    tab.until(lambda: abs(viewer.session.q[4]) > 0.09 and not viewer.session.moving)
+    assert singular_values(live.robot, viewer.session.q, live.task)[5] > 1e-3
+    tab.page.get_by_role("tab", name="Families").click()
+    tab.page.get_by_text("go to the nearest singular configuration").click()
+    tab.until(lambda: bool(singular_values(live.robot, viewer.session.q, live.task)[5] < 1e-9))
+
+
+def test_a_slice_is_drawn(laptop: tuple[Viewer, Tab]) -> None:
+    viewer, tab = laptop
+    before = tab.picture()
+    tab.page.get_by_role("tab", name="Slice").click()
+    tab.page.get_by_text("draw the singular set").click()
+    tab.page.get_by_text("starts arrived").first.wait_for(timeout=30_000)
+    tab.page.wait_for_timeout(1000)
+    assert tab.picture() != before
+    viewer.slice.clear()
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_it_fits_a_phone(browser: Any, dark: bool) -> None:
+    for viewer, tab in opened(browser, PHONE, dark=dark):
+        tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
+        wide = tab.page.evaluate("document.documentElement.scrollWidth")
+        assert wide <= PHONE[0]
+        assert len(viewer.server.get_clients()) == 1
+
+
+def test_a_page_of_another_origin_cannot_connect(browser: Any, laptop: tuple[Viewer, Tab], tmp_path: Path) -> None:
+    viewer, _ = laptop
+    (tmp_path / "index.html").write_text("<!DOCTYPE html><title>other</title>", encoding="utf-8")
+    handler = partial(_Silent, directory=str(tmp_path))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as other:
+        Thread(target=other.serve_forever, daemon=True).start()
+        page = browser.new_page()
+        page.goto(f"http://127.0.0.1:{other.server_address[1]}/")
+        outcome = page.evaluate(
+            """url => new Promise(done => {
+                const socket = new WebSocket(url, ["viser-v" + "0"]);
+                socket.onopen = () => done("open"); socket.onerror = () => done("refused");
+            })""",
+            viewer.url.replace("http://", "ws://"),
+        )
+        page.close()
+        other.shutdown()
+    assert outcome == "refused"
+
+
+class _Silent(SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        return

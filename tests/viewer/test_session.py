@@ -1,0 +1,157 @@
+"""A session looks at once, explains a moment later, moves at 30 steps a second, and can be stopped."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from html import escape
+from itertools import pairwise
+from time import monotonic, sleep
+
+import numpy as np
+import pytest
+
+from rankdrop.explanation.explanation import Explanation
+from rankdrop.known import known_analysis
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.viewer.live import Live, Now
+from rankdrop.viewer.panel import bar_share, details_html, status_html
+from rankdrop.viewer.session import Session
+
+START = np.array([0.3, 0.6, -0.5, 0.7, 0.8, 0.4])
+
+
+class Ear:
+    """Keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.nows: list[Now] = []
+        self.found: list[Explanation] = []
+        self.errors: list[BaseException] = []
+        self.sources: list[object] = []
+
+    def shown(self, now: Now, source: object) -> None:
+        self.nows.append(now)
+        self.sources.append(source)
+
+    def explained(self, found: Explanation) -> None:
+        self.found.append(found)
+
+    def failed(self, error: BaseException) -> None:
+        self.errors.append(error)
+
+
+def until(holds: Callable[[], bool], seconds: float = 10.0) -> None:
+    end = monotonic() + seconds
+    while not holds():
+        assert monotonic() < end, "it never came true"
+        sleep(0.005)
+
+
+@pytest.fixture
+def session() -> Iterator[tuple[Session, Ear]]:
+    arm = open_robot("puma560")
+    task = resolve_task(None, arm)
+    known = known_analysis(arm, task)
+    assert known is not None
+    ear = Ear()
+    made = Session(Live(arm, task, known.families), ear, START)
+    made.start()
+    yield made, ear
+    made.close()
+    assert not {"rankdrop-look", "rankdrop-explain"} & {thread.name for thread in threading.enumerate()}
+
+
+def test_it_looks_and_explains(session: tuple[Session, Ear]) -> None:
+    made, ear = session
+    until(lambda: bool(ear.found))
+    assert (ear.nows[0].q == START).all()
+    made.set_joint(4, 0.0, "me")
+    until(lambda: ear.nows[-1].verdict == "singular")
+    assert ear.sources[-1] == "me"
+    now = ear.nows[-1]
+    assert now.family is not None
+    assert now.family.name.startswith("wrist")
+    assert [one.numbers for one in now.blamed] == [(4, 6)]
+    until(lambda: ear.found[-1].verdict == "singular")
+    assert ear.errors == []
+
+
+def test_a_motion_arrives_and_is_smooth(session: tuple[Session, Ear]) -> None:
+    made, ear = session
+    target = START + 0.5
+    made.go(target)
+    until(lambda: bool((made.q == target).all()))
+    until(lambda: bool((ear.nows[-1].q == target).all()))
+    steps = np.array([b.q - a.q for a, b in pairwise(ear.nows)])
+    assert (steps >= 0).all()  # never back
+    assert len(steps) >= 3
+
+
+def test_a_hand_on_a_slider_ends_a_motion(session: tuple[Session, Ear]) -> None:
+    made, _ = session
+    made.go(START + 2.0)
+    sleep(0.2)
+    made.set_joint(0, -1.0)
+    held = made.q
+    sleep(0.2)
+    assert (made.q == held).all()
+    assert held[0] == -1.0
+
+
+def test_a_path_that_fails_is_told_and_ends(session: tuple[Session, Ear]) -> None:
+    made, ear = session
+
+    def path() -> Iterator[np.ndarray]:
+        yield START
+        raise ValueError("no further")
+
+    ended = threading.Event()
+    made.follow(path(), done=ended.set)
+    assert ended.wait(5.0)
+    until(lambda: bool(ear.errors))
+    assert str(ear.errors[0]) == "no further"
+
+
+def test_a_moving_arm_is_looked_at_thirty_times_a_second_and_explained_now_and_then(
+    session: tuple[Session, Ear],
+) -> None:
+    made, ear = session
+    until(lambda: bool(ear.found))
+    before, thought = made.looked, made.thought
+    made.follow(START + 0.003 * i for i in range(1000))
+    sleep(1.5)
+    made.stop()
+    assert made.looked - before >= 25  # 45 where nothing else runs
+    assert made.thought - thought >= 1
+
+
+def test_every_word_from_a_file_is_escaped() -> None:
+    from dataclasses import replace
+
+    arm = open_robot("puma560")
+    task = resolve_task(None, arm)
+    known = known_analysis(arm, task)
+    assert known is not None
+    families = tuple(replace(one, name="<script>x</script>") for one in known.families)
+    now = Live(arm, task, families).look(np.array(families[0].witness))
+    text = status_html(now, arm.n, 6, len(families))
+    assert "<script>" not in text
+    assert "&lt;script&gt;" in text
+    assert "■ singular" in text
+
+
+def test_the_panel_says_lost_motions_and_joints_to_blame() -> None:
+    from rankdrop.explain import explain
+
+    found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], evaluations=0)
+    text = details_html(found)
+    assert "wrist: axes 4 and 6 aligned" in text
+    assert "joints 4, 6" in text
+    assert escape(found.lost.words[0]) in text
+
+
+@pytest.mark.parametrize(("sigma", "share"), [(0.0, 0.0), (1e-9, 0.0), (1e-3, 2 / 3), (1.0, 1.0), (5.0, 1.0)])
+def test_bars_are_logarithmic(sigma: float, share: float) -> None:
+    assert bar_share(sigma) == pytest.approx(share)

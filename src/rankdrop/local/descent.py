@@ -4,11 +4,12 @@
 
 AM do not print their rule for α_k. With an exact line search, which `search(method="gradient")` has, the gradients of
 two successive iterations are at right angles where σ is smooth, so that the angles of 120° to 180° in AM's figures come
-from steps that go beyond the minimum. Two such rules are here:
+from steps that go beyond the minimum. The rule here knows the value that is sought, zero:
 
-- `FixedStep`: one length for every step, shortened when σ has not come lower for a while. It runs along the crease
-  where two singular values tie, and from one side of it to the other at every step.
-- `RelaxedStep`: the step to the minimum along the line, made longer by a factor between 1 and 2 (over-relaxation).
+    α = f σ/‖∇σ‖       a share f of the step at whose end σ would be zero, were it linear
+
+With f = 1 (Polyak's step) the angles average 120°; with a small f, σ falls by the same share at every step until two
+singular values tie, and then every step crosses from one side of the crease to the other: 180°.
 
 `rotate=True` adds AM's treatment of ties: the singular vectors of the tied values are turned plane by plane until the
 gradients are as nearly parallel as they get (eqs 12 and 14), and the best mixture of them is followed (eq. 13).
@@ -16,7 +17,6 @@ gradients are as nearly parallel as they get (eqs 12 and 14), and the best mixtu
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,30 +31,8 @@ TIE = 1e-2
 """Relative gap below which two singular values count as tied."""
 _PLANE_ANGLES = np.pi * np.arange(72) / 72  # tried for the rotation of a plane: AM do not say how they search
 _MIXTURES = np.linspace(0.0, 1.0, 11)  # γ of eq. 13
-_GRID = np.geomspace(1e-7, 1.5, 24)  # lengths tried by the line search, then twice as fine around the best
-_FINE = np.linspace(0.0, 1.0, 18)
-
-
-@dataclass(frozen=True, slots=True)
-class FixedStep:
-    """Steps of one length.
-
-    Attributes:
-        length: of the first steps [rad].
-        patience: iterations without a lower σ after which the length is multiplied by `shrink`.
-        shrink: in (0, 1].
-    """
-
-    length: float = 0.01
-    patience: int = 25
-    shrink: float = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class RelaxedStep:
-    """`relaxation` times the step to the minimum along the line; 1 is an exact line search."""
-
-    relaxation: float = 1.0
+_GRID = np.geomspace(1e-7, 1.5, 24)  # lengths tried to tell which mixture leads lowest [rad]
+_FLAT = 1e-6  # a gradient shorter than this points nowhere: the step stays finite
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +71,7 @@ def descend(
     q: ArrayLike,
     corank: int,
     *,
-    rule: FixedStep | RelaxedStep,
+    share: float = 1.0,
     rotate: bool = False,
     task: Task | str | None = None,
     iterations: int = 3000,
@@ -105,7 +83,7 @@ def descend(
         robot: revolute joints (a slide would need its unit weighed against the radian).
         q: (n,) start [rad].
         corank: number of task freedoms to lose.
-        rule: how long the steps are.
+        share: f, of the step at whose end σ would be zero, were it linear.
         rotate: AM's treatment of ties.
         task: name, `Task`, or None for the task the arm is made for.
         iterations: at most so many steps.
@@ -118,14 +96,13 @@ def descend(
 
     Example:
         >>> from rankdrop.robot.open import open_robot
-        >>> found = descend(open_robot("pa10"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 1, rule=RelaxedStep())
+        >>> found = descend(open_robot("pa10"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 1)
         >>> found.converged, bool(found.sigma[-1, 5] <= 1e-6)
         (True, True)
     """
     resolved = resolve_task(task, robot)
     here = one_configuration(robot, q).copy()
     rank = generic_rank(robot, resolved) - corank
-    step = _stepper(robot, resolved, rank, rule)
     sigmas, angles, lengths = [], [], []
     before: Array | None = None
     while True:
@@ -134,11 +111,11 @@ def descend(
         if sigma[rank] <= threshold or len(lengths) == iterations:
             break
         tied = _tied(sigma, rank) if rotate else 1
-        gradient = _along_tie(step.reached, here, tensor, tied) if tied > 1 else tensor[0, 0]
+        gradient = _along_tie(robot, resolved, rank, here, tensor[:tied, :tied]) if tied > 1 else tensor[0, 0]
         angles.append(np.nan if before is None else _angle(before, gradient))
-        direction = gradient / max(float(np.linalg.norm(gradient)), 1e-300)
-        lengths.append(step.length(here, direction, float(sigma[rank])))
-        here, before = here - lengths[-1] * direction, gradient
+        size = max(float(np.linalg.norm(gradient)), _FLAT)
+        lengths.append(share * float(sigma[rank]) / size)
+        here, before = here - lengths[-1] * gradient / size, gradient
     return Descent(
         here, np.array(sigmas), np.array(angles), np.array(lengths), rank, bool(sigmas[-1][rank] <= threshold)
     )
@@ -152,53 +129,6 @@ def gradient_tensor(robot: Robot, q: ArrayLike, task: Task, rank: int) -> tuple[
     at, parts = block(robot, q, task, rank), decompose(robot, q, task)
     turned = at.v2.T @ parts.v[:, rank : len(parts.sigma)]  # a block's V₂ spans the space, in a basis of its own
     return at.sigma, np.einsum("asn,sb->abn", at.d, turned)
-
-
-class _Fixed:
-    """See `FixedStep`."""
-
-    def __init__(self, reached: Callable[[Array, Array], float], rule: FixedStep) -> None:
-        self.reached, self.rule = reached, rule
-        self.now, self.lowest, self.waited = rule.length, np.inf, 0
-
-    def length(self, q: Array, direction: Array, sigma: float) -> float:
-        """The length of the next step."""
-        if sigma < self.lowest:
-            self.lowest, self.waited = sigma, 0
-        else:
-            self.waited += 1
-        if self.waited > self.rule.patience:
-            self.now, self.waited = self.now * self.rule.shrink, 0
-        return self.now
-
-
-class _Relaxed:
-    """See `RelaxedStep`."""
-
-    def __init__(
-        self, reached: Callable[[Array, Array], float], along: Callable[[Array, Array, Array], Array], rule: RelaxedStep
-    ) -> None:
-        self.reached, self.along, self.rule = reached, along, rule
-
-    def length(self, q: Array, direction: Array, sigma: float) -> float:
-        """The length of the next step."""
-        lengths, values = _GRID, self.along(q, direction, _GRID)
-        for _ in range(3):
-            best = int(np.argmin(values))
-            low, high = lengths[max(best - 1, 0)], lengths[min(best + 1, len(lengths) - 1)]
-            lengths = low + (high - low) * _FINE
-            values = self.along(q, direction, lengths)
-        return self.rule.relaxation * float(lengths[int(np.argmin(values))])
-
-
-def _stepper(robot: Robot, task: Task, rank: int, rule: FixedStep | RelaxedStep) -> _Fixed | _Relaxed:
-    def along(q: Array, direction: Array, lengths: Array) -> Array:
-        return np.asarray(singular_values(robot, q - lengths[:, None] * direction, task)[:, rank])
-
-    def reached(q: Array, direction: Array) -> float:
-        return float(along(q, direction, _GRID).min())
-
-    return _Fixed(reached, rule) if isinstance(rule, FixedStep) else _Relaxed(reached, along, rule)
 
 
 def _tied(sigma: Array, rank: int) -> int:
@@ -230,9 +160,9 @@ def spread(gradients: Array) -> float:
     return sum(_angle(gradients[i], gradients[j]) for i in range(count) for j in range(i + 1, count))
 
 
-def _along_tie(reached: Callable[[Array, Array], float], q: Array, tensor: Array, tied: int) -> Array:
+def _along_tie(robot: Robot, task: Task, rank: int, q: Array, tensor: Array) -> Array:
     """AM's direction at a tie: eqs 12 and 14 plane by plane, then eq. 13 value by value."""
-    tensor = tensor[:tied, :tied]
+    tied = len(tensor)
     rotation = np.eye(tied)
     for _ in range(1 if tied == 2 else 3):
         for a in range(tied):
@@ -242,8 +172,11 @@ def _along_tie(reached: Callable[[Array, Array], float], q: Array, tensor: Array
     gradients = tied_gradients(tensor, rotation)
     followed = gradients[0]
     for other in gradients[1:]:
-        mixed = [gamma * followed + (1.0 - gamma) * other for gamma in _MIXTURES]
-        followed = min(mixed, key=lambda one: reached(q, one / max(float(np.linalg.norm(one)), 1e-300)))
+        mixed = _MIXTURES[:, None] * followed + (1.0 - _MIXTURES[:, None]) * other
+        size = np.maximum(np.linalg.norm(mixed, axis=1), _FLAT)
+        tried = q - _GRID[:, None, None] * (mixed / size[:, None])
+        lowest = singular_values(robot, tried, task)[..., rank].min(axis=0)
+        followed = mixed[int(np.argmin(lowest))]
     return np.asarray(followed)
 
 

@@ -142,6 +142,8 @@ class _Tracer:
         turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) if closed else np.zeros(self.robot.n, dtype=int)
         if closed:
             q[-1] = q[0] + 2 * np.pi * turns
+            if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
+                q, turns = q[::-1].copy(), -turns
         q.flags.writeable = False
         length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
         return Curve(q, closed, length, tuple(int(turn) for turn in turns))

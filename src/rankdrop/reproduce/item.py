@@ -111,7 +111,7 @@ class Sheet:
 
     def numbers(
         self, item: str, about: str, printed: str, ours: ArrayLike, *, few: float = FEW, reason: str = "",
-        shown: Shown | None = None, layout: str = "",
+        shown: Shown | None = None, layout: str = "", half: float | None = None,
     ) -> None:  # fmt: skip
         """Numbers beside numbers, in the same order.
 
@@ -122,11 +122,12 @@ class Sheet:
             few: units of the last digit up to which a difference is rounding.
             reason, shown: see `Item` and `Shown`.
             layout: to be shown in place of `printed`.
+            half: half a unit of what was printed, where zeros and ones stand without their digits.
         """
         words = [word for word in re.split(r"[\s,;\[\]()]+", printed) if word]
         theirs = np.array([number_of(word) for word in words])
         mine = np.asarray(ours, dtype=np.float64).ravel()
-        halves = np.array([half_unit(word) for word in words])
+        halves = np.array([half_unit(word) if half is None else half for word in words])
         off = np.abs(theirs - mine) if theirs.shape == mine.shape else np.array([np.inf])
         halves = halves if theirs.shape == mine.shape else np.array([_EXACT])
         worst = int(np.argmax(off / halves))

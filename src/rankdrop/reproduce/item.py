@@ -133,7 +133,8 @@ class Sheet:
         worst = int(np.argmax(off / halves))
         within = bool((off <= halves * (1 + 1e-6) + 1e-12).all())
         nearly = bool((off <= 2 * halves * few).all()) and bool((halves[off > halves] > _EXACT).all())
-        self._add(item, about, layout or printed, listed(mine), within, nearly, reason, shown, off[worst], halves[worst])
+        digits = max((len(word.partition(".")[2]) for word in words), default=0) + 1
+        self._add(item, about, layout or printed, listed(mine, max(4, digits)), within, nearly, reason, shown, off[worst], halves[worst])
 
     def identity(
         self, item: str, about: str, printed: str, error: float, *, ours: str = "", tolerance: float = 1e-9,

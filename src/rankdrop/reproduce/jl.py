@@ -12,24 +12,23 @@ from rankdrop.local.block import generic_rank
 from rankdrop.local.rates import rate_growth
 from rankdrop.local.redundancy import null_space_motion, redundancy
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.reproduce.ml import FOREARM_LINE, LENGTHS, angles, arm_sign, decoupled, worst
+from rankdrop.reproduce.ml import FOREARM_LINE, LENGTHS, angles, arm_sign, decoupled, elbow_arm, shoulder_text, worst
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-ARM = "anthropomorphic"
 WRIST_CENTRE = Frame(0, 5)
 
 
 def axes_and_points(q: Array) -> tuple[Array, Array, Array]:
     """(B, 6, 3) z_0 … z_5, (B, 6, 3) p_0 … p_5 and (B, 3) p_e of the elbow arm, JL's frames."""
-    poses = np.array([link_poses(open_robot(ARM), one) for one in q])
+    poses = np.array([link_poses(elbow_arm(), one) for one in q])
     return poses[:, :6, :3, 2], poses[:, :6, :3, 3], poses[:, -1, :3, 3]
 
 
 def definition(sheet: Sheet) -> None:
     """The Jacobian and singularity."""
-    robot = open_robot(ARM)
+    robot = elbow_arm()
     task = resolve_task(None, robot)
     there = np.array([0.3, 0.4, 0.0, 0.6, 0.5, 0.7])
     found = redundancy(robot, there)
@@ -46,7 +45,7 @@ def definition(sheet: Sheet) -> None:
 
 def blocks(sheet: Sheet) -> None:
     """Singularity decoupling: the blocks of J, before and after the row operations."""
-    robot = open_robot(ARM)
+    robot = elbow_arm()
     q = angles(robot, 20, 1)
     J, (z, p, e) = jacobian(robot, q), axes_and_points(q)
     columns = np.cross(z, e[:, None] - p).swapaxes(1, 2)
@@ -85,7 +84,7 @@ def wrist(sheet: Sheet) -> None:
     sheet.same("Wrist singularity", "where det J̄22 = 0", "θ5 = 0 or π", part.text)
     q = np.array([[0.3, 0.4, 0.5, 0.6, end, 0.7] for end in (0.0, pi)])
     z, _, _ = axes_and_points(q)
-    turns = jacobian(open_robot(ARM), q, WRIST_CENTRE)[:, 3:, 3:]
+    turns = jacobian(elbow_arm(), q, WRIST_CENTRE)[:, 3:, 3:]
     lost = np.linalg.svd(turns)[0][:, :, 2]
     sheet.identity("Wrist singularity", "axes z3 and z5 there", "aligned", float(np.abs(np.cross(z[:, 3], z[:, 5])).max()))
     sheet.identity("Wrist singularity", "rotation lost: its axis against z4 and z3", "orthogonal to z4 and z3",
@@ -95,7 +94,7 @@ def wrist(sheet: Sheet) -> None:
 
 def arm(sheet: Sheet) -> None:
     """Arm singularity: elbow and shoulder."""
-    robot, (elbow, shoulder) = open_robot(ARM), decoupled().blocks[0].parts
+    robot, (elbow, shoulder) = elbow_arm(), decoupled().blocks[0].parts
     sheet.identity("det J̄11", "of the elbow arm, α1 = π/2", f"−a2 a3 s3 ({FOREARM_LINE})",
                    worst(arm_sign("pi/2"), -np.ones(20)))  # fmt: skip
     sheet.same("Elbow singularity", "where", "θ3 = 0 or π", elbow.text)
@@ -119,7 +118,7 @@ def arm(sheet: Sheet) -> None:
     z, p, _ = axes_and_points(there)
     sheet.identity("Shoulder singularity", "det J̄11 where a2 c2 + a3 c23 = 0", f"{FOREARM_LINE} = 0",
                    float(np.abs(np.linalg.det(jacobian(robot, there, WRIST_CENTRE)[:, :3, :3])).max()),
-                   reason="Exactly: " + shoulder.text + " with d4 = a3 and the offset of joint 3.")  # fmt: skip
+                   reason="The exact condition is " + shoulder_text() + ".")  # fmt: skip
     sheet.identity("Shoulder singularity", "distance of the wrist point from axis z0", "lies on axis z0",
                    float(np.abs(p[:, 3, :2]).max()))  # fmt: skip
     lost = np.linalg.svd(jacobian(robot, there, WRIST_CENTRE)[:, :3, :3])[0][:, :, 2]
@@ -129,7 +128,7 @@ def arm(sheet: Sheet) -> None:
 
 def _on_shoulder() -> Array:
     """(B, 6) configurations of the elbow arm with a2 c2 + a3 c23 = 0, away from the elbow singularity."""
-    q = angles(open_robot(ARM), 80, 7)
+    q = angles(elbow_arm(), 80, 7)
     ratio = -LENGTHS["a2"] * np.cos(q[:, 1]) / LENGTHS["a3"]
     q, ratio = q[np.abs(ratio) < 0.9], ratio[np.abs(ratio) < 0.9]
     q[:, 2] = np.arccos(ratio) - q[:, 1]

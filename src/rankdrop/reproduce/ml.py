@@ -29,7 +29,7 @@ from rankdrop.task import Task, resolve_task
 
 PLANAR = {"a1": 1.0, "a2": 0.7}
 LENGTHS = {"a2": 0.5, "a3": 0.4}
-"""Lengths of the catalogue's arms for the letters of the lectures [m]."""
+"""Lengths for the letters of the lectures [m]."""
 J = """-a1 s1 - a2 s12 | -a2 s12
 a1 c1 + a2 c12 | a2 c12
 0 | 0
@@ -58,11 +58,27 @@ def worst(one: Array, other: Array) -> float:
 
 
 @cache
+def elbow_arm() -> Robot:
+    """The lectures' elbow arm with spherical wrist: links a2 = 0.5 m, a3 = 0.4 m, wrist centre to tip 0.1 m; the origins
+    of frames 3, 4, 5 are in the wrist centre, and θ3 = 0 is the straight arm."""
+    rows = [(0, "pi/2", 0, 0), (LENGTHS["a2"], 0, 0, 0), (LENGTHS["a3"], "pi/2", 0, 0),
+            (0, "-pi/2", 0, 0), (0, "pi/2", 0, 0), (0, 0, 0.1, 0)]  # fmt: skip
+    return from_dh(rows, convention="standard", name="elbow arm")
+
+
+@cache
 def decoupled() -> Decoupling:
     """The elbow arm with spherical wrist taken apart into arm and wrist."""
-    found = decouple(exact_chain(open_robot("anthropomorphic"), lengths=LENGTHS))
+    found = decouple(exact_chain(elbow_arm(), lengths=LENGTHS))
     assert found is not None
     return found
+
+
+@cache
+def shoulder_text() -> str:
+    """The exact condition of the elbow arm that ties joints 2 and 3."""
+    found = conditions(elbow_arm(), lengths=LENGTHS, coranks=1, points=0, special=False)
+    return next(family.texts[0] for family in found.families if family.coupled)
 
 
 def definition(sheet: Sheet) -> None:
@@ -110,9 +126,8 @@ def consequences(sheet: Sheet) -> None:
     sheet.claim("Why do we care", "the planar arm's singularity θ2 = 0 is on the workspace boundary",
                 "often occur along workspace boundary", f"at {rounded(away)} m, its reach",
                 abs(away - reach(planar)) < 1e-12)  # fmt: skip
-    anthropomorphic = open_robot("anthropomorphic")
-    q = np.array([0.0, 0.3, -0.7, 0.0, 0.4 - pi / 2, 0.0])  # the last axis is vertical
-    found = representation_at(anthropomorphic, q)
+    q = np.array([0.0, 0.3, -0.7, 0.0, 0.4, 0.0])  # the last axis is vertical
+    found = representation_at(elbow_arm(), q)
     sheet.claim("How do we determine", "a singularity of the coordinates that is not one of the arm",
                 "the analytical Jacobian's include representational singularities",
                 f"at one pose ZYZ angles are singular, the rank of J is {found.arm.rank}",
@@ -190,7 +205,7 @@ def frames(sheet: Sheet) -> None:
 
 def decoupling(sheet: Sheet) -> None:
     """Decoupling singularities."""
-    found, robot = decoupled(), open_robot("anthropomorphic")
+    found, robot = decoupled(), elbow_arm()
     sheet.claim("Decoupling", "why J takes the form [[J11, 0], [J21, J22]]", "the wrist axes intersect at one point",
                 found.reason, found.kind == "point")  # fmt: skip
     zero = all(found.chain.ring.reduce(x) == 0 for column in found.columns[3:] for x in column[:3])
@@ -234,7 +249,7 @@ def arm_sign(alpha: str) -> Array:
 
 def arm(sheet: Sheet) -> None:
     """Arm singularities of the articulated arm."""
-    robot, block = open_robot("anthropomorphic"), decoupled().blocks[0]
+    robot, block = elbow_arm(), decoupled().blocks[0]
     q = angles(robot, 20, 6)
     poses = [link_poses(robot, one) for one in q]
     columns = [[np.cross(p[i][:3, 2], p[5][:3, 3] - p[i][:3, 3]) for i in range(3)] for p in poses]
@@ -250,6 +265,7 @@ def arm(sheet: Sheet) -> None:
     texts = [part.text for part in block.parts]
     sheet.same("Arm singularities", "elbow", "θ3 = 0 or π", texts[0], reason="Named by the geometry: " + block.parts[0].name)
     shoulder = _on_shoulder(robot)
+    sheet.same("Arm singularities", "shoulder", f"{FOREARM_LINE} = 0", shoulder_text())
     sheet.identity("Arm singularities", "shoulder: det J11 where a2 c2 + a3 c23 = 0", f"{FOREARM_LINE} = 0",
                    worst(np.linalg.det(jacobian(robot, shoulder, Frame(0, 5))[:, :3, :3]), np.zeros(len(shoulder))),
                    reason="Named by the geometry: " + block.parts[1].name)  # fmt: skip

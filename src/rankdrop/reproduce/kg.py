@@ -8,6 +8,7 @@ from math import comb, pi
 
 import numpy as np
 
+from rankdrop.atlas.search import search
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.methods import METHODS, derive
 from rankdrop.exact.methods.evaluate import Distances
@@ -15,7 +16,6 @@ from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.writing.text_of import conditions_text
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian
-from rankdrop.known import known_analysis
 from rankdrop.local.block import sample, singular_values
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import matrix, value
@@ -154,7 +154,7 @@ def case_1(sheet: Sheet) -> None:
                    worst(value(f"d c4 ({kg.EQ_15})", q, kg.LENGTHS), determinant(q, (1, 2, 4, 5, 6, 7))), reason=DAMAGED)  # fmt: skip
     texts = conditions_text(found().families[0].stratum)
     sheet.claim("eq. 15", "family 1", f"s4 = 0, {kg.EQ_15} = 0", texts, _same_family(15, 0),
-                reason="Two ways to write one set: points of each satisfy the other.")  # fmt: skip
+                reason="The same set written otherwise: random points of the printed one have rank 5 and lie on ours.")  # fmt: skip
 
 
 def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
@@ -245,14 +245,10 @@ def families(sheet: Sheet) -> None:
                     meet == ["20 and 21", "26 and 27"] and top < SMALL and apart),
     )  # fmt: skip
     subsets(sheet)
-    robot = arm()
-    analysis = known_analysis(robot, resolve_task(None, robot))
-    assert analysis is not None
-    q = np.array([f.witness for f in analysis.families])
-    explained = _explained(q)
+    q = search(arm(), 1, starts=500, seed=4).converged
     sheet.claim("section 3.4", "are the families complete", "the same as those presented in [10]",
-                f"they explain every one of the {len(q)} families that a search of 10,000 starts per rank finds",
-                bool(explained.all()), reason="[10] itself is not at hand.")  # fmt: skip
+                f"every one of {len(q)} singular configurations from random starts lies on one of them",
+                bool(_explained(q).all()), reason="[10] itself is not at hand.")  # fmt: skip
     sheet.cannot("section 4", "efficiency", "as efficient as the reciprocity-based method", "",
                  "No measure is given; benchmarks time the methods of this package.")  # fmt: skip
     sheet.claim("section 4", "ranks lost on the families", "loses at least one DOF",
@@ -274,7 +270,7 @@ def _explained(q: Array) -> Array:
     distances = [
         np.max([np.abs(value(text, q, kg.LENGTHS)) for text in zeros], axis=0) for zeros, _ in kg.FAMILIES.values()
     ]
-    return np.asarray(np.min(distances, axis=0) < 1e-6)
+    return np.asarray(np.min(distances, axis=0) < 1e-5)
 
 
 def subsets(sheet: Sheet) -> None:

@@ -112,7 +112,7 @@ class _Tracer:
         return None
 
     def tangent(self, q: Array, before: Array | None) -> Array | None:
-        """Unit kernel of D, on in the same sense, at first with its largest entry up; None where the kernel is not one direction."""
+        """Unit kernel of D, on in the same sense, at first with its largest entry up; None where it is not one."""
         _, sigma, vt = np.linalg.svd(self.equations(q)[1])
         if len(self.moving) < 2 or len(sigma) < len(self.moving) - 1 or sigma[len(self.moving) - 2] < _SINGLE:
             return None

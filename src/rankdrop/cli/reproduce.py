@@ -45,7 +45,7 @@ def reproduce(
     """
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_bytes, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.reproduced_table import print_reproduction
     from rankdrop.reproduce import page
     from rankdrop.reproduce.figures import check_folder, save_figures
     from rankdrop.reproduce.run import names
@@ -61,7 +61,7 @@ def reproduce(
         found = run(document, progress=report)
         steps: list[Callable[[], None]] = []
         if json != STDOUT:
-            steps.append(lambda: print_sections(page.sections(found, full=full)))
+            steps.append(lambda: print_reproduction(found, full=full))
         if json is not None:
             steps.append(lambda: write_json(found.to_dict(), json))
         if markdown is not None:

@@ -1,6 +1,7 @@
 """Steepest descent of one singular value with a step rule of its own: what AM's Figures 1 to 3 show.
 
-    θ ← θ − α_k ∇σ/‖∇σ‖                                                      (AM eq. 11, the gradient brought to length 1)
+    θ ← θ − α_k ∇σ/‖∇σ‖                                                      (AM eq. 11,
+    the gradient brought to length 1)
 
 AM do not print their rule for α_k. With an exact line search, which `search(method="gradient")` has, the gradients of
 two successive iterations are at right angles where σ is smooth, so that the angles of 120° to 180° in AM's figures come
@@ -103,7 +104,9 @@ def descend(
     resolved = resolve_task(task, robot)
     here = one_configuration(robot, q).copy()
     rank = generic_rank(robot, resolved) - corank
-    sigmas, angles, lengths = [], [], []
+    sigmas: list[Array] = []
+    angles: list[float] = []
+    lengths: list[float] = []
     before: Array | None = None
     while True:
         sigma, tensor = gradient_tensor(robot, here, resolved, rank)

@@ -79,14 +79,14 @@ def figure_1(sheet: Sheet) -> None:
     found, note = run(1), _STEPS.format(share=RUNS[1].share)
     tie = found.first_tie()
     sheet.claim("Figure 1(a)", "σ5 ≈ σ6 on the way, before they reach zero", "σ5 ≈ σ6 at around iteration 600",
-                f"σ5 ≈ σ6 from iteration {tie}", tie is not None and found.sigma[tie, 4] > 1e-3, reason=note)  # fmt: skip
+                f"σ5 ≈ σ6 from iteration {tie}", tie is not None and found.sigma[tie, 4] > 1e-3, reason=note)
     sheet.claim("Figure 1(b)", "largest angle between successive gradients", "180°", f"{largest(found):.0f}°",
                 largest(found) > 170.0, reason="Read off a plot: taken as more than 170°.")  # fmt: skip
     steps = found.iterations
     sheet.claim("Figure 1(a)", "iterations to σ5 ≤ 1e-6", "about 3000", f"{round(steps, -2)}, to the hundred",
                 found.converged and 2000 < steps < 4500, reason="The start is not printed; the order is.")  # fmt: skip
     sheet.cannot("Figure 1", "convergence time", "approximately 40 seconds", "not timed here",
-                 "A time depends on the machine; benchmarks/almarkhi.py measures the methods beside each other.")  # fmt: skip
+                 "A time depends on the machine; benchmarks/almarkhi.py measures the methods beside each other.")
 
 
 def figure_2(sheet: Sheet) -> None:
@@ -127,8 +127,9 @@ def figure_3(sheet: Sheet) -> None:
         f"in {ended.min()}, half of them in {np.median(ended):.0f}",
         "The start is not printed. 16 is not typical: see the counts.",
     )  # fmt: skip
-    sheet.cannot("section 2.2.3", "average convergence time", "from 40 seconds to less than 2 seconds", "not timed here",
-                 "A time depends on the machine; benchmarks/almarkhi.py measures the methods beside each other.")  # fmt: skip
+    sheet.cannot("section 2.2.3", "average convergence time", "from 40 seconds to less than 2 seconds",
+                 "not timed here",
+                 "A time depends on the machine; benchmarks/almarkhi.py measures the methods beside each other.")
 
 
 def rank_1(sheet: Sheet) -> None:

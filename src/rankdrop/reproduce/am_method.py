@@ -6,8 +6,8 @@ from math import comb, degrees
 
 import numpy as np
 
-from rankdrop.exact.methods import derive
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.methods import derive
 from rankdrop.frames import SPACE, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose, task_jacobian
 from rankdrop.local.block import decompose, sample, singular_values
@@ -129,8 +129,8 @@ def equation_9(sheet: Sheet) -> None:
             errors["printed"], tolerance=DIFFERENCES, ours="(z_k·p_i) z_i − (z_k·z_i) p_i",
             reason="The last vector has to be p_i, since z_k × (z_i × p_i) is what the motion of joint k does.",
             shown=Shown(
-                f"As printed it is off by up to {errors['printed']:.1f}; corrected, and by jacobian_derivative, it agrees "
-                f"with central differences to {DIFFERENCES:.0e}.",
+                f"As printed it is off by up to {errors['printed']:.1f}; corrected, and by jacobian_derivative, it "
+                f"agrees with central differences to {DIFFERENCES:.0e}.",
                 errors["printed"] > 0.1 and max(errors["corrected"], errors["ours"]) <= DIFFERENCES,
             ),
         )  # fmt: skip
@@ -171,7 +171,7 @@ def ties(sheet: Sheet) -> None:
         "eq. 12", "range of the angle between ∇σ5 and ∇σ6 as φ goes from 0 to π", "from 0 to π",
         f"from {angles.min():.0f}° to {angles.max():.0f}° at one tie of the PA-10",
         bool(angles.min() < 0.5 and angles.max() > 179.5),
-        reason="The two gradients are A ± (B cos 2φ + C sin 2φ) with three vectors A, B, C that need not lie in a plane.",
+        reason="The two gradients are A ± (B cos 2φ + C sin 2φ) with vectors A, B, C that need not lie in a plane.",
         shown=Shown("At the tie tried, no φ makes them parallel or opposite.",
                     bool(angles.min() > 0.5 or angles.max() < 179.5)),
     )  # fmt: skip
@@ -199,7 +199,8 @@ def directions(sheet: Sheet) -> None:
     found = matched(readable_basis(before), printed)
     sheet.numbers(
         "section 2.3", "the three rotated singular directions, from the printed ones (rows vx vy vz wx wy wz)",
-        AFTER, found, reason="What goes in is printed to two digits. Order and signs of the columns are AM's.", half=0.005,
+        AFTER, found, reason="What goes in is printed to two digits. Order and signs of the columns are AM's.",
+        half=0.005,
     )  # fmt: skip
     gram = before.T @ before
     sheet.numbers(
@@ -228,8 +229,10 @@ def directions_in_words(sheet: Sheet, found: Array) -> None:
 
 
 def offset_directions() -> Array:
-    """(6, 3) what the PA-10 of Table 2 loses when stretched, the reference point 0.45 m aside of its line (towards −x); AM's X, Y, Z
-    are x, y, z of the base there."""
+    """(6, 3) what the PA-10 of Table 2 loses when stretched, the reference point 0.45 m aside of its line, towards −x.
+
+    AM's X, Y, Z are x, y, z of the base there.
+    """
     robot = open_robot("pa10")
     task = resolve_task("pose", robot, length_scale=1.0)
     aside = Task("pose", task.rows, Frame(0, -1, (OFFSET, 0.0, 0.0)), 1.0)
@@ -253,7 +256,7 @@ def which_robot(sheet: Sheet, printed: Array) -> None:
     sheet.numbers(
         "section 2.3", f"the same, PA-10 stretched, reference point {abs(OFFSET)} m aside of its line", AFTER,
         matched(found, printed), half=0.005,
-        reason="AM do not say where the point is. At this distance, which is d7 of Table 2, the printed numbers follow.",
+        reason="AM do not say where the point is. At this distance, d7 of Table 2, the printed numbers follow.",
     )  # fmt: skip
 
 

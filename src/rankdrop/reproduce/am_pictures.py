@@ -10,7 +10,7 @@ from rankdrop.kinematics import link_poses, pose
 from rankdrop.local.block import decompose
 from rankdrop.local.directions import lost_directions
 from rankdrop.reproduce.am_descent import RUNS, run
-from rankdrop.reproduce.am_method import OFFSET, offset_directions, pa10
+from rankdrop.reproduce.am_method import AFTER, OFFSET, matched, offset_directions, pa10
 from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
 from rankdrop.reproduce.picture import BLACK, BLUE, GREEN, GREY, RED, Arrow, Line, Panel, Picture, against, arrows
 from rankdrop.robot.model import Array, Robot
@@ -19,8 +19,6 @@ from rankdrop.task import Task, resolve_task
 
 _NAMES = {1: ("u6",), 2: ("u5", "u6"), 3: ("u4", "u5", "u6")}
 _COLOURS = {1: (BLUE,), 2: (RED, BLUE), 3: (GREEN, RED, BLUE)}
-SPACE = {"x": "x [m]", "y": "y [m]", "z": "z [m]", "tall": True}
-
 
 def descent(figure: int) -> Picture:
     """Figure 1, 2 or 3: singular values, and angles between successive gradients."""
@@ -33,8 +31,8 @@ def descent(figure: int) -> Picture:
     turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, marks=figure == 3)
     treated = ", ties rotated (eqs 12 to 14)" if how.rotate else ""
     caption = (
-        f"Descent of σ{found.rank + 1}{treated}. Each step is a share {how.share:g} of the step to linearised zero; AM's "
-        "own rule and start are not printed."
+        f"Descent of σ{found.rank + 1}{treated}. Each step is a share {how.share:g} of the step to linearised zero; "
+        "AM's own rule and start are not printed."
     )
     return Picture("AM", f"Figure {figure}", caption, (
         Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),
@@ -54,13 +52,15 @@ def figure_4() -> Picture:
     aside = Task("pose", (0, 1, 2, 3, 4, 5), Frame(0, -1, (OFFSET, 0.0, 0.0)), 1.0)
     tip = pose(robot, q)[:3, 3] + np.array([OFFSET, 0.0, 0.0])
     raw = decompose(robot, q, aside).u[:, 3:].T
+    printed = np.array([float(word) for word in AFTER.split()]).reshape(6, 3)
+    rotated = matched(offset_directions(), printed)  # u4, u5, u6 in AM's order and sense
     panels = tuple(
-        Panel(title, (skeleton(robot, q),), arrows(tip, list(rows), _NAMES[3], _COLOURS[3]), **SPACE)
-        for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", offset_directions().T))
+        Panel(title, (skeleton(robot, q),), arrows(tip, list(rows), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True)
+        for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
     )
     caption = (
-        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m aside of "
-        "its line the printed numbers follow. Solid: translation, dotted: rotation."
+        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m aside "
+        "of its line the printed numbers follow. Solid: translation, dotted: rotation."
     )
     return Picture("AM", "Figure 4", caption, panels)
 
@@ -97,7 +97,7 @@ def figure_6() -> Picture:
         both = (
             Arrow("u3", tip, u3 * np.sign(u3 @ printed), False, BLUE), Arrow("as printed", tip, printed, False, GREY),
         )  # fmt: skip
-        panels.append(Panel(part, (skeleton(robot, q),), both, **SPACE))
+        panels.append(Panel(part, (skeleton(robot, q),), both, z="z [m]", tall=True))
     return Picture("AM", "Figure 6", "The computed direction, and the axis that is printed.", tuple(panels))
 
 
@@ -105,7 +105,8 @@ def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel
     """The PA-10 at q with the directions lost there, in base axes at the end effector."""
     lost = lost_directions(robot, q, task, corank)
     tip = pose(robot, q)[:3, 3]
-    return Panel(title, (skeleton(robot, q),), arrows(tip, list(lost), _NAMES[corank], _COLOURS[corank]), **SPACE)
+    drawn = arrows(tip, list(lost), _NAMES[corank], _COLOURS[corank])
+    return Panel(title, (skeleton(robot, q),), drawn, z="z [m]", tall=True)
 
 
 def figures_7_8(figure: int) -> Picture:

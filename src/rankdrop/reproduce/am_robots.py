@@ -31,7 +31,8 @@ TABLE_2 = [("0", "-pi/2", "0"), ("0", "pi/2", "0"), ("0", "-pi/2", "0.45"), ("0"
 """Rows (a [m], α [rad], d [m]) as printed; θ_i is the variable."""
 X, ZERO, HALF = "×", "±π, 0", "±π/2"
 TABLES = {
-    1: ((X, ZERO, HALF, X, X, X, X), (X, ZERO, X, X, X, ZERO, X), (X, X, X, ZERO, X, X, X), (X, X, X, X, HALF, ZERO, X)),
+    1: ((X, ZERO, HALF, X, X, X, X), (X, ZERO, X, X, X, ZERO, X), (X, X, X, ZERO, X, X, X), (X, X, X, X, HALF, ZERO,
+    X)),
     2: ((X, ZERO, ZERO, ZERO, X, X, X), (X, ZERO, X, ZERO, X, ZERO, X), (X, X, X, ZERO, ZERO, ZERO, X),
         (X, ZERO, HALF, X, HALF, ZERO, X)),
 }  # fmt: skip
@@ -78,7 +79,8 @@ def table_rows(sheet: Sheet, item: str, name: str, printed: list[tuple[str, str,
     """A DH table beside the arm of the catalogue: screws and home pose."""
     arm, ours = from_dh([(*row, 0) for row in printed], convention="standard"), open_robot(name)
     q = sample(arm, resolve_task("pose", arm), 20, 1)
-    error = max(float(np.abs(jacobian(arm, q) - jacobian(ours, q)).max()), float(np.abs(pose(arm, q) - pose(ours, q)).max()))
+    error = max(float(np.abs(jacobian(arm, q) - jacobian(ours, q)).max()), float(np.abs(pose(arm, q) - pose(ours,
+        q)).max()))
     text = "; ".join(" ".join(row) for row in printed)
     sheet.identity(item, f"DH parameters (a, α, d), read as standard DH: Jacobian and pose of {name}", text, error,
                    tolerance=1e-12)  # fmt: skip
@@ -95,8 +97,8 @@ def regional_robot(sheet: Sheet) -> None:
     sheet.same(
         "section 3.2", "ranks of singularities of the 4-DoF robot", "rank-1",
         ", ".join(f"rank-{corank}" for corank in coranks),
-        reason=f"Of 1000 starts for rank 2 {second.count(Outcome.CONVERGED)} converge; the smallest local minimum of σ2 "
-        f"is {rounded(second.smallest_near_miss or 0.0)} m. Not a proof.",
+        reason=f"Of 1000 starts for rank 2 {second.count(Outcome.CONVERGED)} converge; the smallest local minimum of "
+        f"σ2 is {rounded(second.smallest_near_miss or 0.0)} m. Not a proof.",
     )  # fmt: skip
     found = curves()
     sheet.claim(
@@ -136,8 +138,8 @@ def figure_6(sheet: Sheet) -> None:
         found = refine(robot, [theta], 1, task=task)
         sheet.numbers(
             f"Figure 6{part}", "joint angles of the singular configuration nearby [rad]", text, found.q[0],
-            reason=f"At the printed angles σ3 = {float(singular_values(robot, theta, task)[2]):.2e} m, not zero: they are "
-            "rounded. Ours is where Newton's method ends from there.",
+            reason=f"At the printed angles σ3 = {float(singular_values(robot, theta, task)[2]):.2e} m, not zero: they "
+            "are rounded. Ours is where Newton's method ends from there.",
         )  # fmt: skip
         printed = np.array([float(word) for word in axis.split()])
         u3 = lost_of_regional(found.q[0])
@@ -148,8 +150,8 @@ def figure_6(sheet: Sheet) -> None:
         sheet.numbers(
             f"Figure 6{part}", f"singular direction u3, printed as aligned with {name}", axis, u3, few=0.0,
             reason="The direction is near that axis, not along it; rounding of the angles does not explain it.",
-            shown=Shown(f"u3 is {angle:.1f}° from the printed axis, and turns by {same:.2f}° between the printed and the "
-                        "exact configuration.", angle > 5.0 and same < 1.0),
+            shown=Shown(f"u3 is {angle:.1f}° from the printed axis, and turns by {same:.2f}° between the printed and "
+                        "the exact configuration.", angle > 5.0 and same < 1.0),
         )  # fmt: skip
 
 
@@ -167,7 +169,8 @@ def pa10_tables(sheet: Sheet) -> None:
         sheet.claim(
             f"Table {corank + 2}", "is the table complete", f"all rank-{corank} singularities, {len(printed)} rows",
             f"{len(ours)} rows, which explain {summary.completeness.explained} of {summary.completeness.tested} fresh "
-            "singular points", len(ours) == len(printed) and summary.completeness.explained == summary.completeness.tested,
+            "singular points",
+            len(ours) == len(printed) and summary.completeness.explained == summary.completeness.tested,
         )  # fmt: skip
     table_5(sheet, analysis)
     equal = [(*row[:2], "0.45" if number == 5 else row[2], 0) for number, row in enumerate(TABLE_2, start=1)]
@@ -182,7 +185,7 @@ def pa10_tables(sheet: Sheet) -> None:
                ", ".join(f"rank-{s.corank}" for s in analysis.coranks if s.converged))  # fmt: skip
     free = {corank: {tuple(sorted({1, 7} & set(f.free))) for f in analysis.of_corank(corank)} for corank in (1, 2, 3)}
     sheet.claim("section 3.3.3", "the conditions of rank 2 do not depend on θ1 or θ7", "θ1 and θ7 do not matter",
-                "joints 1 and 7 are free in every row of every rank", set.union(*free.values()) == {(1, 7)})  # fmt: skip
+                "joints 1 and 7 are free in every row of every rank", set.union(*free.values()) == {(1, 7)})
 
 
 def table_5(sheet: Sheet, analysis: Analysis) -> None:
@@ -263,7 +266,7 @@ def figures_7_8_9(sheet: Sheet) -> None:
                         int((sigma <= 1e-9).sum()) == corank and len(told) == corank)  # fmt: skip
     sheet.claim("section 3.3.2", "rank-1 singular directions are well defined", "well defined",
                 "σ5 is not zero on any row of Table 3",
-                all(singular_values(robot, row_configuration(1, row), task)[4] > 1e-3 for row in range(1, 5)))  # fmt: skip
+                all(singular_values(robot, row_configuration(1, row), task)[4] > 1e-3 for row in range(1, 5)))
     for part, theta in FIGURE_9.items():
         q = np.array(theta)
         sigma = singular_values(robot, q, task)

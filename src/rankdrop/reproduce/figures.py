@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,13 +33,14 @@ def pictures(document: str) -> tuple[Picture, ...]:
     """
     from rankdrop.reproduce import am_pictures, other_pictures
 
-    return {
+    made: dict[str, Callable[[], tuple[Picture, ...]]] = {
         "AM": am_pictures.pictures,
         "ML": lambda: (other_pictures.joint_rates(),),
         "GR": lambda: (other_pictures.screw_axes(),),
         "KG": lambda: (other_pictures.canadarm2(),),
         "JL": lambda: (other_pictures.lost_by_elbow_and_shoulder(),),
-    }[document]()
+    }
+    return made[document]()
 
 
 def check_folder(folder: str) -> None:
@@ -119,14 +121,8 @@ def draw(picture: Picture) -> Figure:
             axes: Any = figure.add_subplot(rows, columns, number, projection="3d" if panel.z else None)
             (_draw_in_space if panel.z else _draw_flat)(axes, panel)
         figure.suptitle(f"{picture.document}, {picture.name}", fontsize=10, fontweight="bold")
-        figure.supxlabel(_wrapped(picture.caption, 62 * columns), fontsize=7.5)
+        figure.supxlabel(fill(picture.caption, 62 * columns), fontsize=7.5)
     return figure
-
-
-def _wrapped(text: str, width: int) -> str:
-    from textwrap import fill
-
-    return fill(text, width)
 
 
 def _draw_flat(axes: Any, panel: Panel) -> None:
@@ -164,7 +160,7 @@ def _draw_in_space(axes: Any, panel: Panel) -> None:
         middle, half = (every.min(0) + every.max(0)) / 2, float(np.ptp(every, axis=0).max()) / 2
         for name, centre in zip("xyz", middle, strict=True):
             getattr(axes, f"set_{name}lim")(centre - half, centre + half)
-        axes.set_box_aspect((1, 1, 1))
+    axes.set_box_aspect((1, 1, 1), zoom=0.82)  # leaves room for the labels, which the layout does not know of
     axes.set(title=panel.title, xlabel=panel.x, ylabel=panel.y, zlabel=panel.z)
     axes.tick_params(labelsize=6)
     axes.locator_params(nbins=4)

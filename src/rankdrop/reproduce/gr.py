@@ -61,7 +61,7 @@ def screws(sheet: Sheet) -> None:
                    float(np.abs(example().lie(4, 6) - np.concatenate([
                        np.cross(A[:3], B[:3]), np.cross(A[:3], B[3:]) - np.cross(B[:3], A[3:])])).max()))  # fmt: skip
     sheet.identity("section 2.3", "anticommutative; zero with itself", "[S1 S2] = −[S2 S1], [S S] = 0",
-                   float(max(np.abs(lie_product(A, B) + lie_product(B, A)).max(), np.abs(lie_product(A, A)).max())))  # fmt: skip
+                   float(max(np.abs(lie_product(A, B) + lie_product(B, A)).max(), np.abs(lie_product(A, A)).max())))
     derivative = (motion(A, 1e-6) @ B - motion(A, -1e-6) @ B) / 2e-6
     sheet.identity("eq. 3", "derivative of the motion of S1 acting on S2, by central differences",
                    "d/dt {m1(t) S2 m1(t)⁻¹} at t = 0", float(np.abs(derivative - lie_product(A, B)).max()),
@@ -88,7 +88,7 @@ def rules(sheet: Sheet) -> None:
     errors = [np.abs(here.moved(4, t).screws - here.screws - t * (here.propagated(4).screws - here.screws)).max()
               for t in (DT, DT / 10)]  # fmt: skip
     sheet.claim("section 3, rule 1", "S_k + [S_j S_k] Δt against the finite motion", "≈, for small Δt",
-                "the error falls with Δt², by 100 for a tenth of Δt", bool(abs(errors[0] / errors[1] - 100) < 2))  # fmt: skip
+                "the error falls with Δt², by 100 for a tenth of Δt", bool(abs(errors[0] / errors[1] - 100) < 2))
     outside = [(u, v) for u, v, inside in here.subspace(1, 5).entries if not inside]
     sheet.claim("section 3, rule 2", "Lie products of the run 1 … 5 that leave its span", "there are such",
                 ", ".join(f"[{u} {v}]" for u, v in outside), bool(outside))  # fmt: skip
@@ -165,7 +165,8 @@ def matrices(sheet: Sheet) -> None:
     meet = {relation.words for relation in relations_at(open_robot("rcrrrr"), np.zeros(7))}
     sheet.claim("section 5", "screws 5, 6, 7", "concurrent, a spheric pair", "axes 5, 6, 7 meet in one point",
                 "axes 5, 6, 7 meet in one point" in meet)  # fmt: skip
-    groups = {(system.numbers, system.kind, system.dimension) for system in systems_at(open_robot("rcrrrr"), np.zeros(7))}
+    groups = {(system.numbers, system.kind, system.dimension) for system in systems_at(open_robot("rcrrrr"),
+        np.zeros(7))}
     sheet.claim("section 5", "the group that {5, 6, 7} generates", "SO(3), a subalgebra of e(3)",
                 "a spherical system of dimension 3", ((5, 6, 7), "spherical", 3) in groups)  # fmt: skip
 
@@ -173,18 +174,20 @@ def matrices(sheet: Sheet) -> None:
 def printed_session(sheet: Sheet) -> None:
     """Section 5: the session as printed, instruction by instruction."""
     here = example()
-    sheet.numbers("section 5", "readoss(1,7)", READ.replace("\n", "  "), here.readoss(1, 7), layout="seven rows: " + READ,
+    sheet.numbers("section 5", "readoss(1,7)", READ.replace("\n", "  "), here.readoss(1, 7),
+                  layout="seven rows: " + READ,
                   reason="GR's six digits of 1/√2 are cut off, not rounded.")  # fmt: skip
     run = here.msos(1, 5)
     sheet.same("section 5", "msos(1,5)", "dimension 4, lost of freedom 1, it is a msos",
-               f"dimension {run.dimension}, lost of freedom {run.loss}, it is {'' if run.msos else 'not '}a msos")  # fmt: skip
+               f"dimension {run.dimension}, lost of freedom {run.loss}, it is {'' if run.msos else 'not '}a msos")
     found = here.subspace(1, 5)
     entries = ", ".join(f"{u}{v} {'yes' if inside else 'no'}" for u, v, inside in found.entries)
     sheet.same("section 5", "subspace(1,5): is [S_u S_v] inside the span", PRODUCTS, entries)
     sheet.same("section 5", "screws that can restore (1, 5)", "3, 4", ", ".join(map(str, found.actuators)))
     four, three = here.newscrews(4, 5), here.newscrews(3, 5)
     sheet.numbers("section 5", "newscrews(4,5): S5", "1. 0. -1. 0. 5. 0", four.readoss(5, 5))
-    sheet.numbers("section 5", "dimension(1,5), dimension(1,6) after it", "5 5", [four.dimension(1, 5), four.dimension(1, 6)])
+    sheet.numbers("section 5", "dimension(1,5), dimension(1,6) after it", "5 5", [four.dimension(1, 5),
+                  four.dimension(1, 6)])
     sheet.numbers("section 5", "readoss(4,5)", "0 1. 0 0 0 5. 1. 0 0 0 0 0", here.readoss(4, 5))
     sheet.numbers("section 5", "newscrews(3,5): S4, S5", "0 1. 0. 5. 0. 5.  1. 0. -1. 0. 0. 0", three.readoss(4, 5))
     sheet.numbers("section 5", "dimension(1,5), dimension(1,6), dimension(2,7) after it", "5 6 6",
@@ -207,9 +210,10 @@ def conclusion(sheet: Sheet) -> None:
         f"{rounded(rates[4])} for joint 4", found.escapes == (3,),
         reason="newscrews(4, 5) leaves screws 6 and 7 where they were; a joint carries every later screw.",
         shown=Shown(
-            f"Carried to the end, dimensions of 1–5, 1–6, 2–7, 1–7 are {dims[3]} for joint 3 and {dims[4]} for joint 4; "
-            "finite motion agrees.",
-            found.escapes == (3, 4) and dims[3] == [5, 6, 5, 6] and dims[4] == [5, 6, 6, 6] and rates[4] > 2 * rates[3]),
+            f"Carried to the end, dimensions of 1–5, 1–6, 2–7, 1–7 are {dims[3]} for joint 3 and {dims[4]} for joint "
+            "4; finite motion agrees.",
+            found.escapes == (3, 4) and dims[3] == [5, 6, 5, 6] and dims[4] == [5, 6, 6,
+            6] and rates[4] > 2 * rates[3]),
     )  # fmt: skip
     kinds = [joint.kind for joint in open_robot("rcrrrr").variables][:3]
     turns = kinds.count(JointKind.REVOLUTE)

@@ -2,7 +2,8 @@
 
 | verdict | meaning |
 |---|---|
-| agrees | ours equals what is printed: within half a unit of the last printed digit, or to the tolerance of the identity |
+| agrees | ours equals what is printed: within half a unit of the last printed digit,
+or to the tolerance of the identity |
 | rounding | off by a few units of the last printed digit |
 | erratum | what is printed is not so; a reason is given, and a computation that shows it was made and holds |
 | unreproducible | the document does not say enough to compute it; the reason says what is missing |
@@ -134,7 +135,8 @@ class Sheet:
         within = bool((off <= halves * (1 + 1e-6) + 1e-12).all())
         nearly = bool((off <= 2 * halves * few).all()) and bool((halves[off > halves] > _EXACT).all())
         digits = max((len(word.partition(".")[2]) for word in words), default=0) + 1
-        self._add(item, about, layout or printed, listed(mine, max(4, digits)), within, nearly, reason, shown, off[worst], halves[worst])
+        self._add(item, about, layout or printed, listed(mine, max(4, digits)), within, nearly, reason, shown,
+        off[worst], halves[worst])
 
     def identity(
         self, item: str, about: str, printed: str, error: float, *, ours: str = "", tolerance: float = 1e-9,
@@ -162,7 +164,7 @@ class Sheet:
     def cannot(self, item: str, about: str, printed: str, ours: str, reason: str) -> None:
         """What the document does not say enough about."""
         verdict = Verdict.UNREPRODUCIBLE if reason else Verdict.DIFFERS
-        self.items.append(Item(self.document, item, about, printed, ours, verdict, reason))
+        self.items.append(Item(self.document, item, about, printed, ours or "not computed", verdict, reason))
 
     def _add(
         self, item: str, about: str, printed: str, ours: str, agrees: bool, rounding: bool, reason: str,

@@ -11,8 +11,18 @@ from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.block import generic_rank
 from rankdrop.local.rates import rate_growth
 from rankdrop.local.redundancy import null_space_motion, redundancy
+from rankdrop.reproduce.elbow import (
+    FOREARM_LINE,
+    LENGTHS,
+    angles,
+    arm_sign,
+    decoupled,
+    elbow_arm,
+    on_shoulder,
+    shoulder_text,
+    worst,
+)
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.reproduce.ml import FOREARM_LINE, LENGTHS, angles, arm_sign, decoupled, elbow_arm, shoulder_text, worst
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -40,7 +50,7 @@ def definition(sheet: Sheet) -> None:
     growth = rate_growth(robot, there, [0, 0, 1, 0, 0, 0])
     sheet.claim("Singularity", "joint rates near a singularity",
                 "small velocities in the operational space can correspond to large velocities in the joint space",
-                f"along the weakest direction they grow as 1/distance^{growth.power:.1f}", abs(growth.power - 1) < 0.1)  # fmt: skip
+                f"along the weakest direction they grow as 1/distance^{growth.power:.1f}", abs(growth.power - 1) < 0.1)
 
 
 def blocks(sheet: Sheet) -> None:
@@ -54,7 +64,8 @@ def blocks(sheet: Sheet) -> None:
     _third(sheet, "J11", "z2 × (pe − p0)", "z2 × (pe − p2)", third, columns[..., 2], J[:, :3, 2])
     sheet.identity("J21, J22", "rotation rows", "z0 … z5", worst(z.swapaxes(1, 2), J[:, 3:]))
     sheet.identity("J12", "columns 4 to 6", "z_i × (pe − p_i), i = 3, 4, 5", worst(columns[..., 3:], J[:, :3, 3:]))
-    sheet.identity("decoupling", "origins of frames 3, 4, 5", "p3 = p4 = p5", max(worst(p[:, 3], p[:, 4]), worst(p[:, 4], p[:, 5])))
+    sheet.identity("decoupling", "origins of frames 3, 4, 5", "p3 = p4 = p5", max(worst(p[:, 3], p[:, 4]), worst(p[:,
+                   4], p[:, 5])))
     centre = jacobian(robot, q, WRIST_CENTRE)
     moved = np.cross(z, p[:, 3:4] - p).swapaxes(1, 2)
     sheet.identity("J̄11", "columns 1 and 2", "z0 × (p3 − p0), z1 × (p3 − p1)", worst(moved[..., :2], centre[:, :3, :2]))
@@ -86,7 +97,8 @@ def wrist(sheet: Sheet) -> None:
     z, _, _ = axes_and_points(q)
     turns = jacobian(elbow_arm(), q, WRIST_CENTRE)[:, 3:, 3:]
     lost = np.linalg.svd(turns)[0][:, :, 2]
-    sheet.identity("Wrist singularity", "axes z3 and z5 there", "aligned", float(np.abs(np.cross(z[:, 3], z[:, 5])).max()))
+    sheet.identity("Wrist singularity", "axes z3 and z5 there", "aligned", float(np.abs(np.cross(z[:, 3], z[:,
+                   5])).max()))
     sheet.identity("Wrist singularity", "rotation lost: its axis against z4 and z3", "orthogonal to z4 and z3",
                    float(max(np.abs(np.einsum("bi,bi->b", lost, z[:, i])).max() for i in (3, 4))),
                    reason="Ours in words: " + part.statement + ".")  # fmt: skip
@@ -102,8 +114,9 @@ def arm(sheet: Sheet) -> None:
     z, p, _ = axes_and_points(q)
     lost = np.linalg.svd(jacobian(robot, q, WRIST_CENTRE)[:, :3, :3])[0][:, :, 2]
     forearm = (p[:, 3] - p[:, 2]) / LENGTHS["a3"]
-    sheet.identity("Elbow singularity", "linear motion lost by the wrist centre", "along the direction of the third link",
-                   float(np.abs(np.cross(lost, forearm)).max()), reason="Ours in words: " + elbow.statement + ".")  # fmt: skip
+    sheet.identity("Elbow singularity", "linear motion lost by the wrist centre",
+                   "along the direction of the third link",
+                   float(np.abs(np.cross(lost, forearm)).max()), reason="Ours in words: " + elbow.statement + ".")
     sheet.identity("Elbow singularity", "the same direction against z2", "perpendicular to z2",
                    float(np.abs(np.einsum("bi,bi->b", lost, z[:, 2])).max()))  # fmt: skip
     along = np.abs(np.einsum("bi,bi->b", lost, z[:, 0]))
@@ -114,7 +127,7 @@ def arm(sheet: Sheet) -> None:
         shown=Shown(f"|u·z0| = {listed(along, 3)} = |sin θ2| at two elbow singularities.",
                     bool(worst(along, np.abs(np.sin(q[:, 1]))) < 1e-9)),
     )  # fmt: skip
-    there = _on_shoulder()
+    there = on_shoulder()
     z, p, _ = axes_and_points(there)
     sheet.identity("Shoulder singularity", "det J̄11 where a2 c2 + a3 c23 = 0", f"{FOREARM_LINE} = 0",
                    float(np.abs(np.linalg.det(jacobian(robot, there, WRIST_CENTRE)[:, :3, :3])).max()),
@@ -123,16 +136,7 @@ def arm(sheet: Sheet) -> None:
                    float(np.abs(p[:, 3, :2]).max()))  # fmt: skip
     lost = np.linalg.svd(jacobian(robot, there, WRIST_CENTRE)[:, :3, :3])[0][:, :, 2]
     sheet.identity("Shoulder singularity", "linear motion lost by the wrist centre", "along the z1 direction",
-                   float(np.abs(np.cross(lost, z[:, 1])).max()), reason="Ours in words: " + shoulder.statement + ".")  # fmt: skip
-
-
-def _on_shoulder() -> Array:
-    """(B, 6) configurations of the elbow arm with a2 c2 + a3 c23 = 0, away from the elbow singularity."""
-    q = angles(elbow_arm(), 80, 7)
-    ratio = -LENGTHS["a2"] * np.cos(q[:, 1]) / LENGTHS["a3"]
-    q, ratio = q[np.abs(ratio) < 0.9], ratio[np.abs(ratio) < 0.9]
-    q[:, 2] = np.arccos(ratio) - q[:, 1]
-    return np.asarray(q[np.abs(np.sin(q[:, 2])) > 0.2])
+                   float(np.abs(np.cross(lost, z[:, 1])).max()), reason="Ours in words: " + shoulder.statement + ".")
 
 
 def spaces(sheet: Sheet) -> None:
@@ -148,7 +152,8 @@ def spaces(sheet: Sheet) -> None:
             "Redundancy", f"PA-10, {name}: dim R(J), dim N(J)",
             "r, n − r" if name == "full rank" else "smaller, larger, sum n",
             f"{found.check.rank}, {found.check.nullity} of n = 7",
-            found.check.holds and (found.check.rank, found.check.nullity) == ((6, 1) if name == "full rank" else (5, 2)),
+            found.check.holds and (found.check.rank, found.check.nullity) == ((6, 1) if name == "full rank" else (5,
+            2)),
         )  # fmt: skip
     sheet.identity("Redundancy", "null motions leave the end effector still", "J q̇ = 0 for q̇ in N(J)",
                    max(worst(jacobian(robot, q) @ found.null_basis.T, np.zeros((6, found.check.nullity)))
@@ -178,10 +183,10 @@ def projector(sheet: Sheet) -> None:
     planar = redundancy(open_robot("planar2r"), [0.3, 0.8])
     sheet.claim(
         "P", "when there is a projector to be found", "if N(J) ≠ ∅",
-        f"N(J) always holds 0; where it holds nothing else P = 0 (largest entry {rounded(np.abs(planar.projector).max())} "
-        "for the planar arm)", False,
+        "N(J) always holds 0; where it holds nothing else P = 0, as for the planar arm", False,
         reason="A null space is never empty: N(J) ≠ {0} is meant.",
-        shown=Shown(f"Nullity {planar.check.nullity} there.", planar.check.nullity == 0 and not planar.projector.round(9).any()),
+        shown=Shown(f"Nullity {planar.check.nullity} there.",
+        planar.check.nullity == 0 and not planar.projector.round(9).any()),
     )  # fmt: skip
     twist, secondary = np.array([0.1, 0.2, -0.1, 0.3, 0.1, 0.2]), np.arange(1.0, 8.0)
     both = null_space_motion(robot, regular, twist, secondary)

@@ -97,7 +97,8 @@ def figure_1(sheet: Sheet) -> None:
     printed = from_dh([(a, alpha, d, theta) for a, alpha, d, theta in rows], convention="modified")
     q = places()
     text = "; ".join(" ".join(row) for row in kg.DH)
-    sheet.identity("Figure 1(b)", "link parameters (a_{j−1}, α_{j−1}, d_j): Jacobian of the catalogue's Canadarm2", text,
+    sheet.identity("Figure 1(b)", "link parameters (a_{j−1}, α_{j−1}, d_j): Jacobian of the catalogue's Canadarm2",
+                   text,
                    worst(jacobian(printed, q), jacobian(arm(), q)), tolerance=1e-12, reason=DAMAGED)  # fmt: skip
     z = jacobian(arm(), q)[:, 3:]
     sheet.identity("section 3.1", "axes of joints 3, 4, 5", "parallel: a planar joint",
@@ -109,22 +110,25 @@ def methods(sheet: Sheet) -> None:
     q = on(("s4", kg.EQ_15), 1, 20)
     J = jacobian(arm(), q)
     grams = np.linalg.det(J @ J.swapaxes(1, 2))
-    sheet.identity("eq. 1", "|J Jᵀ| at singular configurations", "|J Jᵀ| = 0", float(np.abs(grams).max()), tolerance=1e-6)
+    sheet.identity("eq. 1", "|J Jᵀ| at singular configurations", "|J Jᵀ| = 0", float(np.abs(grams).max()),
+                   tolerance=1e-6)
     minors = [np.linalg.det(np.delete(J, j, axis=2)) for j in range(7)]
-    sheet.identity("eq. 2", "the seven sub-determinants there", "all are 0", float(np.abs(minors).max()), tolerance=1e-6)
+    sheet.identity("eq. 2", "the seven sub-determinants there", "all are 0", float(np.abs(minors).max()),
+                   tolerance=1e-6)
     chain = exact_chain(arm(), lengths=kg.LENGTHS)
     cofactors = derive(chain, "cofactors", 20.0)
     sheet.claim("section 1, (2)", "conditions of the cofactor approach", "difficult to use for the Canadarm2",
-                f"{cofactors.sizes['minors']} equations with {cofactors.sizes['terms']} terms that have to hold together",
+                f"{cofactors.sizes['minors']} equations with {cofactors.sizes['terms']} terms, to hold together",
                 cofactors.sizes["minors"] == comb(7, 6))  # fmt: skip
-    sheet.claim("section 1", "the approaches it lists", "determinant, cofactor, decomposition, reciprocity, singular vector",
+    sheet.claim("section 1", "the approaches it lists",
+                "determinant, cofactor, decomposition, reciprocity, singular vector",
                 ", ".join(METHODS), len(METHODS) == 5,
-                reason="Each derives the singular set here (rankdrop.conditions, method=…); tests compare them.")  # fmt: skip
+                reason="Each derives the singular set here (rankdrop.conditions, method=…); tests compare them.")
     sheet.cannot("section 1", "a reciprocal screw of row 1 of Table 3 in [10] vanishes where s6 = 0 and c5 = 0",
                  "all the six elements vanish", "", "The expression is in the work cited, not here.")  # fmt: skip
     basic = suppress(exact_chain(arm(), lengths=kg.LENGTHS)).basic
     sheet.same("section 2, 3.1", "basic screws that conditions (a) to (c) choose", "2 3 4 5 6 7",
-               " ".join(map(str, basic)), reason="KG leave joints 1–6 and 2–7 to choose from, and take 2–7.")  # fmt: skip
+               " ".join(map(str, basic)), reason="KG leave joints 1–6 and 2–7 to choose from, and take 2–7.")
 
 
 def matrices(sheet: Sheet) -> None:
@@ -134,7 +138,8 @@ def matrices(sheet: Sheet) -> None:
                    worst(matrix(kg.EQ_5_FIRST, q, kg.LENGTHS)[..., 0], screws(q)[..., 0]), reason=DAMAGED)  # fmt: skip
     sheet.identity("eqs 5, 6", "screws 2 to 7 in frame 5", kg.EQ_6.replace("\n", "; "),
                    worst(matrix(kg.EQ_6, q, kg.LENGTHS), screws(q)[..., 1:]), reason=DAMAGED)  # fmt: skip
-    sheet.identity("eq. 7", "|$2 … $7|", kg.EQ_7, worst(value(kg.EQ_7, q, kg.LENGTHS), determinant(q, (2, 3, 4, 5, 6, 7))),
+    sheet.identity("eq. 7", "|$2 … $7|", kg.EQ_7, worst(value(kg.EQ_7, q, kg.LENGTHS), determinant(q, (2, 3, 4, 5, 6,
+                   7))),
                    reason=f"{DAMAGED} Derived exactly as {found().determinant}, rows (v; ω).")  # fmt: skip
     cases = [conditions_text(case.stratum) for case in found().start.cases]
     printed = ("s4 = 0", "s6 = 0, s4 ≠ 0", "a s345 + d c3 + d c34 = 0, s4 ≠ 0, s6 ≠ 0")
@@ -151,10 +156,11 @@ def case_1(sheet: Sheet) -> None:
                    worst(matrix(kg.EQ_12_FIRST, q, kg.LENGTHS)[..., 0], screws(q)[..., 0]), reason=DAMAGED)  # fmt: skip
     _dependent(sheet, "section 3.3.1", 1, "$3 of $4, $5")
     sheet.identity("eqs 13, 14", "|$1 $2 $4 $5 $6 $7| where s4 = 0", f"d c4 [{kg.EQ_15}]",
-                   worst(value(f"d c4 ({kg.EQ_15})", q, kg.LENGTHS), determinant(q, (1, 2, 4, 5, 6, 7))), reason=DAMAGED)  # fmt: skip
+                   worst(value(f"d c4 ({kg.EQ_15})", q, kg.LENGTHS), determinant(q, (1, 2, 4, 5, 6, 7))),
+                   reason=DAMAGED)
     texts = conditions_text(found().families[0].stratum)
     sheet.claim("eq. 15", "family 1", f"s4 = 0, {kg.EQ_15} = 0", texts, _same_family(15, 0),
-                reason="The same set written otherwise: random points of the printed one have rank 5 and lie on ours.")  # fmt: skip
+                reason="The same set written otherwise: random points of the printed one have rank 5 and lie on ours.")
 
 
 def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
@@ -192,7 +198,7 @@ def case_2(sheet: Sheet) -> None:
     )  # fmt: skip
     _dependent(sheet, "section 3.3.2", 2, "$7 of $3, $4, $5")
     sheet.identity("eqs 17 to 19", "|$1 … $6| (where s6 = 0, and elsewhere: it has no θ6)", kg.EQ_19,
-                   worst(value(kg.EQ_19, q, kg.LENGTHS), determinant(q, (1, 2, 3, 4, 5, 6))), reason=DAMAGED)  # fmt: skip
+                   worst(value(kg.EQ_19, q, kg.LENGTHS), determinant(q, (1, 2, 3, 4, 5, 6))), reason=DAMAGED)
     _family(sheet, 20, 2)
     _family(sheet, 21, 1)
 
@@ -201,7 +207,7 @@ def case_3(sheet: Sheet) -> None:
     """Equations 22 to 27."""
     q = places()
     sheet.identity("eq. 22", "|$3 $4 $5 $6 $7|, rows 1 to 5", kg.EQ_22,
-                   worst(value(kg.EQ_22, q, kg.LENGTHS), determinant(q, (3, 4, 5, 6, 7), 5)), reason=DAMAGED)  # fmt: skip
+                   worst(value(kg.EQ_22, q, kg.LENGTHS), determinant(q, (3, 4, 5, 6, 7), 5)), reason=DAMAGED)
     dependence = found().start.cases[2].dependence
     assert dependence is not None
     sheet.claim(
@@ -212,7 +218,7 @@ def case_3(sheet: Sheet) -> None:
     )  # fmt: skip
     there = on((kg.EQ_10,), 25)
     sheet.identity("eqs 23 to 25", "|$1 $3 $4 $5 $6 $7| where eq. 10 holds", kg.EQ_25,
-                   worst(value(kg.EQ_25, there, kg.LENGTHS), determinant(there, (1, 3, 4, 5, 6, 7))), reason=DAMAGED)  # fmt: skip
+                   worst(value(kg.EQ_25, there, kg.LENGTHS), determinant(there, (1, 3, 4, 5, 6, 7))), reason=DAMAGED)
     _family(sheet, 26, 4)
     _family(sheet, 27, 3)
 
@@ -232,13 +238,15 @@ def families(sheet: Sheet) -> None:
     sheet.numbers("section 3.4", "families of singular configurations", "5", len(ours.families),
                   layout="five families of singular configurations")  # fmt: skip
     whole = all(int(x.q) == 1 for f in ours.families for p in f.equalities + f.inequalities for x in p.coeffs())
-    sheet.claim("section 3.4", "denominators in the equations", "no denominators", "all coefficients are whole numbers", whole)
+    sheet.claim("section 3.4", "denominators in the equations", "no denominators",
+                "all coefficients are whole numbers", whole)
     both = {pair: _meeting(*pair) for pair in combinations(kg.FAMILIES, 2)}
     meet = [f"{one} and {two}" for (one, two), q in both.items() if len(q)]
     top = max(float(sigma6(q).max()) for q in both.values() if len(q))
     apart = all(f.stratum.apart(g.stratum) is not None for f, g in combinations(ours.families, 2))
     sheet.claim(
-        "abstract, section 3.4", "do the printed families meet", "no intersections between any two of the five families",
+        "abstract, section 3.4", "do the printed families meet",
+        "no intersections between any two of the five families",
         f"eqs {', '.join(meet)} do; ours do not, with s2 ≠ 0 added to eqs 20 and 26", not meet,
         reason="Where s2 = 0 the conditions of eq. 20 and of eq. 21 can hold together, and so can those of 26 and 27.",
         shown=Shown(f"Configurations on both were solved for; σ6 ≤ {SMALL:.0e} there.",
@@ -273,12 +281,17 @@ def _explained(q: Array) -> Array:
     return np.asarray(np.min(distances, axis=0) < 1e-5)
 
 
+SUBSETS = (("(a)", 26, "s6", 20), ("(b)", 27, "s6", 21), ("(c)", 20, "s4", 15), ("(c)", 21, "s4", 15))
+"""Part of section 3.4, equation, what becomes zero as well, the equation it then belongs to."""
+
+
 def subsets(sheet: Sheet) -> None:
     """Section 3.4: what the families become when an inequality is dropped."""
-    for part, equation, added, into in (("(a)", 26, "s6", 20), ("(b)", 27, "s6", 21), ("(c)", 20, "s4", 15), ("(c)", 21, "s4", 15)):
+    for part, equation, added, into in SUBSETS:
         q = on((*kg.FAMILIES[equation][0], added), 11, 300)
         left = max((float(np.abs(value(text, q, kg.LENGTHS)).max()) for text in kg.FAMILIES[into][0]), default=0.0)
-        sheet.identity(f"section 3.4 {part}", f"eq. {equation} with {added} = 0 against eq. {into}", f"a subset of eq. ({into})",
+        sheet.identity(f"section 3.4 {part}", f"eq. {equation} with {added} = 0 against eq. {into}",
+                       f"a subset of eq. ({into})",
                        left if len(q) > 10 else np.inf, tolerance=1e-7)  # fmt: skip
 
 

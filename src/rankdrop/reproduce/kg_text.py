@@ -1,7 +1,7 @@
 """KG's matrices and equations as printed, where the damaged copy needed it restored; read by `formula`.
 
-Rows of matrices are KG's, (ω; v). The copy at hand is OCR: "deg"-like tokens stand for d c4, d c34, d c45 or d c5, "2 ce"
-for 2 c c, and so on; every reading was tried against the arm.
+Rows of matrices are KG's, (ω; v). The copy at hand is OCR: "deg"-like tokens stand for d c4, d c34, d c45 or d c5,
+"2 ce" for 2 c c, and so on; every reading was tried against the arm.
 """
 
 LENGTHS = {"a": 0.635, "c": 0.504, "d": 6.85}

@@ -8,10 +8,11 @@ from rankdrop.frames import SPACE as BASE
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.readable import readable_basis
 from rankdrop.reproduce import kg_text
+from rankdrop.reproduce.elbow import LENGTHS, elbow_arm
 from rankdrop.reproduce.gr import example
 from rankdrop.reproduce.jl import WRIST_CENTRE, axes_and_points
 from rankdrop.reproduce.kg import arm
-from rankdrop.reproduce.ml import LENGTHS, PLANAR, blow_up, elbow_arm
+from rankdrop.reproduce.ml import PLANAR, blow_up
 from rankdrop.reproduce.picture import BLACK, BLUE, GREY, ORANGE, RED, Arrow, Line, Panel, Picture, against
 from rankdrop.robot.model import Array
 
@@ -25,7 +26,7 @@ def joint_rates() -> Picture:
         Line("|θ̇2| for 1 m/s along x", against(theta, size[:, 1, 0]), RED),
         Line("|θ̇1|, |θ̇2| for 1 m/s across", against(theta, size[:, 0, 1]), BLACK, "--"),
     )
-    caption = f"Planar arm, a1 = {PLANAR['a1']} m, a2 = {PLANAR['a2']} m: only motion along the arm costs without bound."
+    caption = f"Planar arm, a1 = {PLANAR['a1']} m, a2 = {PLANAR['a2']} m: only motion along it costs without bound."
     return Picture("ML", "Joint rates", caption, (
         Panel("", lines, x="θ2 [deg]", y="joint rate [rad/s]", log="xy"),
     ))  # fmt: skip
@@ -68,12 +69,14 @@ def lost_by_elbow_and_shoulder() -> Picture:
     """JL: elbow and shoulder singularity, and the linear motion lost by the wrist centre."""
     theta2 = 0.7
     theta3 = float(np.arccos(-LENGTHS["a2"] * np.cos(theta2) / LENGTHS["a3"])) - theta2
-    places = {"elbow singularity": (0.3, theta2, 0.0, 0.6, 0.5, 0.2), "shoulder singularity": (0.3, theta2, theta3, 0.6, 0.5, 0.2)}
+    places = {"elbow singularity": (0.3, theta2, 0.0, 0.6, 0.5, 0.2), "shoulder singularity": (0.3, theta2, theta3,
+        0.6, 0.5, 0.2)}
     panels = []
     for title, q in places.items():
         _, points, _ = axes_and_points(np.array([q]))
         panels.append(Panel(
-            title, (Line("", points[0, :4], BLACK, marks=True), Line("z0", np.array([[0, 0, -0.2], [0, 0, 0.8]]), GREY, "--")),
+            title, (Line("", points[0, :4], BLACK, marks=True), Line("z0", np.array([[0, 0, -0.2], [0, 0, 0.8]]), GREY,
+            "--")),
             (Arrow("lost", points[0, 3], lost_by_centre(np.array(q)), False, BLUE),), x="x [m]", y="y [m]", z="z [m]",
             tall=True,
         ))  # fmt: skip

@@ -15,9 +15,10 @@ SCHEMA = "rankdrop/reproduced/1"
 DOCUMENTS = {
     "AM": "Almarkhi and Maciejewski, Singularity Analysis for Redundant Manipulators of Arbitrary Kinematic Structure",
     "ML": "Memon, Kinematic Singularities (lecture)",
-    "GR": "Gallardo-Alvarado and Rico-Martínez, An Application of the Lie Product to the Higher Singular Configurations "
-    "Problem of Serial Manipulators",
-    "KG": "A dependent-screw suppression approach to the singularity analysis of 7-DOF redundant manipulators: Canadarm2",
+    "GR": "Gallardo-Alvarado and Rico-Martínez, An Application of the Lie Product to the Higher Singular "
+    "Configurations Problem of Serial Manipulators",
+    "KG": "A dependent-screw suppression approach to the singularity analysis of 7-DOF redundant manipulators, "
+    "Canadarm2",
     "JL": "Jin, Lecture 13: Singularity and Redundancy",
 }
 """Short name -> what it is."""

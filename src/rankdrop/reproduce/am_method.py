@@ -49,6 +49,21 @@ def introduction(sheet: Sheet) -> None:
     )  # fmt: skip
 
 
+def singular(sheet: Sheet) -> None:
+    """Sections 1 and 2.1: what holds at a singularity."""
+    robot, task = pa10()
+    q = np.array([0.3, 0.0, 0.5, 0.0, -0.7, 0.0, 0.5])  # row 2 of Table 4
+    J, sigma = jacobian(robot, q), singular_values(robot, q, task)
+    sheet.identity("section 1", "|J Jᵀ| at a singularity", "|J Jᵀ| = 0", float(abs(np.linalg.det(J @ J.T))))
+    lost = lost_directions(robot, q, task, 2)
+    sheet.identity("section 1", "power of a wrench along a lost direction on every column of J",
+                   "a screw reciprocal to all columns", float(np.abs(lost @ J).max()))
+    sheet.numbers("section 2.1", "singular values that are zero at a rank-2 singularity", "2", int((sigma <= 1e-9).sum()),
+                  layout="n of them at a rank-n singularity")
+    extra = [open_robot(name).n - resolve_task(None, open_robot(name)).m for name in ("pa10", "almarkhi4")]
+    sheet.numbers("section 2.1", "degree of redundancy of the two robots, n − m", "1 1", extra, layout="n − m")
+
+
 def background(sheet: Sheet) -> None:
     """Equations 1 to 8 and 10, at random configurations of the PA-10."""
     robot, task = pa10()
@@ -271,7 +286,7 @@ def matched(found: Array, printed: Array) -> Array:
 
 
 SECTIONS = (
-    ("introduction", introduction), ("equations", background), ("equation 9", equation_9), ("ties", ties),
+    ("introduction", introduction), ("singularities", singular), ("equations", background), ("equation 9", equation_9), ("ties", ties),
     ("directions", directions),
 )  # fmt: skip
 

@@ -122,6 +122,9 @@ def definitions(sheet: Sheet) -> None:
         reason="The test does not look inside the run.",
         shown=Shown(f"Runs {names} pass it and contain 1–5 or 3–7.", len(loose) == 2),
     )  # fmt: skip
+    inside = {joint for run in example().subsets() if run.minimal for joint in range(run.first, run.last + 1)}
+    sheet.claim("section 2.2", "where the screws that escape are", "in at least one minimal singular ordered subset",
+                f"screws {', '.join(map(str, told().escapes))} are in 1–5 and 3–7", set(told().escapes) <= inside)
     run = example().msos(1, 7)
     sheet.claim(
         "section 4.3", "msos refuses runs of more than six screws", "if 6 < j − i then refuse",

@@ -25,9 +25,8 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-DAMAGED = "The copy at hand is damaged here; restored, see the module kg_text."
-SMALL = 1e-9
-_NEWTON = 60
+DAMAGED = "The copy at hand is damaged here; restored."
+SMALL, _NEWTON = 1e-9, 60
 
 
 @cache
@@ -94,7 +93,7 @@ def figure_1(sheet: Sheet) -> None:
     """The arm."""
     letters = {name: str(length) for name, length in kg.LENGTHS.items()}
     rows = [(*(letters.get(entry, entry) for entry in row), 0) for row in kg.DH]
-    printed = from_dh([(a, alpha, d, theta) for a, alpha, d, theta in rows], convention="modified")
+    printed = from_dh(rows, convention="modified")
     q = places()
     text = "; ".join(" ".join(row) for row in kg.DH)
     sheet.identity("Figure 1(b)", "link parameters (a_{j−1}, α_{j−1}, d_j): Jacobian of the catalogue's Canadarm2",

@@ -105,10 +105,10 @@ def reproduce(document: str = ALL, *, progress: Progress | None = None) -> Repro
     parts = [(name, part) for name in wanted for _, part in _sections(name)]
     items: list[Item] = []
     for done, (name, part) in enumerate(parts):
-        if progress is not None:
-            progress("reproduce", done, len(parts))
         sheet = Sheet(name, [])
         try:
+            if progress is not None:
+                progress("reproduce", done, len(parts))
             part(sheet)
         except KeyboardInterrupt:
             return Reproduction(wanted, tuple(items), complete=False)

@@ -48,7 +48,8 @@ def test_json_on_stdout_and_nothing_else(command):
 def test_files_are_written(command, tmp_path):
     pytest.importorskip("matplotlib")
     page, data, folder = tmp_path / "page.md", tmp_path / "data.json", tmp_path / "figures"
-    code, out, _ = command("reproduce", "GR", "--quiet", "--json", str(data), "--markdown", str(page), "--figures", str(folder))
+    files = ("--json", str(data), "--markdown", str(page), "--figures", str(folder))
+    code, out, _ = command("reproduce", "GR", "--quiet", *files)
     assert code == 0
     assert "GR" in out
     assert page.read_text().startswith("# The five documents, reproduced")
@@ -58,7 +59,7 @@ def test_files_are_written(command, tmp_path):
 
 def test_an_item_that_differs_ends_with_3(command, monkeypatch):
     def part(sheet: Sheet) -> None:
-        sheet.numbers("Table 1", "a number", "0.5", 0.7)
+        sheet.numbers("Table 1", "a number", "0.5", 0.9)
 
     monkeypatch.setattr(reproduction, "_sections", lambda name: [("made up", part)])
     code, out, _ = command("reproduce", "GR", "--quiet")

@@ -1,4 +1,4 @@
-"""The five documents: nothing differs without a reason, the known errata are found, and the page is what is computed."""
+"""The five documents: nothing differs without a reason, the known errata are found, the page is what is computed."""
 
 from __future__ import annotations
 

@@ -58,8 +58,8 @@ def singular(sheet: Sheet) -> None:
     lost = lost_directions(robot, q, task, 2)
     sheet.identity("section 1", "power of a wrench along a lost direction on every column of J",
                    "a screw reciprocal to all columns", float(np.abs(lost @ J).max()))
-    sheet.numbers("section 2.1", "singular values that are zero at a rank-2 singularity", "2", int((sigma <= 1e-9).sum()),
-                  layout="n of them at a rank-n singularity")
+    sheet.numbers("section 2.1", "singular values that are zero at a rank-2 singularity", "2",
+                  int((sigma <= 1e-9).sum()), layout="n of them at a rank-n singularity")
     extra = [open_robot(name).n - resolve_task(None, open_robot(name)).m for name in ("pa10", "almarkhi4")]
     sheet.numbers("section 2.1", "degree of redundancy of the two robots, n − m", "1 1", extra, layout="n − m")
 
@@ -286,7 +286,7 @@ def matched(found: Array, printed: Array) -> Array:
 
 
 SECTIONS = (
-    ("introduction", introduction), ("singularities", singular), ("equations", background), ("equation 9", equation_9), ("ties", ties),
-    ("directions", directions),
+    ("introduction", introduction), ("singularities", singular), ("equations", background), ("equation 9", equation_9),
+    ("ties", ties), ("directions", directions),
 )  # fmt: skip
 

@@ -2,91 +2,34 @@
 
 from __future__ import annotations
 
-from functools import cache
-from itertools import combinations
-from math import comb, pi
+from math import comb
 
 import numpy as np
 
-from rankdrop.atlas.search import search
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.methods import METHODS, derive
 from rankdrop.exact.methods.evaluate import Distances
-from rankdrop.exact.suppression.suppress import Suppression, suppress
+from rankdrop.exact.suppression.suppress import suppress
 from rankdrop.exact.writing.text_of import conditions_text
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian
-from rankdrop.local.block import sample, singular_values
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import matrix, value
 from rankdrop.reproduce.item import Sheet, Shown
+from rankdrop.reproduce.kg_arm import (
+    DAMAGED,
+    SMALL,
+    arm,
+    determinant,
+    found,
+    on,
+    places,
+    screws,
+    sigma6,
+    with_zero,
+    worst,
+)
+from rankdrop.reproduce.kg_families import families
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
-
-DAMAGED = "The copy at hand is damaged here; restored."
-SMALL, _NEWTON = 1e-9, 60
-
-
-@cache
-def arm() -> Robot:
-    """Canadarm2 of the catalogue."""
-    return open_robot("canadarm2")
-
-
-@cache
-def found() -> Suppression:
-    """KG's derivation by this package, in their frame and with their basic screws."""
-    return suppress(exact_chain(arm(), lengths=kg.LENGTHS), frame=5, basic=range(2, 8))
-
-
-@cache
-def places() -> Array:
-    """(200, 7) random configurations."""
-    return sample(arm(), resolve_task(None, arm()), 200, 3)
-
-
-def screws(q: Array) -> Array:
-    """(..., 6, 7) joint screws in frame 5, rows (ω; v) as KG have them."""
-    return np.roll(jacobian(arm(), q, Frame(5, 5)), 3, axis=-2)
-
-
-def determinant(q: Array, joints: tuple[int, ...], rows: int = 6) -> Array:
-    """(...,) determinant of the first rows of some columns."""
-    return np.asarray(np.linalg.det(screws(q)[..., :rows, [j - 1 for j in joints]]))
-
-
-def worst(one: Array, other: Array) -> float:
-    """Largest difference, by the size of the larger."""
-    return float(np.abs(one - other).max() / max(1.0, float(np.abs(other).max())))
-
-
-def with_zero(index: int, value_of: float = 0.0) -> Array:
-    """`places` with one joint at a value, 0 and π in turn where it is zero."""
-    q = places().copy()
-    q[:, index - 1] = value_of
-    q[::2, index - 1] += pi
-    return q
-
-
-def on(texts: tuple[str, ...], seed: int = 0, count: int = 400) -> Array:
-    """(N, 7) configurations where the formulas vanish, by Gauss–Newton with central differences from random starts."""
-    q = sample(arm(), resolve_task(None, arm()), count, seed).copy()
-
-    def values(at: Array) -> Array:
-        return np.stack([value(text, at, kg.LENGTHS) for text in texts], axis=-1)
-
-    for _ in range(_NEWTON):
-        slopes = np.stack([(values(q + 1e-6 * e) - values(q - 1e-6 * e)) / 2e-6 for e in np.eye(7)], axis=-1)
-        step = np.einsum("nji,ni->nj", np.linalg.pinv(slopes, rcond=1e-6), values(q))
-        q = q - step * np.minimum(1.0, 0.5 / np.maximum(np.linalg.norm(step, axis=1), 1e-12))[:, None]
-    return np.asarray(q[np.abs(values(q)).max(axis=1) < 1e-10])
-
-
-def sigma6(q: Array) -> Array:
-    """(N,) the smallest singular value of the 6 × 7 Jacobian."""
-    return singular_values(arm(), q, resolve_task(None, arm()))[:, 5]
 
 
 def figure_1(sheet: Sheet) -> None:
@@ -229,69 +172,6 @@ def _family(sheet: Sheet, equation: int, index: int) -> None:
     sheet.claim(f"eq. {equation}", "a family of singular configurations", printed,
                 conditions_text(found().families[index].stratum), _same_family(equation, index),
                 reason="Random points of the printed family have rank 5 and lie on ours.")  # fmt: skip
-
-
-def families(sheet: Sheet) -> None:
-    """Sections 3.4 and 4: how many, disjoint, complete, without denominators."""
-    ours = found()
-    sheet.numbers("section 3.4", "families of singular configurations", "5", len(ours.families),
-                  layout="five families of singular configurations")  # fmt: skip
-    whole = all(int(x.q) == 1 for f in ours.families for p in f.equalities + f.inequalities for x in p.coeffs())
-    sheet.claim("section 3.4", "denominators in the equations", "no denominators",
-                "all coefficients are whole numbers", whole)
-    both = {pair: _meeting(*pair) for pair in combinations(kg.FAMILIES, 2)}
-    meet = [f"{one} and {two}" for (one, two), q in both.items() if len(q)]
-    top = max(float(sigma6(q).max()) for q in both.values() if len(q))
-    apart = all(f.stratum.apart(g.stratum) is not None for f, g in combinations(ours.families, 2))
-    sheet.claim(
-        "abstract, section 3.4", "do the printed families meet",
-        "no intersections between any two of the five families",
-        f"eqs {', '.join(meet)} do; ours do not, with s2 ≠ 0 added to eqs 20 and 26", not meet,
-        reason="Where s2 = 0 the conditions of eq. 20 and of eq. 21 can hold together, and so can those of 26 and 27.",
-        shown=Shown(f"Configurations on both were solved for; σ6 ≤ {SMALL:.0e} there.",
-                    meet == ["20 and 21", "26 and 27"] and top < SMALL and apart),
-    )  # fmt: skip
-    subsets(sheet)
-    q = search(arm(), 1, starts=500, seed=4).converged
-    sheet.claim("section 3.4", "are the families complete", "the same as those presented in [10]",
-                f"every one of {len(q)} singular configurations from random starts lies on one of them",
-                bool(_explained(q).all()), reason="[10] itself is not at hand.")  # fmt: skip
-    sheet.cannot("section 4", "efficiency", "as efficient as the reciprocity-based method", "",
-                 "No measure is given; benchmarks time the methods of this package.")  # fmt: skip
-    sheet.claim("section 4", "ranks lost on the families", "loses at least one DOF",
-                "rank 5 at random points of each, exactly", all(f.ranks == (5,) for f in ours.families))  # fmt: skip
-
-
-def _meeting(one: int, two: int) -> Array:
-    """(N, 7) configurations that lie on two printed families."""
-    zeros = tuple(dict.fromkeys(kg.FAMILIES[one][0] + kg.FAMILIES[two][0]))
-    others = tuple(dict.fromkeys(kg.FAMILIES[one][1] + kg.FAMILIES[two][1]))
-    if set(zeros) & set(others):
-        return np.zeros((0, 7))
-    q = on(zeros, 7, 200)
-    return np.asarray(q[np.min([np.abs(value(text, q, kg.LENGTHS)) for text in (*others, "1")], axis=0) > 1e-3])
-
-
-def _explained(q: Array) -> Array:
-    """Whether configurations lie on some printed family, its inequalities left away as in section 3.4."""
-    distances = [
-        np.max([np.abs(value(text, q, kg.LENGTHS)) for text in zeros], axis=0) for zeros, _ in kg.FAMILIES.values()
-    ]
-    return np.asarray(np.min(distances, axis=0) < 1e-5)
-
-
-SUBSETS = (("(a)", 26, "s6", 20), ("(b)", 27, "s6", 21), ("(c)", 20, "s4", 15), ("(c)", 21, "s4", 15))
-"""Part of section 3.4, equation, what becomes zero as well, the equation it then belongs to."""
-
-
-def subsets(sheet: Sheet) -> None:
-    """Section 3.4: what the families become when an inequality is dropped."""
-    for part, equation, added, into in SUBSETS:
-        q = on((*kg.FAMILIES[equation][0], added), 11, 300)
-        left = max((float(np.abs(value(text, q, kg.LENGTHS)).max()) for text in kg.FAMILIES[into][0]), default=0.0)
-        sheet.identity(f"section 3.4 {part}", f"eq. {equation} with {added} = 0 against eq. {into}",
-                       f"a subset of eq. ({into})",
-                       left if len(q) > 10 else np.inf, tolerance=1e-7)  # fmt: skip
 
 
 SECTIONS = (

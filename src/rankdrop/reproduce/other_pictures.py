@@ -11,7 +11,7 @@ from rankdrop.reproduce import kg_text
 from rankdrop.reproduce.elbow import LENGTHS, elbow_arm
 from rankdrop.reproduce.gr import example
 from rankdrop.reproduce.jl import WRIST_CENTRE, axes_and_points
-from rankdrop.reproduce.kg import arm
+from rankdrop.reproduce.kg_arm import arm
 from rankdrop.reproduce.ml import PLANAR, blow_up
 from rankdrop.reproduce.picture import BLACK, BLUE, GREY, ORANGE, RED, Arrow, Line, Panel, Picture, against
 from rankdrop.robot.model import Array

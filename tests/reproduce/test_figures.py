@@ -13,7 +13,7 @@ from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, figures, other_pictures
-from rankdrop.reproduce.am_descent import run
+from rankdrop.reproduce.am_descent import plain_3, run
 from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -36,6 +36,11 @@ def test_figures_2_and_3_start_together_and_end_apart():
     assert not stuck.converged
     assert through.converged
     assert 110 < np.degrees(np.nanmean(through.angles)) < 130
+
+
+def test_figure_3_owes_nothing_to_the_treatment_of_ties_and_says_so():
+    assert np.array_equal(run(3).sigma, plain_3().sigma)
+    assert "meets no tie" in am_pictures.descent(3).caption
 
 
 def test_figure_5_is_singular_and_stays_in_the_box():

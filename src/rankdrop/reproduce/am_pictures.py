@@ -30,9 +30,10 @@ def descent(figure: int) -> Picture:
     )
     turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, marks=figure == 3)
     treated = ", ties rotated (eqs 12 to 14)" if how.rotate else ""
+    apart = " It meets no tie: its longer steps set it apart from Figure 2." if how.rotate else ""
     caption = (
-        f"Descent of σ{found.rank + 1}{treated}. Each step is a share {how.share:g} of the step to linearised zero; "
-        "AM's own rule and start are not printed."
+        f"An illustration: descent of σ{found.rank + 1}{treated}, each step a share {how.share:g} of the step to "
+        f"linearised zero. Start and rule are ours, picked because the run looks like AM's, who print neither.{apart}"
     )
     return Picture("AM", f"Figure {figure}", caption, (
         Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),

@@ -16,7 +16,7 @@ the package computes, and a verdict that is computed from the two. The page is w
   otherwise), or word for word.
 - **rounding**: off by at most three units of the last printed digit.
 - **erratum**: what is printed is not so. The reason is given, and a computation that shows it was made and holds.
-- **unreproducible**: the document does not say enough to compute it.
+- **unreproducible**: the document does not say enough to compute it, or to tell whether ours is the same thing.
 - **differs**: the package and the document contradict each other without a reason. There is none of these.
 
 "The same, within 1e-09 at random places" means that the printed formula was read as it stands, evaluated at random

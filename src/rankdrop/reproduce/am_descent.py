@@ -1,9 +1,9 @@
 """AM Figures 1 to 3: steepest descent where singular values tie, and AM's treatment of ties.
 
 AM print neither their starts nor the rule of their steps, so the figures themselves cannot be reproduced. What is drawn
-is an illustration: its start and share were picked, out of 14 starts with five shares (Figure 1) and 160 to 200
-starts with four (Figure 2), because the run looks like AM's. No verdict rests on it. Verdicts rest on all of a fixed set of starts
-that nobody picked (`counts`), and on the two methods of the core from the same starts.
+is an illustration: its start and share were picked, out of 14 starts with five shares (Figure 1) and 160 to 200 starts
+with four (Figure 2), because the run looks like AM's. No verdict rests on it. Verdicts rest on all of a fixed set of
+starts that nobody picked (`counts`), and on the two methods of the core from the same starts.
 """
 
 from __future__ import annotations
@@ -155,13 +155,13 @@ def figure_3(sheet: Sheet) -> None:
         "Figure 3(b)", "average angle between successive gradients", "around 120°",
         f"{mean(found):.0f}° in the run drawn",
         "It depends on the rule of the steps, which is not printed: an exact line search averages 90°. The rule drawn "
-        "was kept, of four kinds tried with several settings, because it averages 120°; steps 1.5 times those of a line "
-        "search averaged 124°.",
+        "was kept, of four kinds tried with several settings, because it averages 120°; steps 1.5 times those of a "
+        "line search averaged 124°.",
     )
     other = plain_3()
     sheet.cannot(
         "Figure 3(a)", "from the start of Figure 2", "converges because ties are treated",
-        f"the run drawn converges in {found.iterations} iterations, in {other.iterations} without treatment of ties",
+        f"the run drawn converges in {found.iterations} iterations, in {other.iterations} without the treatment",
         "It converges by its longer steps: it meets no tie. The start and AM's rule are not printed.",
     )
     robot, task = pa10()
@@ -174,8 +174,8 @@ def figure_3(sheet: Sheet) -> None:
         sheet.cannot(
             "section 2.2.3", f"what the treatment of ties gains, rank {corank}",
             "faster convergence; 16 iterations",
-            f"{len(own)} of {STARTS} starts converge with it, {len(base)} without; half of them in {np.median(own):.0f} "
-            f"and {np.median(base):.0f} iterations, the fastest in {own.min()} and {base.min()}",
+            f"{len(own)} of {STARTS} starts converge with it, {len(base)} without; half of them in {np.median(own):.0f}"
+            f" and {np.median(base):.0f} iterations, the fastest in {own.min()} and {base.min()}",
             "Same starts, exact line search, at most 300 iterations. No gain to speak of with these steps; AM's may "
             "differ, and are not printed.",
         )

@@ -37,7 +37,7 @@ def descent(figure: int) -> Picture:
     )
     return Picture("AM", f"Figure {figure}", caption, (
         Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),
-        Panel("(b)", (turned,), x="iteration", y="angle between successive gradients [deg]"),
+        Panel("(b)", (turned,), x="iteration", y="turn of the gradient [deg]"),
     ), {"share": how.share, "seed": how.seed, "start": how.index})  # fmt: skip
 
 
@@ -60,8 +60,8 @@ def figure_4() -> Picture:
         for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
     )
     caption = (
-        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m aside "
-        "of its line the printed numbers follow. Solid: translation, dotted: rotation."
+        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m (fitted) "
+        "aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
     )
     return Picture("AM", "Figure 4", caption, panels)
 

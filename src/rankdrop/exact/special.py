@@ -13,7 +13,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.letters import never_zero, sign_of, sum_text
 from rankdrop.exact.family import Assumption
-from rankdrop.exact.merge import merge, row_texts
+from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
 
 _NUMBERS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
@@ -88,17 +88,18 @@ def _words(
     rows = []
     for rank in range(generic_rank - 1, lowest - 1, -1):
         pieces = [tidy(drop.piece, inner) for drop in fresh if drop.rank == rank]
-        rows += [(row_texts(row), generic_rank - rank) for row in merge(pieces)]
+        rows += [(row.texts, generic_rank - rank) for row in merge(pieces)]
     if not rows:
         return ""
-    told = [f"{_sentence(texts)} loses {_NUMBERS.get(corank, str(corank))}" for texts, corank in rows[:_SHOWN]]
+    told = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
     more = f", and {len(rows) - _SHOWN} more families" if len(rows) > _SHOWN else ""
     sign = "−" if equal.sign < 0 else ""
     return f"if {equal.letter} = {sign}{equal.other}, " + "; ".join(told) + more
 
 
-def _sentence(texts: tuple[str, ...]) -> str:
-    return texts[0] + " alone" if len(texts) == 1 else " with ".join(texts)
+def _sentence(texts: tuple[str, ...], corank: int) -> str:
+    lost = _NUMBERS.get(corank, str(corank))
+    return f"{texts[0]} alone loses {lost}" if len(texts) == 1 else f"{', '.join(texts)} together lose {lost}"
 
 
 def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:

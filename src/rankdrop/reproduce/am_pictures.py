@@ -60,8 +60,8 @@ def figure_4() -> Picture:
         for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
     )
     caption = (
-        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m (fitted) "
-        "aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
+        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m "
+        "(fitted) aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
     )
     return Picture("AM", "Figure 4", caption, panels)
 

@@ -183,7 +183,7 @@ def projector(sheet: Sheet) -> None:
     planar = redundancy(open_robot("planar2r"), [0.3, 0.8])
     sheet.claim(
         "P", "when there is a projector to be found", "if N(J) ≠ ∅",
-        "N(J) always holds 0; where it holds nothing else P = 0, as for the planar arm", False,
+        "N(J) always holds 0; where it holds nothing else P = 0, as for the planar arm", planar.check.nullity > 0,
         reason="A null space is never empty: N(J) ≠ {0} is meant.",
         shown=Shown(f"Nullity {planar.check.nullity} there.",
         planar.check.nullity == 0 and not planar.projector.round(9).any()),

@@ -57,14 +57,14 @@ class Condition:
 
     def text(self) -> str:
         """For people: "a2 c2 + a3 c23 = 0", "θ5 = θ3 + π"; s_i is sin θ_i, c_23 is cos(θ2 + θ3). Angles modulo 2π."""
-        relation = self._relation
+        relation = self.relation
         if relation is not None:
             return _related(*relation, "θ{}", "−", angle_words)
         return self._slide("q{}", Text(), " m") or _sides(self.form, Text())
 
     def latex(self) -> str:
         r"""The same in LaTeX, without delimiters: a_2 c_2 + a_3 c_{23} = 0."""
-        relation = self._relation
+        relation = self.relation
         if relation is not None:
             return _related(*relation, r"\theta_{{{}}}", "-", latex_angle)
         return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
@@ -123,7 +123,7 @@ class Condition:
         )
 
     @cached_property
-    def _relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
+    def relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
         """(turns, value) of Σ turns_j θ_j = value where the condition says just that."""
         cosine = sine = 0.0
         turns: set[tuple[tuple[int, int], ...]] = set()

@@ -1,0 +1,175 @@
+"""The site builds without a warning, and nothing in it is loaded from elsewhere.
+
+The build takes 20 seconds of one core; the pages that the other tests look at are its result.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SECONDS = 300
+PHONE = 390  # pixels
+LOADING = {"src", "srcset", "poster", "data", "action", "formaction", "background", "xlink:href", "style"}
+MISSING = [name for name in ("sphinx", "furo", "myst_parser", "latex2mathml") if importlib.util.find_spec(name) is None]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(bool(MISSING), reason=f"the extra `docs` is not installed: {', '.join(MISSING)}"),
+]
+
+
+class Loads(HTMLParser):
+    """What a page makes a browser fetch, where its links lead, and the names in it that links can have."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.links: list[str] = []
+        self.names: set[str] = set()
+        self.maths = 0
+        self.inside = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.inside = tag
+        self.maths += tag == "math"
+        for name, value in attrs:
+            text = value or ""
+            if name == "style":
+                self.loaded += addresses(text)
+            elif name == "srcset":
+                self.loaded += [part.split()[0] for part in text.split(",")]
+            elif name in LOADING or (tag in ("link", "use", "image") and name == "href"):
+                self.loaded.append(text)
+            elif tag == "a" and name == "href":
+                self.links.append(text)
+            elif name == "id":
+                self.names.add(text)
+        if tag in ("base", "meta") and any(value and "url=" in value.lower() for _, value in attrs):
+            self.loaded.append("a page that sends its reader elsewhere")
+
+    def handle_data(self, data: str) -> None:
+        if self.inside == "style":
+            self.loaded += addresses(data)
+
+
+def addresses(css: str) -> list[str]:
+    """What a style sheet fetches."""
+    found = re.findall(r"""url\(\s*["']?([^"')]+)|@import\s+["']([^"']+)""", css)
+    return [first or second for first, second in found]
+
+
+def elsewhere(address: str) -> bool:
+    """Whether an address is not a file of the site, nor data written into the page."""
+    parts = urlsplit(address)
+    return bool(parts.netloc) or parts.scheme not in ("", "data")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-d", str(folder / "trees")]
+    command += [str(ROOT / "docs"), str(folder / "html")]
+    done = subprocess.run(command, timeout=SECONDS, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder / "html"
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[Path, Loads]:
+    return {page: Loads(page.read_text(encoding="utf-8")) for page in site.rglob("*.html")}
+
+
+def test_pages_load_nothing_from_elsewhere(site: Path, pages: dict[Path, Loads]) -> None:
+    assert len(pages) > 50
+    for page, found in pages.items():
+        for address in found.loaded:
+            assert not elsewhere(address), f"{page.name}: {address}"
+            path = unquote(urlsplit(address).path)
+            assert address.startswith("data:") or not path or (page.parent / path).exists(), f"{page.name}: {address}"
+
+
+def test_styles_and_scripts_load_nothing_from_elsewhere(site: Path) -> None:
+    for sheet in (*site.rglob("*.css"), *site.rglob("*.svg")):
+        assert [one for one in addresses(sheet.read_text(encoding="utf-8")) if elsewhere(one)] == [], sheet.name
+    called = r"(?:import|fetch|importScripts|open|EventSource|WebSocket)\W{1,3}"
+    fetches = rf"""(?:{called}|\.src\s*=\s*)["'`](?:\w+:)?//"""
+    for script in site.rglob("*.js"):
+        assert re.findall(fetches, script.read_text(encoding="utf-8")) == [], script.name
+
+
+def test_links_lead_to_a_page_and_a_place(pages: dict[Path, Loads]) -> None:
+    known = {page.resolve(): found.names for page, found in pages.items()}
+    for page, found in pages.items():
+        for address in found.links:
+            parts = urlsplit(address)
+            if parts.scheme or parts.netloc or address in ("", "#"):
+                continue
+            target = (page.parent / unquote(parts.path)).resolve() if parts.path else page.resolve()
+            assert target.exists(), f"{page.name}: {address}"
+            if parts.fragment and target in known:
+                assert unquote(parts.fragment) in known[target], f"{page.name}: {address}"
+
+
+def test_mathematics_is_in_the_page(site: Path, pages: dict[Path, Loads]) -> None:
+    assert pages[site / "mathematics" / "escape.html"].maths > 20
+    for page in pages:
+        assert re.search(r"mathjax\.|katex|\$\$", page.read_text(encoding="utf-8"), re.IGNORECASE) is None, page.name
+
+
+def test_every_public_name_and_example_has_an_entry(site: Path, pages: dict[Path, Loads]) -> None:
+    import rankdrop
+
+    names = pages[site / "api" / "public.html"].names
+    assert {f"rankdrop.{name}" for name in rankdrop.__all__} <= names
+    assert {page.stem for page in (site / "gallery").glob("*.html")} == {
+        script.stem for script in (ROOT / "examples").glob("[0-9]*_*.py")
+    }
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
+@pytest.mark.parametrize(
+    "name", ["index", "start", "choose", "mathematics/escape", "mathematics/distance", "api/local"]
+)
+def test_pages_fit_a_phone_and_show_no_error(name: str, site: Path, tmp_path: Path) -> None:
+    """The page, in a frame as wide as a phone (no window is so narrow), tells its own width once it is laid out."""
+    script = (
+        "<script>addEventListener('load', () => {const e = document.documentElement;"
+        "const m = document.querySelector('math');"
+        "parent.postMessage('laid out ' + e.scrollWidth + ' of ' + e.clientWidth + ' math '"
+        " + (m ? Math.round(m.getBoundingClientRect().height) : -1), '*');});</script>"
+    )
+    page = site / f"{name}.html"
+    probe, frame = page.with_name(f"probe-{page.name}"), tmp_path / "frame.html"
+    probe.write_text(page.read_text(encoding="utf-8").replace("</head>", f"{script}</head>"), encoding="utf-8")
+    frame.write_text(
+        "<script>addEventListener('message', event => {document.title = event.data;});</script>"
+        f'<iframe src="{probe.as_uri()}" style="width: {PHONE}px; height: 844px; border: 0"></iframe>',
+        encoding="utf-8",
+    )
+    command = [str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=5000", "--dump-dom"]
+    command += ["--enable-logging=stderr", f"--user-data-dir={tmp_path}", frame.as_uri()]
+    environment = {**os.environ, "HOME": str(tmp_path)}
+    try:
+        done = subprocess.run(command, timeout=60, capture_output=True, text=True, check=False, env=environment)
+    finally:
+        probe.unlink()
+    assert "CONSOLE" not in done.stderr
+    told = re.search(r"laid out (\d+) of (\d+) math (-?\d+)", done.stdout)
+    assert told, done.stderr
+    width, room, math = map(int, told.groups())
+    assert width <= room <= PHONE  # a scroll bar takes some
+    assert math == -1 or math > 5

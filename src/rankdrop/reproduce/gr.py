@@ -128,9 +128,9 @@ def definitions(sheet: Sheet) -> None:
     run = example().msos(1, 7)
     sheet.claim(
         "section 4.3", "msos refuses runs of more than six screws", "if 6 < j − i then refuse",
-        f"msos(1, 7) is let through with 7 screws, since 7 − 1 = 6; its loss is {run.loss}", 6 < run.last - run.first,
+        f"msos(1, 7) is let through with 7 screws, since 7 − 1 = 6; its loss is {run.loss}", run.last - run.first > 6,
         reason="j − i is one less than the number of screws: the test should be 5 < j − i.",
-        shown=Shown("", run.last - run.first + 1 > 6 and not 6 < run.last - run.first),
+        shown=Shown("", run.last - run.first + 1 > 6 and not run.last - run.first > 6),
     )  # fmt: skip
 
 

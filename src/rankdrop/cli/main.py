@@ -19,6 +19,7 @@ try:
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.nearest import nearest
+    from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.view import view
@@ -58,6 +59,7 @@ app.command(explain)
 app.command(escape)
 app.command(nearest)
 app.command(view)
+app.command(reproduce)
 
 
 def main() -> None:

@@ -1,0 +1,74 @@
+"""`rankdrop reproduce`: the source documents, item by item."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+
+
+def reproduce(
+    document: str = "all",
+    /,
+    *,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    markdown: str | None = None,
+    figures: str | None = None,
+    full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Reproduce the tables, figures, numbers and claims of the five source documents.
+
+    AM: Almarkhi and Maciejewski; ML: Memon's lecture; GR: Gallardo-Alvarado
+    and Rico-Martínez; KG: dependent-screw suppression, Canadarm2; JL: Jin's
+    lecture. Each item has what is printed, what is computed, and a verdict:
+    agrees, rounding, erratum (with the reason), or unreproducible (the document
+    does not say enough).
+
+    For example:
+        rankdrop reproduce GR
+        rankdrop reproduce all --json reproduced.json --figures figures
+
+    Exit code 0: every item has one of these verdicts; 3: some item differs
+    without a reason; 2: bad input.
+
+    Args:
+        document: AM, ML, GR, KG, JL or all.
+        json: Write the items to this file as well; - writes them to stdout in place of the table.
+        markdown: Write the page docs/reproduced.md to this file.
+        figures: Write the figures into this folder as svg, png and json (the numbers in them); needs rankdrop[report].
+        full: Whole cells, and the reasons of items that agree as well.
+        quiet: No progress.
+    """
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_bytes, write_json
+    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.reproduced_table import print_reproduction
+    from rankdrop.reproduce import page
+    from rankdrop.reproduce.figures import check_folder, save_figures
+    from rankdrop.reproduce.run import names
+    from rankdrop.reproduce.run import reproduce as run
+
+    check_target(json, "--json")
+    check_target(markdown, "--markdown", (".md",))
+    check_different({"--json": json, "--markdown": markdown})
+    wanted = names(document)
+    if figures is not None:
+        check_folder(figures)
+    with reporter(quiet=quiet) as report:
+        found = run(document, progress=report)
+        steps: list[Callable[[], None]] = []
+        if json != STDOUT:
+            steps.append(lambda: print_reproduction(found, full=full))
+        if json is not None:
+            steps.append(lambda: write_json(found.to_dict(), json))
+        if markdown is not None:
+            steps.append(lambda: write_bytes(page.markdown(found).encode(), markdown))
+        if figures is not None and found.complete:
+            save_figures(wanted, figures, progress=report)
+    do_all(steps)
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.DIFFERS if found.differs else exits.FINE

@@ -1,0 +1,137 @@
+"""The data of AM Figures 1 to 9."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rankdrop.atlas.search import refine
+from rankdrop.frames import Frame
+from rankdrop.kinematics import link_poses, pose
+from rankdrop.local.block import decompose
+from rankdrop.local.directions import lost_directions
+from rankdrop.reproduce.am_descent import RUNS, run
+from rankdrop.reproduce.am_method import AFTER, OFFSET, matched, offset_directions, pa10
+from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
+from rankdrop.reproduce.picture import BLACK, BLUE, GREEN, GREY, RED, Arrow, Line, Panel, Picture, against, arrows
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import Task, resolve_task
+
+_NAMES = {1: ("u6",), 2: ("u5", "u6"), 3: ("u4", "u5", "u6")}
+_COLOURS = {1: (BLUE,), 2: (RED, BLUE), 3: (GREEN, RED, BLUE)}
+
+def descent(figure: int) -> Picture:
+    """Figure 1, 2 or 3: singular values, and angles between successive gradients."""
+    found, how = run(figure), RUNS[figure]
+    steps = np.arange(len(found.sigma))
+    driven = {4: ((4, RED), (5, BLUE)), 3: ((3, GREEN), (4, RED), (5, BLUE))}[found.rank]
+    values = tuple(
+        Line(f"σ{i + 1}", against(steps, np.maximum(found.sigma[:, i], 1e-17)), colour) for i, colour in driven
+    )
+    turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, marks=figure == 3)
+    treated = ", ties rotated (eqs 12 to 14)" if how.rotate else ""
+    apart = " It meets no tie: its longer steps set it apart from Figure 2." if how.rotate else ""
+    caption = (
+        f"An illustration: descent of σ{found.rank + 1}{treated}, each step a share {how.share:g} of the step to "
+        f"linearised zero. Start and rule are ours, picked because the run looks like AM's, who print neither.{apart}"
+    )
+    return Picture("AM", f"Figure {figure}", caption, (
+        Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),
+        Panel("(b)", (turned,), x="iteration", y="turn of the gradient [deg]"),
+    ), {"share": how.share, "seed": how.seed, "start": how.index})  # fmt: skip
+
+
+def skeleton(robot: Robot, q: Array) -> Line:
+    """The origins of base, links and tip, joined."""
+    return Line("", link_poses(robot, q)[:, :3, 3], BLACK, marks=True)
+
+
+def figure_4() -> Picture:
+    """The directions of section 2.3 before and after the rotation."""
+    robot = open_robot("pa10")
+    q = np.zeros(7)
+    aside = Task("pose", (0, 1, 2, 3, 4, 5), Frame(0, -1, (OFFSET, 0.0, 0.0)), 1.0)
+    tip = pose(robot, q)[:3, 3] + np.array([OFFSET, 0.0, 0.0])
+    raw = decompose(robot, q, aside).u[:, 3:].T
+    printed = np.array([float(word) for word in AFTER.split()]).reshape(6, 3)
+    rotated = matched(offset_directions(), printed)  # u4, u5, u6 in AM's order and sense
+    panels = tuple(
+        Panel(title, (skeleton(robot, q),), arrows(tip, list(rows), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True)
+        for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
+    )
+    caption = (
+        "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m "
+        "(fitted) aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
+    )
+    return Picture("AM", "Figure 4", caption, panels)
+
+
+def figure_5() -> Picture:
+    """The singular set of the 4-DoF robot."""
+    turned = [_wrapped(curve.q[:, 1:]) for curve in curves()]
+    colours = (BLUE, RED, GREEN, BLACK)
+    flat = tuple(Line("", q[:, :2], colour) for q, colour in zip(turned, colours, strict=False))
+    deep = tuple(Line("", q, colour) for q, colour in zip(turned, colours, strict=False))
+    return Picture("AM", "Figure 5", "Four closed curves, times the circle of θ1.", (
+        Panel("(a)", flat, x="θ2 [rad]", y="θ3 [rad]"),
+        Panel("(b)", deep, x="θ2 [rad]", y="θ3 [rad]", z="θ4 [rad]"),
+    ), {"lengths": [curve.length for curve in curves()]})  # fmt: skip
+
+
+def _wrapped(q: Array) -> Array:
+    """Angles in (−π, π], with a gap where a curve leaves the box."""
+    inside = q - 2 * np.pi * np.ceil((q - np.pi) / (2 * np.pi))
+    jumps = np.flatnonzero(np.abs(np.diff(inside, axis=0)).max(axis=1) > np.pi) + 1
+    return np.asarray(np.insert(inside, jumps, np.nan, axis=0))
+
+
+def figure_6() -> Picture:
+    """The 4-DoF robot in two singular configurations."""
+    robot = open_robot("almarkhi4")
+    task = resolve_task(None, robot, length_scale=1.0)
+    panels = []
+    for part, (text, axis, _) in FIGURE_6.items():
+        q = refine(robot, [[float(word) for word in text.split()]], 1, task=task).q[0]
+        printed = np.array([float(word) for word in axis.split()])
+        u3 = lost_of_regional(q)
+        tip = pose(robot, q)[:3, 3]
+        both = (
+            Arrow("u3", tip, u3 * np.sign(u3 @ printed), False, BLUE), Arrow("as printed", tip, printed, False, GREY),
+        )  # fmt: skip
+        panels.append(Panel(part, (skeleton(robot, q),), both, z="z [m]", tall=True))
+    return Picture("AM", "Figure 6", "The computed direction, and the axis that is printed.", tuple(panels))
+
+
+def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel:
+    """The PA-10 at q with the directions lost there, in base axes at the end effector."""
+    lost = lost_directions(robot, q, task, corank)
+    tip = pose(robot, q)[:3, 3]
+    drawn = arrows(tip, list(lost), _NAMES[corank], _COLOURS[corank])
+    return Panel(title, (skeleton(robot, q),), drawn, z="z [m]", tall=True)
+
+
+def figures_7_8(figure: int) -> Picture:
+    """The PA-10 on the rows of Table 3 or 4."""
+    robot, task = pa10()
+    corank = figure - 6
+    panels = [
+        on_row(robot, task, f"({part}) row {row}", row_configuration(corank, row), corank)
+        for row, part in zip(range(1, 5), "abcd", strict=True)
+    ]
+    caption = f"Rank-{corank} singularities, one per row of Table {corank + 2}. Solid: translation, dotted: rotation."
+    return Picture("AM", f"Figure {figure}", caption, tuple(panels))
+
+
+def figure_9() -> Picture:
+    """The PA-10 stretched and folded."""
+    robot, task = pa10()
+    panels = [on_row(robot, task, part, np.array(theta), 3) for part, theta in FIGURE_9.items()]
+    return Picture("AM", "Figure 9", "Rank-3 singularities. Solid: translation, dotted: rotation.", tuple(panels))
+
+
+def pictures() -> tuple[Picture, ...]:
+    """All nine."""
+    return (
+        *(descent(figure) for figure in (1, 2, 3)), figure_4(), figure_5(), figure_6(),
+        figures_7_8(7), figures_7_8(8), figure_9(),
+    )  # fmt: skip

@@ -1,0 +1,291 @@
+"""AM section 3: the 4-DoF regional robot (Table 1, Figures 5 and 6) and the PA-10 (Tables 2 to 5, Figures 7 to 9)."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import acos, degrees, pi, sqrt
+
+import numpy as np
+
+from rankdrop.atlas.curves import Curve, singular_curves
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.search import Outcome, refine, search
+from rankdrop.kinematics import jacobian, link_poses, pose
+from rankdrop.known import known_analysis
+from rankdrop.local.block import decompose, sample, singular_values
+from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.relations import relations_at
+from rankdrop.local.words import words
+from rankdrop.reach import reach
+from rankdrop.reproduce.am_method import pa10
+from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
+from rankdrop.result import Analysis
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Array
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+TABLE_1 = [("sqrt(2)", "pi/2", "0"), ("sqrt(2)", "-pi/2", "1"), ("sqrt(2)", "pi/2", "-1"), ("sqrt(3)/2", "0", "1/2")]
+TABLE_2 = [("0", "-pi/2", "0"), ("0", "pi/2", "0"), ("0", "-pi/2", "0.45"), ("0", "pi/2", "0"), ("0", "-pi/2", "0.5"),
+           ("0", "pi/2", "0"), ("0", "0", "0.45")]  # fmt: skip
+"""Rows (a [m], α [rad], d [m]) as printed; θ_i is the variable."""
+X, ZERO, HALF = "×", "±π, 0", "±π/2"
+TABLES = {
+    1: ((X, ZERO, HALF, X, X, X, X), (X, ZERO, X, X, X, ZERO, X), (X, X, X, ZERO, X, X, X), (X, X, X, X, HALF, ZERO,
+    X)),
+    2: ((X, ZERO, ZERO, ZERO, X, X, X), (X, ZERO, X, ZERO, X, ZERO, X), (X, X, X, ZERO, ZERO, ZERO, X),
+        (X, ZERO, HALF, X, HALF, ZERO, X)),
+}  # fmt: skip
+"""Tables 3 and 4 by corank, a cell per joint."""
+TABLE_5 = (X, ZERO, X)
+"""What is left of Table 5's only row: θ1, θ2, θ3."""
+FIGURE_6 = {
+    "(a)": ("-3.11 3.02 -1.53 0.15", "0 1 0", "Y"),
+    "(b)": ("-1.76 -1.85 -1.39 0.02", "-1 0 0", "−X"),
+}
+FIGURE_9 = {"(a)": (0.0,) * 7, "(b)": (pi, 0.0, pi, pi, pi, pi, pi)}
+OTHER = (0.3, -0.4, 1.1, 0.9, -0.7, 1.3, 0.5)  # values for joints that do not matter: nothing special about them
+
+
+@cache
+def known(name: str) -> Analysis:
+    """The shipped analysis of an arm: 10,000 starts for each corank, as AM have them."""
+    robot = open_robot(name)
+    found = known_analysis(robot, resolve_task(None, robot))
+    assert found is not None, name
+    return found
+
+
+@cache
+def curves() -> tuple[Curve, ...]:
+    """The singular set of the 4-DoF robot at θ1 = 0 (AM Figure 5)."""
+    return singular_curves(open_robot("almarkhi4"), (2, 3, 4))
+
+
+def cells(family: Family) -> tuple[str, ...]:
+    """A family as a row of AM's tables; "coupled" where conditions tie joints together."""
+    row = [X] * 7
+    for pinned in family.pinned:
+        values = tuple(sorted(abs(value) for value in pinned.values))
+        zero = np.allclose(values, (0.0, pi), atol=1e-9)
+        half = np.allclose(values, (pi / 2, pi / 2), atol=1e-9)
+        row[pinned.number - 1] = ZERO if zero else HALF if half else listed(pinned.values)
+    for number in family.coupled:
+        row[number - 1] = "coupled"
+    return tuple(row)
+
+
+def table_rows(sheet: Sheet, item: str, name: str, printed: list[tuple[str, str, str]]) -> None:
+    """A DH table beside the arm of the catalogue: screws and home pose."""
+    arm, ours = from_dh([(*row, 0) for row in printed], convention="standard"), open_robot(name)
+    q = sample(arm, resolve_task("pose", arm), 20, 1)
+    error = max(float(np.abs(jacobian(arm, q) - jacobian(ours, q)).max()), float(np.abs(pose(arm, q) - pose(ours,
+        q)).max()))
+    text = "; ".join(" ".join(row) for row in printed)
+    sheet.identity(item, f"DH parameters (a, α, d), read as standard DH: Jacobian and pose of {name}", text, error,
+                   tolerance=1e-12)  # fmt: skip
+
+
+def regional_robot(sheet: Sheet) -> None:
+    """Table 1, which ranks it loses, Figure 5."""
+    table_rows(sheet, "Table 1", "almarkhi4", TABLE_1)
+    starts = known("almarkhi4").settings.starts
+    sheet.numbers("section 3.1", "random configurations for each rank", "10000", starts)
+    coranks = [summary.corank for summary in known("almarkhi4").coranks if summary.converged]
+    robot = open_robot("almarkhi4")
+    second = search(robot, 2, task=resolve_task(None, robot, length_scale=1.0), starts=1000, seed=0)
+    sheet.same(
+        "section 3.2", "ranks of singularities of the 4-DoF robot", "rank-1",
+        ", ".join(f"rank-{corank}" for corank in coranks),
+        reason=f"Of 1000 starts for rank 2 {second.count(Outcome.CONVERGED)} converge; the smallest local minimum of "
+        f"σ2 is {rounded(second.smallest_near_miss or 0.0)} m. Not a proof.",
+    )  # fmt: skip
+    found = curves()
+    sheet.claim(
+        "Figure 5", "the singular set in (θ2, θ3, θ4)", "continuous manifolds in the joint space",
+        f"{len(found)} closed curves, each once round in θ2, of lengths {listed([c.length for c in found], 1)} rad",
+        len(found) == 4 and all(c.closed and c.windings == (0, 1, 0, 0) for c in found),
+        reason="Traced; each times the circle of θ1, which does not matter.",
+    )  # fmt: skip
+    q = np.concatenate([curve.q for curve in found])
+    sigma = singular_values(robot, q, resolve_task(None, robot, length_scale=1.0))
+    sheet.claim("Figure 5", "every point is singular, of rank 1", "rank-1 singularities",
+                f"σ3 ≤ 1e-9 and σ2 ≥ {rounded(float(sigma[:, 1].min()), 2)} m on all of them",
+                bool(sigma[:, 2].max() <= 1e-9 and sigma[:, 1].min() > 0.1))  # fmt: skip
+    tip = np.linalg.norm(pose(robot, found[0].q)[:, :3, 3], axis=1)
+    sheet.claim(
+        "section 3.2", "the manifolds are not self-motions: the end effector moves along them",
+        "not the same as the self-motion manifolds",
+        f"its distance from the base origin goes from {rounded(tip.min(), 2)} m to {rounded(tip.max(), 2)} m on the "
+        "longest curve", bool(np.ptp(tip) > 0.1),
+    )  # fmt: skip
+    sheet.cannot("section 3.2", "the arm is locally optimally fault tolerant", "a locally optimal fault-tolerant robot",
+                 "", "The configuration at which it is so is in the work cited, not here.")  # fmt: skip
+
+
+def lost_of_regional(q: Array) -> Array:
+    """(3,) the direction that the 4-DoF robot loses at q [1]."""
+    robot = open_robot("almarkhi4")
+    return np.asarray(decompose(robot, q, resolve_task(None, robot, length_scale=1.0)).u[:, 2])
+
+
+def figure_6(sheet: Sheet) -> None:
+    """Two singular configurations and the directions lost there."""
+    robot = open_robot("almarkhi4")
+    task = resolve_task(None, robot, length_scale=1.0)
+    for part, (text, axis, name) in FIGURE_6.items():
+        theta = np.array([float(word) for word in text.split()])
+        found = refine(robot, [theta], 1, task=task)
+        sheet.numbers(
+            f"Figure 6{part}", "joint angles of the singular configuration nearby [rad]", text, found.q[0],
+            reason=f"At the printed angles σ3 = {float(singular_values(robot, theta, task)[2]):.2e} m, not zero: they "
+            "are rounded. Ours is where Newton's method ends from there.",
+        )  # fmt: skip
+        printed = np.array([float(word) for word in axis.split()])
+        u3 = lost_of_regional(found.q[0])
+        u3 = u3 * np.sign(u3 @ printed)
+        angle = degrees(acos(min(1.0, float(u3 @ printed))))
+        there = lost_of_regional(theta)
+        same = degrees(acos(min(1.0, abs(float(there @ u3)))))
+        sheet.numbers(
+            f"Figure 6{part}", f"singular direction u3, printed as aligned with {name}", axis, u3, few=0.0,
+            reason="The direction is near that axis, not along it; rounding of the angles does not explain it.",
+            shown=Shown(f"u3 is {angle:.1f}° from the printed axis, and turns by {same:.2f}° between the printed and "
+                        "the exact configuration.", angle > 5.0 and same < 1.0),
+        )  # fmt: skip
+
+
+def pa10_tables(sheet: Sheet) -> None:
+    """Tables 2 to 5 and what is said about them."""
+    table_rows(sheet, "Table 2", "pa10", TABLE_2)
+    analysis = known("pa10")
+    for corank, printed in TABLES.items():
+        ours = [cells(family) for family in analysis.of_corank(corank)]
+        for number, row in enumerate(printed, start=1):
+            met = next((one for one in ours if one == row), ours[min(number, len(ours)) - 1])
+            sheet.same(f"Table {corank + 2}, row {number}", f"rank-{corank} condition, θ1 … θ7", " | ".join(row),
+                       " | ".join(met))  # fmt: skip
+        summary = analysis.coranks[corank - 1]
+        sheet.claim(
+            f"Table {corank + 2}", "is the table complete", f"all rank-{corank} singularities, {len(printed)} rows",
+            f"{len(ours)} rows, which explain {summary.completeness.explained} of {summary.completeness.tested} fresh "
+            "singular points",
+            len(ours) == len(printed) and summary.completeness.explained == summary.completeness.tested,
+        )  # fmt: skip
+    table_5(sheet, analysis)
+    equal = [(*row[:2], "0.45" if number == 5 else row[2], 0) for number, row in enumerate(TABLE_2, start=1)]
+    q = np.array(OTHER)
+    q[3] = pi
+    twin = from_dh(equal, convention="standard")
+    lost = int((singular_values(twin, q, resolve_task("pose", twin)) <= 1e-9).sum())
+    sheet.claim("Tables 3 to 5", "θ4 = ±π loses one freedom", "rank-1 (upper arm 0.45 m, forearm 0.5 m)",
+                f"because these differ: with both 0.45 m it loses {lost}", lost == 2,
+                reason="The tables hold for d3 ≠ d5, which the document does not say.")  # fmt: skip
+    sheet.same("section 3.3.1", "ranks of singularities of the PA-10", "rank-1, rank-2, rank-3",
+               ", ".join(f"rank-{s.corank}" for s in analysis.coranks if s.converged))  # fmt: skip
+    free = {corank: {tuple(sorted({1, 7} & set(f.free))) for f in analysis.of_corank(corank)} for corank in (1, 2, 3)}
+    sheet.claim("section 3.3.3", "the conditions of rank 2 do not depend on θ1 or θ7", "θ1 and θ7 do not matter",
+                "joints 1 and 7 are free in every row of every rank", set.union(*free.values()) == {(1, 7)})
+
+
+def table_5(sheet: Sheet, analysis: Analysis) -> None:
+    """The only row of Table 5, whose end is missing, and the words beside it."""
+    robot, task = pa10()
+    (family,) = analysis.of_corank(3)
+    q = np.array(OTHER)
+    q[[1, 3, 4, 5]] = 0.0
+    kept = float(singular_values(robot, q, task)[3])
+    sheet.same(
+        "Table 5, row 1", "rank-3 condition, θ1 … θ7", " | ".join((*TABLE_5, "…")), " | ".join(cells(family)),
+        reason="The row is cut off in the document, and × for θ3 cannot be.",
+        shown=Shown(f"At θ2 = θ4 = θ5 = θ6 = 0 and θ3 = {OTHER[2]} the rank loss is 2: σ4 = {kept:.3f}.", kept > 1e-3),
+    )  # fmt: skip
+    q = np.array(OTHER)
+    q[[1, 3, 5]] = 0.0
+    sigma = singular_values(robot, q, task)
+    lost = int((sigma <= 1e-9).sum())
+    sheet.claim(
+        "section 3.3.4", "aligning the axes of joints 1, 3, 5, 7 (θ2 = θ4 = θ6 = 0)", "rank-3 singularities",
+        f"rank-{lost} alone; rank 3 needs θ3 and θ5 in {{0, ±π}} as well", lost == 3,
+        reason="Columns 1, 3, 5, 7 are then multiples of one, but columns 2, 4, 6 need not be dependent.",
+        shown=Shown(f"σ4 = {sigma[3]:.3f}, σ5 = 0 there; it is row 2 of Table 4.",
+                    bool(sigma[3] > 1e-3 and sigma[4] <= 1e-9)),
+    )  # fmt: skip
+    four = np.linalg.matrix_rank(jacobian(robot, q)[:, [0, 2, 4, 6]], tol=1e-9)
+    sheet.numbers("section 3.3.4", "rank of columns 1, 3, 5, 7 of J where these axes are aligned", "1", four,
+                  reason="Printed as: so that their columns are linearly dependent.")  # fmt: skip
+
+
+def pa10_words(sheet: Sheet) -> None:
+    """What section 3.3 says of the structure."""
+    robot, _ = pa10()
+    q = np.array(OTHER)
+    always = {relation.words for relation in relations_at(robot, q) if relation.structural}
+    meets = [one for one in ("axes 1, 2, 3 meet in one point", "axes 5, 6, 7 meet in one point") if one in always]
+    sheet.claim("section 3.3.1", "three joints in the shoulder and three in the wrist that act as a ball joint",
+                "three spherical joints in the shoulder, one in the elbow, three in the wrist",
+                "; ".join(meets), len(meets) == 2)  # fmt: skip
+    gradient = []
+    for e in np.eye(7):
+        ahead, back = link_poses(robot, q + 1e-6 * e), link_poses(robot, q - 1e-6 * e)
+        gradient.append((_shoulder_to_wrist(ahead) - _shoulder_to_wrist(back)) / 2e-6)
+    moving = [number for number, rate in enumerate(gradient, start=1) if abs(rate) > 1e-6]
+    sheet.same("section 3.3.2", "joints that change the distance between shoulder and wrist", "joint 4",
+               ", ".join(f"joint {number}" for number in moving))  # fmt: skip
+
+
+def _shoulder_to_wrist(poses: Array) -> float:
+    """Distance of the wrist centre (origin of link 5) from the shoulder (origin of link 1) [m]."""
+    return float(np.linalg.norm(poses[5, :3, 3] - poses[1, :3, 3]))
+
+
+def row_configuration(corank: int, row: int) -> Array:
+    """(7,) a configuration on one row of Table 3, 4 or 5: first values of the pinned joints, nothing special else."""
+    printed = TABLES[corank][row - 1] if corank < 3 else cells(known("pa10").of_corank(3)[0])
+    return np.array([{ZERO: 0.0, HALF: pi / 2}.get(cell, other) for cell, other in zip(printed, OTHER, strict=True)])
+
+
+def lost_at(q: Array, corank: int) -> tuple[tuple[str, ...], Array]:
+    """The motions lost at q in words and as (k, 6) rows (v; ω), in the frame where they are sparsest."""
+    robot, task = pa10()
+    found = lost_in_sparsest_frame(robot, q, task, corank)
+    return tuple(words(row, found.name) for row in found.directions), found.directions
+
+
+def figures_7_8_9(sheet: Sheet) -> None:
+    """The PA-10 on every row, with the directions lost."""
+    robot, task = pa10()
+    for corank, figure in ((1, 7), (2, 8)):
+        for row, part in zip(range(1, 5), "abcd", strict=True):
+            q = row_configuration(corank, row)
+            sigma = singular_values(robot, q, task)
+            told, _ = lost_at(q, corank)
+            arrows = {1: "one direction, u6", 2: "two directions, u5 and u6"}[corank]
+            sheet.claim(f"Figure {figure}({part})", f"directions lost on row {row} of Table {corank + 2}",
+                        f"{arrows} (a drawing, no numbers)", "; ".join(told),
+                        int((sigma <= 1e-9).sum()) == corank and len(told) == corank)  # fmt: skip
+    sheet.claim("section 3.3.2", "rank-1 singular directions are well defined", "well defined",
+                "σ5 is not zero on any row of Table 3",
+                all(singular_values(robot, row_configuration(1, row), task)[4] > 1e-3 for row in range(1, 5)))
+    for part, theta in FIGURE_9.items():
+        q = np.array(theta)
+        sigma = singular_values(robot, q, task)
+        told, _ = lost_at(q, 3)
+        sheet.claim(f"Figure 9{part}", "rank lost, and directions u4, u5, u6", "rank-3, three directions",
+                    f"rank-{int((sigma <= 1e-9).sum())}; σ1, σ2, σ3 = {listed(sigma[:3], 3)}; {'; '.join(told)}",
+                    bool(int((sigma <= 1e-9).sum()) == 3))  # fmt: skip
+    lengths = [float(np.linalg.norm(pose(robot, np.array(theta))[:3, 3])) for theta in FIGURE_9.values()]
+    sheet.claim(
+        "section 3.3.4", "where the two are in the workspace", "completely stretched out; folded back on itself",
+        f"end effector {rounded(lengths[0], 2)} m from the shoulder, which is the arm's reach, and "
+        f"{rounded(lengths[1], 2)} m",
+        abs(lengths[0] - reach(robot)) < 1e-9 and lengths[1] < lengths[0] / sqrt(2),
+    )  # fmt: skip
+    sheet.claim("section 3.3.4", "joint limits", "our approach does not consider physical joint limits",
+                "the atlas is of the whole joint space", not known("pa10").settings.limits)  # fmt: skip
+
+
+SECTIONS = (
+    ("4-DoF robot", regional_robot), ("Figure 6", figure_6), ("Tables 2 to 5", pa10_tables), ("PA-10", pa10_words),
+    ("Figures 7 to 9", figures_7_8_9),
+)  # fmt: skip

@@ -1,0 +1,180 @@
+"""KG: a dependent-screw suppression approach to the singularity analysis of 7-DOF redundant manipulators, Canadarm2."""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.methods import METHODS, derive
+from rankdrop.exact.methods.evaluate import Distances
+from rankdrop.exact.suppression.suppress import suppress
+from rankdrop.exact.writing.text_of import conditions_text
+from rankdrop.kinematics import jacobian
+from rankdrop.reproduce import kg_text as kg
+from rankdrop.reproduce.formula import matrix, value
+from rankdrop.reproduce.item import Sheet, Shown
+from rankdrop.reproduce.kg_arm import (
+    DAMAGED,
+    SMALL,
+    arm,
+    determinant,
+    found,
+    on,
+    places,
+    screws,
+    sigma6,
+    with_zero,
+    worst,
+)
+from rankdrop.reproduce.kg_families import families
+from rankdrop.robot.dh import from_dh
+
+
+def figure_1(sheet: Sheet) -> None:
+    """The arm."""
+    letters = {name: str(length) for name, length in kg.LENGTHS.items()}
+    rows = [(*(letters.get(entry, entry) for entry in row), 0) for row in kg.DH]
+    printed = from_dh(rows, convention="modified")
+    q = places()
+    text = "; ".join(" ".join(row) for row in kg.DH)
+    sheet.identity("Figure 1(b)", "link parameters (a_{j−1}, α_{j−1}, d_j): Jacobian of the catalogue's Canadarm2",
+                   text,
+                   worst(jacobian(printed, q), jacobian(arm(), q)), tolerance=1e-12, reason=DAMAGED)  # fmt: skip
+    z = jacobian(arm(), q)[:, 3:]
+    sheet.identity("section 3.1", "axes of joints 3, 4, 5", "parallel: a planar joint",
+                   float(max(np.abs(np.cross(z[:, :, 2], z[:, :, j])).max() for j in (3, 4))))  # fmt: skip
+
+
+def methods(sheet: Sheet) -> None:
+    """Section 1: the five approaches."""
+    q = on(("s4", kg.EQ_15), 1, 20)
+    J = jacobian(arm(), q)
+    grams = np.linalg.det(J @ J.swapaxes(1, 2))
+    sheet.identity("eq. 1", "|J Jᵀ| at singular configurations", "|J Jᵀ| = 0", float(np.abs(grams).max()),
+                   tolerance=1e-6)
+    minors = [np.linalg.det(np.delete(J, j, axis=2)) for j in range(7)]
+    sheet.identity("eq. 2", "the seven sub-determinants there", "all are 0", float(np.abs(minors).max()),
+                   tolerance=1e-6)
+    chain = exact_chain(arm(), lengths=kg.LENGTHS)
+    cofactors = derive(chain, "cofactors", 20.0)
+    sheet.claim("section 1, (2)", "conditions of the cofactor approach", "difficult to use for the Canadarm2",
+                f"{cofactors.sizes['minors']} equations with {cofactors.sizes['terms']} terms, to hold together",
+                cofactors.sizes["minors"] == comb(7, 6))  # fmt: skip
+    sheet.claim("section 1", "the approaches it lists",
+                "determinant, cofactor, decomposition, reciprocity, singular vector",
+                ", ".join(METHODS), len(METHODS) == 5,
+                reason="Each derives the singular set here (rankdrop.conditions, method=…); tests compare them.")
+    sheet.cannot("section 1", "a reciprocal screw of row 1 of Table 3 in [10] vanishes where s6 = 0 and c5 = 0",
+                 "all the six elements vanish", "", "The expression is in the work cited, not here.")  # fmt: skip
+    basic = suppress(exact_chain(arm(), lengths=kg.LENGTHS)).basic
+    sheet.same("section 2, 3.1", "basic screws that conditions (a) to (c) choose", "2 3 4 5 6 7",
+               " ".join(map(str, basic)), reason="KG leave joints 1–6 and 2–7 to choose from, and take 2–7.")
+
+
+def matrices(sheet: Sheet) -> None:
+    """Equations 5 to 7 and the three cases."""
+    q = places()
+    sheet.identity("eq. 5", "screw 1 in frame 5 (ω; v)", kg.EQ_5_FIRST.replace("\n", "; "),
+                   worst(matrix(kg.EQ_5_FIRST, q, kg.LENGTHS)[..., 0], screws(q)[..., 0]), reason=DAMAGED)  # fmt: skip
+    sheet.identity("eqs 5, 6", "screws 2 to 7 in frame 5", kg.EQ_6.replace("\n", "; "),
+                   worst(matrix(kg.EQ_6, q, kg.LENGTHS), screws(q)[..., 1:]), reason=DAMAGED)  # fmt: skip
+    sheet.identity("eq. 7", "|$2 … $7|", kg.EQ_7, worst(value(kg.EQ_7, q, kg.LENGTHS), determinant(q, (2, 3, 4, 5, 6,
+                   7))),
+                   reason=f"{DAMAGED} Derived exactly as {found().determinant}, rows (v; ω).")  # fmt: skip
+    cases = [conditions_text(case.stratum) for case in found().start.cases]
+    printed = ("s4 = 0", "s6 = 0, s4 ≠ 0", "a s345 + d c3 + d c34 = 0, s4 ≠ 0, s6 ≠ 0")
+    for number, (text, ours) in enumerate(zip(printed, cases, strict=True), start=1):
+        sheet.same(f"eq. {7 + number}", f"case {number}", text, ours, reason=DAMAGED if number == 3 else "")
+
+
+def case_1(sheet: Sheet) -> None:
+    """Equations 11 to 15."""
+    q = with_zero(4)
+    sheet.identity("eq. 11", "screws 2 to 7 where s4 = 0", kg.EQ_11.replace("\n", "; "),
+                   worst(matrix(kg.EQ_11, q, kg.LENGTHS), screws(q)[..., 1:]), reason=DAMAGED)  # fmt: skip
+    sheet.identity("eq. 12", "screw 1 where s4 = 0", kg.EQ_12_FIRST.replace("\n", "; "),
+                   worst(matrix(kg.EQ_12_FIRST, q, kg.LENGTHS)[..., 0], screws(q)[..., 0]), reason=DAMAGED)  # fmt: skip
+    _dependent(sheet, "section 3.3.1", 1, "$3 of $4, $5")
+    sheet.identity("eqs 13, 14", "|$1 $2 $4 $5 $6 $7| where s4 = 0", f"d c4 [{kg.EQ_15}]",
+                   worst(value(f"d c4 ({kg.EQ_15})", q, kg.LENGTHS), determinant(q, (1, 2, 4, 5, 6, 7))),
+                   reason=DAMAGED)
+    texts = conditions_text(found().families[0].stratum)
+    sheet.claim("eq. 15", "family 1", f"s4 = 0, {kg.EQ_15} = 0", texts, _same_family(15, 0),
+                reason="The same set written otherwise: random points of the printed one have rank 5 and lie on ours.")
+
+
+def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
+    """Which screw is dependent in a case."""
+    dependence = found().start.cases[number - 1].dependence
+    assert dependence is not None
+    ours = f"${dependence.screw} of {', '.join(f'${j}' for j in dependence.on)}"
+    sheet.same(item, f"dependent screw of case {number}, and what it is a combination of", printed, ours)
+
+
+def _same_family(equation: int, index: int) -> bool:
+    """Whether random points of the printed family satisfy ours, and have rank 5."""
+    zeros, others = kg.FAMILIES[equation]
+    q = on(zeros, equation)
+    q = q[np.min([np.abs(value(text, q, kg.LENGTHS)) for text in (*others, "1")], axis=0) > 1e-3]
+    distances = Distances(found().chain, q)
+    return len(q) > 20 and bool(sigma6(q).max() < SMALL) and all(
+        float(distances.of(p).max()) < 1e-5 for p in found().families[index].equalities)  # fmt: skip
+
+
+def case_2(sheet: Sheet) -> None:
+    """Equations 16 to 21."""
+    q = with_zero(6)
+    last = matrix(kg.EQ_16_LAST, q, kg.LENGTHS)[..., 0]
+    sheet.identity("eq. 16", "screw 7 where s6 = 0", kg.EQ_16_LAST.replace("\n", "; "), worst(last, screws(q)[..., 6]),
+                   reason=DAMAGED)  # fmt: skip
+    put_in = matrix(kg.EQ_6, q, kg.LENGTHS)[..., 5]
+    straight = matrix(kg.EQ_11, q, kg.LENGTHS)
+    off = worst(straight, screws(q)[..., 1:])
+    sheet.claim(
+        "section 3.3.2", "the equation into which s6 = 0 is put", "Eq. (11)", "Eq. (6)", off < SMALL,
+        reason="Eq. 11 is eq. 6 with s4 = 0, and in this case s4 ≠ 0.",
+        shown=Shown("Eq. 6 with s6 = 0 gives the screws of eq. 16, eq. 11 does not.",
+                    worst(put_in, screws(q)[..., 6]) < SMALL and off > 0.01),
+    )  # fmt: skip
+    _dependent(sheet, "section 3.3.2", 2, "$7 of $3, $4, $5")
+    sheet.identity("eqs 17 to 19", "|$1 … $6| (where s6 = 0, and elsewhere: it has no θ6)", kg.EQ_19,
+                   worst(value(kg.EQ_19, q, kg.LENGTHS), determinant(q, (1, 2, 3, 4, 5, 6))), reason=DAMAGED)
+    _family(sheet, 20, 2)
+    _family(sheet, 21, 1)
+
+
+def case_3(sheet: Sheet) -> None:
+    """Equations 22 to 27."""
+    q = places()
+    sheet.identity("eq. 22", "|$3 $4 $5 $6 $7|, rows 1 to 5", kg.EQ_22,
+                   worst(value(kg.EQ_22, q, kg.LENGTHS), determinant(q, (3, 4, 5, 6, 7), 5)), reason=DAMAGED)
+    dependence = found().start.cases[2].dependence
+    assert dependence is not None
+    sheet.claim(
+        "section 3.3.3", "dependent screw of case 3, which is removed", "$5, of $3, $4, $5, $6 and $7",
+        f"${dependence.screw}, of {', '.join(f'${j}' for j in dependence.on)}", dependence.screw == 5,
+        reason="$3 to $7 are independent by eq. 22, so none of them is a combination of the others; eq. 23 lacks $2.",
+        shown=Shown("", dependence.screw == 2 and dependence.on == (3, 4, 5, 6, 7)),
+    )  # fmt: skip
+    there = on((kg.EQ_10,), 25)
+    sheet.identity("eqs 23 to 25", "|$1 $3 $4 $5 $6 $7| where eq. 10 holds", kg.EQ_25,
+                   worst(value(kg.EQ_25, there, kg.LENGTHS), determinant(there, (1, 3, 4, 5, 6, 7))), reason=DAMAGED)
+    _family(sheet, 26, 4)
+    _family(sheet, 27, 3)
+
+
+def _family(sheet: Sheet, equation: int, index: int) -> None:
+    """One of KG's families beside ours."""
+    zeros, others = kg.FAMILIES[equation]
+    printed = ", ".join([*(f"{text} = 0" for text in zeros), *(f"{text} ≠ 0" for text in others)])
+    sheet.claim(f"eq. {equation}", "a family of singular configurations", printed,
+                conditions_text(found().families[index].stratum), _same_family(equation, index),
+                reason="Random points of the printed family have rank 5 and lie on ours.")  # fmt: skip
+
+
+SECTIONS = (
+    ("Figure 1", figure_1), ("methods", methods), ("matrices", matrices), ("case 1", case_1), ("case 2", case_2),
+    ("case 3", case_3), ("families", families),
+)  # fmt: skip

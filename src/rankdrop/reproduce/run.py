@@ -1,0 +1,125 @@
+"""Documents reproduced: every item of each, in order, and the record that goes to a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+
+from rankdrop.errors import OptionError
+from rankdrop.record import Record
+from rankdrop.reproduce.item import Item, Sheet, Verdict
+from rankdrop.version import VERSION
+
+SCHEMA = "rankdrop/reproduced/1"
+DOCUMENTS = {
+    "AM": "Almarkhi and Maciejewski, Singularity Analysis for Redundant Manipulators of Arbitrary Kinematic Structure",
+    "ML": "Memon, Kinematic Singularities (lecture)",
+    "GR": "Gallardo-Alvarado and Rico-Martínez, An Application of the Lie Product to the Higher Singular "
+    "Configurations Problem of Serial Manipulators",
+    "KG": "A dependent-screw suppression approach to the singularity analysis of 7-DOF redundant manipulators, "
+    "Canadarm2",
+    "JL": "Jin, Lecture 13: Singularity and Redundancy",
+}
+"""Short name -> what it is."""
+ALL = "all"
+Progress = Callable[[str, int, int], None]
+"""progress(label, parts done, parts in all)"""
+
+
+@dataclass(frozen=True, slots=True)
+class Reproduction:
+    """What was reproduced.
+
+    Attributes:
+        documents: short names, in the order asked for.
+        items: of all of them, document by document.
+        complete: False where Ctrl-C ended it early.
+    """
+
+    documents: tuple[str, ...]
+    items: tuple[Item, ...]
+    complete: bool = True
+
+    @property
+    def differs(self) -> tuple[Item, ...]:
+        """Items that neither agree nor are explained."""
+        return tuple(item for item in self.items if item.verdict is Verdict.DIFFERS)
+
+    def of(self, document: str) -> tuple[Item, ...]:
+        """The items of one document."""
+        return tuple(item for item in self.items if item.document == document)
+
+    def count(self, verdict: str, document: str | None = None) -> int:
+        """How many items have a verdict, of one document or of all."""
+        return sum(item.verdict == verdict and document in (None, item.document) for item in self.items)
+
+    def counts(self, document: str | None = None) -> tuple[tuple[str, int], ...]:
+        """(verdict, how many) in the order of `Verdict`."""
+        return tuple((str(verdict), self.count(verdict, document)) for verdict in Verdict)
+
+    def to_dict(self) -> Record:
+        """Plain data: see schema/reproduced.schema.json."""
+        return {
+            "schema": SCHEMA,
+            "version": VERSION,
+            "complete": self.complete,
+            "documents": [
+                {"name": name, "title": DOCUMENTS[name], "counts": dict(self.counts(name))} for name in self.documents
+            ],
+            "items": [item.to_dict() for item in self.items],
+        }
+
+
+def names(document: str) -> tuple[str, ...]:
+    """The documents that a word asks for; "all" is all five.
+
+    Raises:
+        OptionError: there is no such document.
+    """
+    wanted = document.strip().upper()
+    if wanted == ALL.upper():
+        return tuple(DOCUMENTS)
+    if wanted not in DOCUMENTS:
+        raise OptionError("there is no such document", got=repr(document), allowed=", ".join((*DOCUMENTS, ALL)))
+    return (wanted,)
+
+
+def reproduce(document: str = ALL, *, progress: Progress | None = None) -> Reproduction:
+    """Compute every printed table row, figure, equation, example and claim of a document, and compare.
+
+    Every random choice has a fixed seed.
+
+    Args:
+        document: "AM", "ML", "GR", "KG", "JL" or "all".
+        progress: called before each part and at the end.
+
+    Returns:
+        A `Reproduction`. On Ctrl-C the parts already done are kept.
+
+    Raises:
+        OptionError: there is no such document.
+        MissingExtraError: python-flint is not installed (all but GR need exact conditions).
+    """
+    wanted = names(document)
+    parts = [(name, part) for name in wanted for _, part in _sections(name)]
+    items: list[Item] = []
+    for done, (name, part) in enumerate(parts):
+        sheet = Sheet(name, [])
+        try:
+            if progress is not None:
+                progress("reproduce", done, len(parts))
+            part(sheet)
+        except KeyboardInterrupt:
+            return Reproduction(wanted, tuple(items), complete=False)
+        items += sheet.items
+    if progress is not None:
+        progress("reproduce", len(parts), len(parts))
+    return Reproduction(wanted, tuple(items))
+
+
+def _sections(name: str) -> Iterable[tuple[str, Callable[[Sheet], None]]]:
+    sections: Iterable[tuple[str, Callable[[Sheet], None]]] = import_module(
+        f"rankdrop.reproduce.{name.lower()}"
+    ).SECTIONS
+    return sections

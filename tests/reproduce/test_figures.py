@@ -1,0 +1,164 @@
+"""The data behind the figures, and the files."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.kinematics import jacobian
+from rankdrop.local.block import singular_values
+from rankdrop.reproduce import am_pictures, figures, other_pictures
+from rankdrop.reproduce.am_descent import plain_3, run
+from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+
+def test_figure_1_ties_and_turns_back():
+    picture = am_pictures.descent(1)
+    values, angles = picture.panels
+    assert [line.label for line in values.lines] == ["σ5", "σ6"]
+    assert values.level == 1e-6
+    five, six = (line.points for line in values.lines)
+    assert five[-1, 1] <= 1e-6 < five[-2, 1]
+    assert np.all(five[:, 1] >= six[:, 1])
+    assert np.nanmax(angles.lines[0].points[:, 1]) > 170.0
+
+
+def test_figures_2_and_3_start_together_and_end_apart():
+    stuck, through = run(2), run(3)
+    assert np.array_equal(stuck.sigma[0], through.sigma[0])
+    assert not stuck.converged
+    assert through.converged
+    assert 110 < np.degrees(np.nanmean(through.angles)) < 130
+
+
+def test_figure_3_owes_nothing_to_the_treatment_of_ties_and_says_so():
+    assert np.array_equal(run(3).sigma, plain_3().sigma)
+    assert "meets no tie" in am_pictures.descent(3).caption
+
+
+def test_figure_5_is_singular_and_stays_in_the_box():
+    robot = open_robot("almarkhi4")
+    flat, deep = am_pictures.figure_5().panels
+    assert len(flat.lines) == len(deep.lines) == 4
+    for line in deep.lines:
+        points = line.points[~np.isnan(line.points[:, 0])]
+        assert np.abs(points).max() <= np.pi + 1e-12
+        q = np.concatenate([np.zeros((len(points), 1)), points], axis=1)
+        assert singular_values(robot, q, resolve_task(None, robot))[:, 2].max() < 1e-9
+        steps = np.linalg.norm(np.diff(line.points, axis=0), axis=1)
+        assert np.nanmax(steps) < 0.1, "a jump across the box is drawn"
+    assert [line.points.shape[1] for line in flat.lines] == [2] * 4
+
+
+def test_figure_6_shows_both_directions():
+    for panel, angle in zip(am_pictures.figure_6().panels, (14.4, 9.2), strict=True):
+        ours, printed = (arrow.vector for arrow in panel.arrows)
+        assert np.degrees(np.arccos(ours @ printed)) == pytest.approx(angle, abs=0.1)
+        assert np.allclose(panel.arrows[0].start, panel.lines[0].points[-1])
+
+
+@pytest.mark.parametrize(("picture", "corank", "places"), [
+    (am_pictures.figures_7_8(7), 1, [row_configuration(1, row) for row in range(1, 5)]),
+    (am_pictures.figures_7_8(8), 2, [row_configuration(2, row) for row in range(1, 5)]),
+    (am_pictures.figure_9(), 3, [np.array(theta) for theta in FIGURE_9.values()]),
+])  # fmt: skip
+def test_arrows_of_the_pa10_are_lost_motions(picture, corank, places):
+    for panel, q in zip(picture.panels, places, strict=True):
+        J = jacobian(open_robot("pa10"), q)
+        names = {arrow.label for arrow in panel.arrows}
+        assert len(names) == corank
+        for name in names:
+            twist = np.zeros(6)
+            for arrow in panel.arrows:
+                if arrow.label == name:
+                    twist[3 * arrow.rotation :][:3] = arrow.vector
+            assert np.abs(twist @ J).max() < 1e-12
+            assert np.linalg.norm(twist) == pytest.approx(1.0)
+
+
+def test_figure_4_has_the_printed_entries():
+    rotated = am_pictures.figure_4().panels[1]
+    green = [arrow for arrow in rotated.arrows if arrow.label == "u4"]
+    assert [arrow.rotation for arrow in green] == [True]
+    assert np.allclose(green[0].vector, [-1, 0, 0])
+    sizes = sorted(round(float(np.linalg.norm(arrow.vector)), 2) for arrow in rotated.arrows)
+    assert sizes == [0.41, 0.41, 0.91, 0.91, 1.0]
+
+
+def test_screw_axes_of_gr_are_where_the_screws_are():
+    data = other_pictures.screw_axes().numbers["axes"]
+    assert [axis["revolute"] for axis in data] == [True, False, True, True, True, True, True]
+    assert data[0]["point"] == [0, 1, 0]
+    assert data[3]["point"] == [5, 0, 0]
+    assert np.allclose([axis["point"] for axis in data[5:]], np.array([10, 0, 0]))
+
+
+def test_canadarm2_of_kg():
+    numbers = other_pictures.canadarm2().numbers
+    assert len(numbers["link_parameters"]) == 7
+    assert numbers["link_parameters"][3]["a_{j-1}"] == "d"
+
+
+def test_joint_rates_of_ml_blow_up_along_the_arm_only():
+    along, _, across = (line.points for line in other_pictures.joint_rates().panels[0].lines)
+    assert along[0, 1] > 1000.0
+    assert np.allclose(across[:, 1], 1.0)
+
+
+def test_lost_motions_of_jl():
+    elbow, shoulder = other_pictures.lost_by_elbow_and_shoulder().panels
+    arm = elbow.lines[0].points
+    assert np.allclose(np.cross(elbow.arrows[0].vector, arm[-1] - arm[-2]), 0.0, atol=1e-12)
+    assert np.allclose(shoulder.lines[0].points[-1][:2], 0.0, atol=1e-12)
+    assert abs(shoulder.arrows[0].vector[2]) < 1e-12
+
+
+def test_files_are_written_and_hold_the_numbers(tmp_path):
+    pytest.importorskip("matplotlib")
+    files = figures.save_figures(("GR", "JL"), str(tmp_path / "new"))
+    assert [path.name for path in files] == [
+        f"{name}.{ending}" for name in ("GR-figure-2", "JL-arm-singularities") for ending in ("svg", "png", "json")
+    ]
+    assert all(path.stat().st_size > 500 for path in files)
+    data = json.loads(files[2].read_text())
+    assert data["figure"] == "Figure 2"
+    assert len(data["panels"][0]["lines"]) == 7
+    assert "http" not in files[0].read_text().replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
+        "http://creativecommons.org", ""
+    ), "only the names of formats"
+
+
+def test_the_same_figure_is_the_same_file(tmp_path):
+    pytest.importorskip("matplotlib")
+    one, other = (figures.save_figures(("GR",), str(tmp_path / name)) for name in "ab")
+    assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
+
+
+def test_a_folder_that_cannot_be_is_refused_in_one_line(tmp_path):
+    pytest.importorskip("matplotlib")
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file", tmp_path / "no" / "such"):
+        with pytest.raises(OptionError, match="--figures"):
+            figures.check_folder(str(folder))
+
+
+def test_without_matplotlib_the_extra_is_named(monkeypatch, tmp_path):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(MissingExtraError, match=r"rankdrop\[report\]"):
+        figures.check_folder(str(tmp_path))
+
+
+@pytest.mark.slow
+def test_every_document_has_its_figures(tmp_path):
+    pytest.importorskip("matplotlib")
+    files = figures.save_figures(("AM", "ML", "GR", "KG", "JL"), str(tmp_path))
+    assert {path.stem for path in files} >= {f"AM-figure-{n}" for n in range(1, 10)} | {"KG-figure-1", "GR-figure-2"}

@@ -51,8 +51,8 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
     rank = generic_rank(robot, task)
     found = []
     for j, joint in enumerate(robot.variables):
-        ends = (-np.pi, np.pi) if robot.periodic[j] else (min(low[j], centre[j]), max(high[j], centre[j]))
-        values = np.union1d(np.linspace(*ends, count), [centre[j]])
+        begin, end = (-np.pi, np.pi) if robot.periodic[j] else (min(low[j], centre[j]), max(high[j], centre[j]))
+        values = np.union1d(np.linspace(begin, end, count), [centre[j]])
         line = np.repeat(centre[None], len(values), axis=0)
         line[:, j] = values
         sigma = singular_values(robot, line, task)[:, :rank]

@@ -37,7 +37,7 @@ def members(
         return np.empty((0, robot.n))
     points, solved = System(family.equations).solve(sample(robot, task, count, seed))
     points = wrapped(robot, points[solved])
-    return points[lies(robot, task, points, family.corank, tolerances) & within_travel(robot, task, points)]
+    return points[lies(robot, task, points, family.corank, tolerances) & within_travel(robot, task, family, points)]
 
 
 def general_member(
@@ -65,7 +65,7 @@ def general_member(
     along = np.eye(robot.n)[:, sorted({*tied, *held})]
     points, solved = System(family.equations).solve(starts, along=along)
     points = wrapped(robot, points[solved])
-    points = points[lies(robot, task, points, family.corank) & within_travel(robot, task, points)]
+    points = points[lies(robot, task, points, family.corank) & within_travel(robot, task, family, points)]
     if not len(points):
         return np.array(family.witness)
     kept = generic_rank(robot, task) - family.corank
@@ -89,8 +89,14 @@ def wrapped(robot: Robot, q: Array) -> Array:
     return np.asarray(np.where(robot.periodic, wrap(q), q))
 
 
-def within_travel(robot: Robot, task: Task, q: Array) -> Mask:
-    """(N,) whether every joint that does not go round is inside the box that samples come from."""
-    low, high = sampling_box(robot, task, limits=False)
+def within_travel(robot: Robot, task: Task, family: Family, q: Array) -> Mask:
+    """(N,) whether every joint that does not go round is inside the box that samples come from.
+
+    A slide that the family pins beyond its travel (Stanford arm: at 0) is let go there, or nothing would be seen.
+    """
+    low, high = (np.array(end) for end in sampling_box(robot, task, limits=False))
+    for pinned in family.pinned:
+        j = pinned.number - 1
+        low[j], high[j] = min(low[j], *pinned.values), max(high[j], *pinned.values)
     inside = (q >= low - EDGE) & (q <= high + EDGE)
     return np.asarray((inside | robot.periodic).all(axis=1))

@@ -129,7 +129,7 @@ def slice_through(
         nodes: along each side.
         tolerances: `singular`.
     """
-    x, y = (_values(robot, task, number - 1, nodes) for number in joints)
+    x, y = (_values(robot, task, number - 1, q[number - 1], nodes) for number in joints)
     plane = _Plane(robot, task, np.array(q), (joints[0] - 1, joints[1] - 1), x, y, tolerances)
     traces, filled = [], []
     for one in families:
@@ -143,10 +143,10 @@ def slice_through(
     return Slice(joints, np.array(q), family, x, y, plane.sigma(), tuple(traces), tuple(filled))
 
 
-def _values(robot: Robot, task: Task, j: int, nodes: int) -> Array:
+def _values(robot: Robot, task: Task, j: int, at: float, nodes: int) -> Array:
+    """A whole turn, or the travel and what q needs beyond it, with some room on either side."""
     low, high = (end[j] for end in sampling_box(robot, task, limits=False))
-    if robot.periodic[j]:
-        low, high = -np.pi, np.pi
+    low, high = (-np.pi, np.pi) if robot.periodic[j] else (min(low, at), max(high, at))
     room = BEYOND * (high - low)
     return np.linspace(low - room, high + room, nodes)
 

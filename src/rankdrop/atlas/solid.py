@@ -64,7 +64,7 @@ def solids(
     Returns:
         One record per family that leaves something in its cube.
     """
-    found = []
+    found: list[Solid] = []
     for family in families:
         turning = tuple(number for number in family.coupled if robot.periodic[number - 1])
         if family.corank == 1 and family.named and len(turning) >= 3 and len(found) < most:

@@ -226,9 +226,7 @@ class _Plane:
                 turn = np.zeros(2)
                 turn[k] = 2 * np.pi
                 for moved in (points + turn, points - turn):
-                    points = np.concatenate(
-                        [points, moved[(moved[:, k] >= values[0]) & (moved[:, k] <= values[-1])]]
-                    )
+                    points = np.concatenate([points, moved[(moved[:, k] >= values[0]) & (moved[:, k] <= values[-1])]])
         return points[np.unique(np.round(points, 5), axis=0, return_index=True)[1]] if len(points) else points
 
     def _basis(self) -> Array:

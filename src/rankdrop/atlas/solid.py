@@ -48,9 +48,7 @@ class Solid:
     triangles: NDArray[np.int64]
 
 
-def solids(
-    robot: Robot, task: Task, families: Sequence[Family], *, most: int = 3, seed: int = 0
-) -> tuple[Solid, ...]:
+def solids(robot: Robot, task: Task, families: Sequence[Family], *, most: int = 3, seed: int = 0) -> tuple[Solid, ...]:
     """The families of corank 1 that tie three or more turning joints together, in the cube of the first three.
 
     A family with one equation in these joints is a surface there, with two of them a set of curves.
@@ -113,9 +111,7 @@ def solid(
     if rank == 2:
         lines = walk(held, q, moving, seeds[:, moving])
         lines = [line for line in lines if _all_singular(robot, task, family, q, moving, line, tolerances)]
-        return Solid(
-            family.id, three, q, tuple(lines), sum(map(closed, lines)), nothing.vertices, nothing.triangles
-        )
+        return Solid(family.id, three, q, tuple(lines), sum(map(closed, lines)), nothing.vertices, nothing.triangles)
     if rank == 1 and len(held.equations) == 1:
         vertices, triangles = _sheet(robot, task, family, held, q, moving, nodes, tolerances)
         return Solid(family.id, three, q, (), 0, vertices, triangles)

@@ -60,9 +60,7 @@ def _line(system: System, base: Array, joints: list[int], seed: Array, step: flo
     return np.concatenate([behind[:0:-1], ahead])
 
 
-def _half(
-    system: System, base: Array, joints: list[int], seed: Array, step: float, sign: float
-) -> tuple[Array, bool]:
+def _half(system: System, base: Array, joints: list[int], seed: Array, step: float, sign: float) -> tuple[Array, bool]:
     """Points from the seed on, and whether the walk came back to it."""
     x, line, direction = seed, [seed], None
     for count in range(_MOST):

@@ -73,8 +73,8 @@ class Workspace:
 
     Attributes:
         section: how positions are drawn.
-        x, y: (CELLS + 1,) edges of the map's cells [m].
-        tips: (CELLS, CELLS) how many of the random tips fell into each cell.
+        x, y: edges of the map's square cells, some `CELLS` of them along the longer side [m].
+        tips: (len(x) − 1, len(y) − 1) how many of the random tips fell into each cell.
         count: of random tips.
         walls: (W, 2) images of singular configurations of the position task.
         one_sided: (W,) whether Q has one sign only there.
@@ -93,9 +93,7 @@ class Workspace:
     seed: int
 
 
-def workspace(
-    robot: Robot, task: Task, families: Sequence[Family], *, seed: int = 0, tips: int = TIPS
-) -> Workspace:
+def workspace(robot: Robot, task: Task, families: Sequence[Family], *, seed: int = 0, tips: int = TIPS) -> Workspace:
     """The workspace in section, joint limits of turning joints ignored, as the families are.
 
     Args:
@@ -110,9 +108,7 @@ def workspace(
     low, high = drawn.min(axis=0), drawn.max(axis=0)
     if not section.planar:
         low[0] = 0.0
-    half = 0.52 * max((high - low).max(), 1e-9)
-    middle = (low + high) / 2
-    edges = [np.linspace(middle[k] - half, middle[k] + half, CELLS + 1) for k in (0, 1)]
+    edges = _edges(low, high, section.planar)
     counts, _, _ = np.histogram2d(drawn[:, 0], drawn[:, 1], bins=(edges[0], edges[1]))
     walls, one_sided = _walls(robot, section, seed)
     images = []
@@ -123,6 +119,15 @@ def workspace(
     return Workspace(
         section, edges[0], edges[1], counts.astype(np.int64), tips, section(walls), one_sided, tuple(images), seed
     )
+
+
+def _edges(low: Array, high: Array, planar: bool) -> list[Array]:
+    """Square cells with a little room around; a distance begins at 0."""
+    cell = 1.06 * max(float((high - low).max()), 1e-9) / CELLS
+    room = 0.03 * (high - low).max()
+    begin = low - np.array([room if planar else 0.0, room])
+    count = np.maximum(np.ceil((high + room - begin) / cell), 1).astype(int)
+    return [begin[k] + cell * np.arange(count[k] + 1) for k in (0, 1)]
 
 
 def section_of(robot: Robot, positions: Array) -> Section:

@@ -38,9 +38,7 @@ def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> str:
     top = max(float(plane.sigma.max()), 1e-12)
     parts = [chart.image(0.75 * (1 - plane.sigma[::2, ::2] / top) ** 3)]
     names = names_of(robot)
-    labels = tuple(
-        f"{names[number - 1]} [{robot.variables[number - 1].unit}]" for number in plane.joints
-    )
+    labels = tuple(f"{names[number - 1]} [{robot.variables[number - 1].unit}]" for number in plane.joints)
     parts.append(chart.axes((labels[0], labels[1]), (ticks[0], ticks[1])))
     for trace in plane.traces:
         style = colour(colours[trace.family])
@@ -65,7 +63,7 @@ def projections(robot: Robot, one: Solid, index: int) -> list[str]:
 
 def workspace_chart(section: Workspace) -> str:
     """Where the tip can be (grey), with the walls: dark where they bound, orange where another posture passes."""
-    chart = _map_chart(section, 420.0)
+    chart = _map_chart(section, 440.0)
     parts = [_tips(chart, section), _axes(chart, section)]
     parts.append(chart.dots(section.walls[~section.one_sided], "pass", 0.9))
     parts.append(chart.dots(section.walls[section.one_sided], "wall", 1.1))
@@ -74,35 +72,35 @@ def workspace_chart(section: Workspace) -> str:
 
 def image_chart(section: Workspace, points: Array, index: int) -> str:
     """The image of one family over the workspace."""
-    chart = _map_chart(section, 230.0)
+    chart = _map_chart(section, 320.0)
     parts = [_tips(chart, section), _axes(chart, section), chart.dots(points, "", 1.0, colour(index))]
     return chart.svg(parts, "Image of a family in the workspace")
 
 
 def spread(section: Workspace, points: Array) -> float:
     """Share of the workspace's cells in which a family has a tip, of as many as it could have met."""
-    cells = len(np.unique(np.stack([np.digitize(points[:, 0], section.x), np.digitize(points[:, 1], section.y)]), axis=1).T)
+    cells = len(
+        np.unique(np.stack([np.digitize(points[:, 0], section.x), np.digitize(points[:, 1], section.y)]), axis=1).T
+    )
     return cells / max(1, min(len(points), int((section.tips > 0).sum())))
 
 
 def _map_chart(section: Workspace, size: float) -> Chart:
-    low = max(section.x[0], -1e-9) if not section.section.planar else section.x[0]
-    return Chart(
-        (float(low), float(section.x[-1])), (float(section.y[0]), float(section.y[-1])),
-        width=size * float((section.x[-1] - low) / (section.x[-1] - section.x[0])), height=size,
-    )  # fmt: skip
+    x, y = ((float(edges[0]), float(edges[-1])) for edges in (section.x, section.y))
+    longer = max(x[1] - x[0], y[1] - y[0])
+    return Chart(x, y, width=size * (x[1] - x[0]) / longer, height=size * (y[1] - y[0]) / longer)
 
 
 def _tips(chart: Chart, section: Workspace) -> str:
-    kept = section.tips[section.x[1:] > chart.x[0]]
+    kept = section.tips
     most = max(float(np.quantile(kept[kept > 0], 0.95)) if (kept > 0).any() else 1.0, 1.0)
     dark = np.where(kept > 0, 0.12 + 0.33 * np.minimum(kept / most, 1.0) ** 0.5, 0.0)
     return chart.image(dark)
 
 
 def _axes(chart: Chart, section: Workspace) -> str:
-    few = 3 if chart.width < 200 else 5
-    return chart.axes(section.section.labels, (plain_ticks(*chart.x, few), plain_ticks(*chart.y, few)))
+    few = [max(2, round(side / 70)) for side in (chart.width, chart.height)]
+    return chart.axes(section.section.labels, (plain_ticks(*chart.x, few[0]), plain_ticks(*chart.y, few[1])))
 
 
 def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
@@ -115,12 +113,14 @@ def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
     )  # fmt: skip
     name = names_of(robot)[sweep.number - 1]
     parts = [f'<text class="name" x="{chart.left}" y="11">{name}</text>']
-    parts.append(f'<rect class="frame" x="{chart.left}" y="{chart.top}" width="{chart.width}" height="{chart.height}"/>')
+    parts.append(
+        f'<rect class="frame" x="{chart.left}" y="{chart.top}" width="{chart.width}" height="{chart.height}"/>'
+    )
     ends = ("−π", "π") if robot.periodic[sweep.number - 1] else tuple(f"{x:.2g}" for x in chart.x)
     base = chart.top + chart.height + 14
     parts.append(f'<text x="{chart.left}" y="{base}">{ends[0]}</text>')
     parts.append(f'<text x="{chart.left + chart.width}" y="{base}" text-anchor="end">{ends[1]}</text>')
-    parts.append(f'<text x="{chart.left - 3}" y="{chart.top + 9}" text-anchor="end">{high:.1g}</text>')
+    parts.append(f'<text x="{chart.left - 3}" y="{chart.top + 9}" text-anchor="end">{high:.2g}</text>')
     parts.append(chart.upright(sweep.at, "here"))
     for k in range(shown.shape[1] - 1, -1, -1):
         lost = k < corank

@@ -16,7 +16,7 @@ from rankdrop.conditions import conditions
 from rankdrop.derived import Conditions
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.kinematics import link_poses
-from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
+from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array
 
@@ -35,8 +35,9 @@ class Content:
 
     Attributes:
         analysis: the families and how they were verified.
-        blamed: per family the joints (from 1) of the smallest dependent sets that carry the loss at its witness.
-        blame_words: per family what their axes have in common.
+        blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
+            freedom lost.
+        blame_words: per family the sets from which all its dependencies follow, in words.
         exact: the conditions, exactly; None where they are not to be had.
         exact_missing: why not; "" otherwise.
         slices: planes of joint space.
@@ -86,13 +87,20 @@ def content(
     tell("report", 3, _PARTS)
     section = workspace(robot, task, families, seed=seed)
     tell("report", 4, _PARTS)
-    blame = [_blame(analysis, family) for family in families]
+    to_blame = [_blame(analysis, family) for family in families]
     swept = tuple(sweeps(robot, family.witness, task) for family in families)
     tell("report", 5, _PARTS)
     return Content(
-        analysis, tuple(numbers for numbers, _ in blame), tuple(words for _, words in blame), derived, missing, planes,
-        sets, section, swept,
-    )  # fmt: skip
+        analysis=analysis,
+        blamed=tuple(numbers for numbers, _ in to_blame),
+        blame_words=tuple(words for _, words in to_blame),
+        exact=derived,
+        exact_missing=missing,
+        slices=planes,
+        solids=sets,
+        workspace=section,
+        sweeps=swept,
+    )
 
 
 def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:
@@ -126,5 +134,6 @@ def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[s
         return (), ()
     nullity = robot.n - analysis.generic_rank + family.corank
     found = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
-    numbers = sorted({number for circuit in found for number in circuit.numbers})
+    smallest = blame(robot, family.witness, task)
+    numbers = sorted({number for circuit in smallest for number in circuit.numbers})
     return tuple(numbers), tuple(circuit.words for circuit in found)

@@ -8,8 +8,8 @@ from importlib import resources
 
 from rankdrop.report.content import Content
 from rankdrop.report.data import page_data, slider_range
+from rankdrop.report.exact import exact_section
 from rankdrop.report.sections import (
-    exact_section,
     line_section,
     slice_section,
     solid_section,
@@ -76,8 +76,8 @@ def _header(analysis: Analysis) -> str:
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     source = robot.source.reference or robot.source.origin
-    cells += f'<div class="long"><dt>source</dt><dd class="small">{escape(source)}</dd></div>' if source else ""
-    notes = "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
+    notes = f'<p class="small">Source: {escape(source)}</p>' if source else ""
+    notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in robot.notes)
     unfinished = "" if analysis.complete else (
         f"<p class='bad'>The analysis was interrupted: corank {analysis.unfinished} is unfinished and not shown.</p>"
@@ -122,7 +122,7 @@ def _tables(content: Content) -> str:
         blame = f'<p class="small">{escape("; ".join(words))}</p>' if words else ""
         cards.append(
             f'<div class="card"><canvas data-still="{family.id}" aria-label="The arm at the witness of {family.id}">'
-            f'</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}'
+            f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )
     return (

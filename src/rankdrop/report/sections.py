@@ -1,11 +1,10 @@
-"""The lower sections of the page: exact conditions, joint space, workspace, σ along lines, verification."""
+"""The lower sections of the page: joint space, workspace, σ along lines, verification."""
 
 from __future__ import annotations
 
 from html import escape
 
 from rankdrop.atlas.slices import Slice
-from rankdrop.exact.family import ExactFamily
 from rankdrop.report.charts import (
     COLOURS,
     image_chart,
@@ -17,59 +16,9 @@ from rankdrop.report.charts import (
     workspace_chart,
 )
 from rankdrop.report.content import Content
-from rankdrop.report.typeset import typeset
 from rankdrop.report.verified import checks
 
-_LONG = 420  # characters of LaTeX; a longer condition is folded
 _WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
-
-
-def exact_section(content: Content) -> str:
-    """The conditions, exactly, typeset."""
-    head = '<section id="exact"><h2>Exact conditions</h2>'
-    found = content.exact
-    if found is None:
-        return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
-    numbers = ", ".join(f"{name} = {value:.6g} m" for name, value in found.letters.items())
-    shifts = [
-        f"θ{i} = q{i} {'−' if x < 0 else '+'} {abs(x):.4g}" for i, x in enumerate(found.shifts, start=1) if abs(x) > 1e-12
-    ]
-    words = [
-        f"Derived over the rational numbers with lengths as letters, by the method “{escape(found.method)}”. "
-        "s<sub>i</sub> is sin θ<sub>i</sub>, c<sub>23</sub> is cos(θ<sub>2</sub> + θ<sub>3</sub>).",
-        escape(f"Lengths: {numbers}." if numbers else ""),
-        escape(f"Offsets: {', '.join(shifts)}." if shifts else ""),
-    ]
-    if found.families:
-        words.append(
-            f"The rank was checked modulo a prime at random points of every family, and {found.explained.agree:,} of "
-            f"{found.explained.tested:,} singular configurations found numerically lie on one (seed {found.seed})."
-        )
-    told = "".join(f"<p>{one}</p>" for one in words if one)
-    left = "".join(f'<p class="bad">Not finished: {_cut(one)}</p>' for one in found.left)
-    left += "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
-    left += "".join(f'<p class="small">{escape(one)}</p>' for one in (*found.remarks, *found.not_real))
-    return f"{head}{told}{''.join(map(_exact_family, found.families))}{left}</section>"
-
-
-def _cut(text: str) -> str:
-    return escape(text if len(text) < _LONG else text[:_LONG] + " …")
-
-
-def _exact_family(family: ExactFamily) -> str:
-    lines = "".join(_condition(latex) for latex in family.latex)
-    real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
-    return (
-        f'<div class="exact"><h4>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small></h4>'
-        f"{lines}{real}</div>"
-    )
-
-
-def _condition(latex: str) -> str:
-    text = f'<div class="condition">{typeset(latex)}</div>'
-    if len(latex) <= _LONG:
-        return text
-    return f"<details><summary>a condition of {len(latex):,} characters</summary>{text}</details>"
 
 
 def slice_section(content: Content) -> str:
@@ -94,9 +43,7 @@ def _slice_words(content: Content, plane: Slice) -> str:
     names = names_of(content.analysis.robot)
     keys = " ".join(_key(content, trace.family) for trace in plane.traces)
     held = ", ".join(
-        f"{names[i]} = {value:.4g}".replace("-", "−")
-        for i, value in enumerate(plane.q)
-        if i + 1 not in plane.joints
+        f"{names[i]} = {value:.4g}".replace("-", "−") for i, value in enumerate(plane.q) if i + 1 not in plane.joints
     )
     filled = "".join(f" The whole slice lies in {one}." for one in plane.filled)
     return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
@@ -122,7 +69,8 @@ def solid_section(content: Content) -> str:
         else:
             what = f"a surface, {len(one.triangles):,} triangles"
         figures.append(
-            f'<figure><canvas id="solid{number}" tabindex="0" aria-label="{one.family} in {axes}; drag to turn"></canvas>'
+            f'<figure><canvas id="solid{number}" tabindex="0" aria-label="{one.family} in {axes}; drag to turn">'
+            "</canvas>"
             f"<figcaption>{_key(content, one.family)} in ({axes}): {what}, up to whole turns"
             f"{'; held: ' + escape(held) if held else ''}. Drag to turn.</figcaption></figure>"
         )
@@ -144,14 +92,15 @@ def workspace_section(content: Content) -> str:
             f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
             "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: no small "
             f"motion from that posture crosses the wall ({share}): boundaries of the workspace and of voids, barriers "
-            'inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.</figcaption></figure>'
+            'inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.</figcaption>'
+            "</figure>"
         )
     names = {family.id: family.name for family in content.analysis.families}
     for family, points in section.images:
         if not len(points):
             continue
         fills = spread(section, points) > _WIDE
-        words = "its tips fill the workspace: the posture decides, not the place" if fills else "confined to these places"
+        words = "its tips fill the workspace: posture decides, not place" if fills else "confined to these places"
         figures.append(
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
@@ -170,9 +119,7 @@ def line_section(content: Content) -> str:
     parts = []
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
         charts = "".join(sweep_chart(analysis.robot, one, family.corank) for one in swept)
-        parts.append(
-            f"<h3>{family.id}&ensp;<small>{escape(family.name)}</small></h3><div class='lines'>{charts}</div>"
-        )
+        parts.append(f"<h3>{family.id}&ensp;<small>{escape(family.name)}</small></h3><div class='lines'>{charts}</div>")
     return (
         '<section id="lines"><h2>σ along lines</h2><p>Each joint turns in full, or slides its travel, through the '
         f'witness of a family (dashed line). <b class="bad">Bold</b>: the singular values that vanish there, '
@@ -191,5 +138,6 @@ def verification_section(content: Content) -> str:
     return (
         f'<section id="verified"><h2>How this was verified</h2><ul class="checks">{items}</ul>'
         "<p>These are tests on samples, not proofs. A corank that was not found is not thereby shown to be absent.</p>"
-        f"<details><summary>tolerances</summary><div class='scroll'><table>{tolerances}</table></div></details></section>"
+        f"<details><summary>tolerances</summary><div class='scroll'><table>{tolerances}</table></div></details>"
+        "</section>"
     )

@@ -28,7 +28,10 @@ def skeleton(robot: Robot) -> tuple[Array, Array]:
     drawn = points.copy()
     for i, joint in enumerate(robot.joints):
         way = float(np.linalg.norm(points[i] - before[i]))
-        if joint.kind is not JointKind.PRISMATIC and np.linalg.norm(_foot(robot, i, before[i]) - before[i]) <= _ALONG + 1e-6 * way:
+        if (
+            joint.kind is not JointKind.PRISMATIC
+            and np.linalg.norm(_foot(robot, i, before[i]) - before[i]) <= _ALONG + 1e-6 * way
+        ):
             drawn[i] = (points[i] + before[i]) / 2
     return points, drawn
 

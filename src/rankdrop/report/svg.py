@@ -83,7 +83,9 @@ class Chart:
             parts.append(f'<line class="tick" x1="{self.left - 4}" x2="{right}" y1="{_n(at)}" y2="{_n(at)}"/>')
             parts.append(f'<text x="{self.left - 7}" y="{_n(at + 4)}" text-anchor="end">{escape(word)}</text>')
         middle = self.left + self.width / 2
-        parts.append(f'<text class="name" x="{middle}" y="{bottom + 34}" text-anchor="middle">{escape(names[0])}</text>')
+        parts.append(
+            f'<text class="name" x="{middle}" y="{bottom + 34}" text-anchor="middle">{escape(names[0])}</text>'
+        )
         height = self.top + self.height / 2
         parts.append(
             f'<text class="name" text-anchor="middle" transform="translate(12 {height}) rotate(-90)">'
@@ -95,7 +97,8 @@ class Chart:
         """The whole picture."""
         width, height = self.left + self.width + self.right, self.top + self.height + self.bottom
         return (
-            f'<svg viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{escape(label)}">{"".join(parts)}</svg>'
+            f'<svg viewBox="0 0 {width:g} {height:g}" style="max-width:{1.15 * width:.0f}px" role="img" '
+            f'aria-label="{escape(label)}">{"".join(parts)}</svg>'
         )
 
 

@@ -61,7 +61,10 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
         for number, joint in enumerate(robot.variables, start=1)
     )
     lost = "lost direction" if summary.corank == 1 else "lost directions"
-    return f'<tr><th></th><th class="words">family</th>{joints}<th>dim</th><th class="words">{lost}</th><th>sound</th><th>share</th></tr>'
+    return (
+        f'<tr><th></th><th class="words">family</th>{joints}<th>dim</th><th class="words">{lost}</th><th>sound</th>'
+        "<th>share</th></tr>"
+    )
 
 
 def _rows(robot: Robot, row: Family) -> str:

@@ -20,7 +20,7 @@ def checks(content: Content) -> Iterator[str]:
         yield f"Sound: {held:,} of {solved:,} points solved from the rows' conditions are singular (σ ≤ {singular:g})."
         fresh = sum(row.completeness.tested for row in analysis.coranks)
         known = sum(row.completeness.explained for row in analysis.coranks)
-        yield f"Complete: the rows explain {known:,} of {fresh:,} fresh singular points that took no part in finding them."
+        yield f"Complete: the rows explain {known:,} of {fresh:,} fresh singular points, none of which made them."
         yield (
             f"Evaluated again for this report: at the witnesses the equations leave {again.equation:.1e} at most, the "
             f"singular values that have to vanish {again.sigma:.1e} at most."

@@ -16,7 +16,7 @@ class Arm {
     this.draw();
   }
 
-  fit(configurations) {
+  points(configurations) {
     const points = [[0, 0, 0]];
     for (const q of configurations) {
       const moved = displacements(this.robot, q);
@@ -24,10 +24,21 @@ class Arm {
       const tip = tipPose(this.robot, moved);
       points.push([tip[3], tip[7], tip[11]]);
     }
-    const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k])));
+    return points;
+  }
+
+  // Centre and size of the view, so that these configurations are inside.
+  fit(configurations) {
+    const points = this.points(configurations), low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k])));
     const high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
     this.scene.centre = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
-    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.2 * this.robot.reach;
+    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.22 * this.robot.reach;
+  }
+
+  // The view grows where the arm would leave it.
+  widen(q) {
+    const far = Math.max(...this.points([q]).map((p) => length(plus(p, this.scene.centre, -1))));
+    this.scene.radius = Math.max(this.scene.radius, far + 0.1 * this.robot.reach);
   }
 
   draw() {

@@ -52,6 +52,7 @@ function turnedTowards(lost, wanted) {
 function setQ(q) {
   state.q = [...q];
   const found = decompose(robot, state.q);
+  arm.widen(state.q);
   state.sigma = found.sigma;
   state.singular = found.sigma.slice(0, data.generic_rank).some((s) => s <= data.live_tolerance);
   state.arrows = lostAt(state.q, found);
@@ -85,9 +86,11 @@ function goTo(id, animate = true) {
   for (const button of document.querySelectorAll("[data-go]")) button.setAttribute("aria-pressed", String(button.dataset.go === id));
   const from = state.q, still = !animate || matchMedia("(prefers-reduced-motion: reduce)").matches;
   const begun = performance.now();
+  arm.fit(still ? [family.witness] : [from, family.witness]);
   const step = (now) => {
     const s = Math.min(1, (now - begun) / 600), eased = s * s * (3 - 2 * s);
     if (state.family !== family) return;
+    if (s >= 1) arm.fit([family.witness]);
     setQ(s >= 1 ? family.witness : from.map((x, i) => x + (family.witness[i] - x) * eased));
     if (s < 1) requestAnimationFrame(step);
   };

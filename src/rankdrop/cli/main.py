@@ -18,6 +18,7 @@ try:
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.nearest import nearest
+    from rankdrop.cli.report import report
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.errors import RankdropError
@@ -52,6 +53,7 @@ app.command(find)
 app.command(explain)
 app.command(escape)
 app.command(nearest)
+app.command(report)
 
 
 def main() -> None:

@@ -85,7 +85,7 @@ def _robot(analysis: Analysis) -> dict[str, Any]:
 
 def _size(robot: Robot, points: Array) -> float:
     """The size that the arm is drawn in [m]: its reach, the base included."""
-    return float(max(reach(robot), np.linalg.norm(points[0]), 1e-6))
+    return max(reach(robot), float(np.linalg.norm(points[0])), 1e-6)
 
 
 def _view(robot: Robot) -> dict[str, float]:

@@ -76,15 +76,19 @@ def _header(analysis: Analysis) -> str:
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     source = robot.source.reference or robot.source.origin
-    notes = f'<p class="small">Source: {escape(source)}</p>' if source else ""
+    notes = (
+        f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
+    notes = notes if source else ""
+    )
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in robot.notes)
     unfinished = "" if analysis.complete else (
         f"<p class='bad'>The analysis was interrupted: corank {analysis.unfinished} is unfinished and not shown.</p>"
     )  # fmt: skip
     return (
-        f'<header><h1>{escape(robot.name)}</h1><div class="about">{escape(robot.about or "Kinematic singularities")}'
-        f'</div><span class="badge {css}">{word}</span><dl class="facts">{cells}</dl>{notes}{unfinished}</header>'
+        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{word}</span></h1>'
+        f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
+        f'<dl class="facts">{cells}</dl>{notes}{unfinished}</header>'
     )
 
 
@@ -101,12 +105,12 @@ def _arm(content: Content) -> str:
             f'aria-label="joint {i + 1}, {escape(joint.name)}"><span id="value{i + 1}"></span></label>'
         )
     buttons = "".join(
-        f'<button data-go="{family.id}" aria-pressed="false">{family.id}&ensp;{escape(family.name)}</button>'
+        f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(family.name)}</button>'
         for family in analysis.families
     )
     return (
-        '<section id="see"><h2>The arm, live</h2><div class="go">'
-        f'{buttons}<button id="home">q = 0</button></div><div class="see"><div class="stage">'
+        '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" aria-label="families">'
+        f'{buttons}<button id="home">q = 0</button></div><div class="stage">'
         '<canvas id="arm" tabindex="0" aria-label="The arm in three dimensions; drag to turn"></canvas>'
         '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Orange: axes to blame. Drag to turn, '
         "double click to turn back.</div></div>"

@@ -33,9 +33,9 @@ def slice_section(content: Content) -> str:
         return '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
     rank = content.analysis.generic_rank
     return (
-        f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Grey: σ<sub>{rank}</sub>, '
-        "dark where it is small. Curves and dots: the families, solved from their conditions; every point drawn was "
-        f'checked in the Jacobian.</p><div class="figures">{figures}</div></section>'
+        f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Shade: σ<sub>{rank}</sub>, '
+        "stronger where it is small. Curves and dots: the families, solved from their conditions; every point drawn "
+        f'was checked in the Jacobian.</p><div class="figures">{figures}</div></section>'
     )
 
 

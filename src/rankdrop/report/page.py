@@ -76,10 +76,8 @@ def _header(analysis: Analysis) -> str:
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     source = robot.source.reference or robot.source.origin
-    notes = (
-        f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
-    notes = notes if source else ""
-    )
+    told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
+    notes = told if source else ""
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in robot.notes)
     unfinished = "" if analysis.complete else (

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.atlas.family import CorankSummary, Family
+from rankdrop.atlas.overview import overview
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.local.block import singular_values
 from rankdrop.record import (
@@ -25,6 +26,7 @@ from rankdrop.record import (
     task_from_dict,
 )
 from rankdrop.robot.model import Robot
+from rankdrop.sections import html
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 
@@ -202,6 +204,10 @@ class Analysis:
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
         )
+
+    def _repr_html_(self) -> str:
+        """For notebooks: one table per corank."""
+        return html(overview(self.robot, self.generic_rank, self.coranks, self.families))
 
     def save(self, path: str | Path) -> None:
         """Write the analysis to a JSON file.

@@ -67,9 +67,7 @@ def report(
     given = None if out is None else _checked(out, format)
     with reporter(quiet=quiet) as progress:
         analysis = _analysis(robot, arm, starts, seed, progress)
-        target = given or _checked(
-            analysis.robot.name.replace("/", "-") + (".html" if format == "html" else ""), format
-        )
+        target = given or _checked(_default(analysis, format), format)
         written = _written(analysis, target, format, figure, exact_seconds, seed, progress)
     for path in written:
         say(f"wrote {path}")

@@ -133,7 +133,7 @@ def solid_figure(robot: Robot, one: Solid, index: int) -> Figure:
         for piece in pieces(line):
             axes.plot(*piece.T, color=tone, lw=1.8)
     if len(one.triangles):
-        axes.plot_trisurf(*one.vertices.T, triangles=one.triangles, color=tone, lw=0, alpha=0.85)
+        axes.plot_trisurf(*one.vertices.T, triangles=one.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
     for k, set_name in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)):
         joint = robot.variables[one.joints[k] - 1]
         set_name(f"{joint_symbol(one.joints[k], str(joint.kind))} [{joint.unit}]")

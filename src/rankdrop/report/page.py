@@ -63,7 +63,7 @@ def _header(analysis: Analysis) -> str:
     css, word = ("good", "verified on samples") if analysis.verified else ("bad", "not all verified")
     redundancy = robot.n - analysis.generic_rank
     found = ", ".join(
-        f"{len(rows)} of corank {summary.corank}"
+        f"corank {summary.corank}: {len(rows)}"
         for summary in analysis.coranks
         if (rows := analysis.of_corank(summary.corank))
     )

@@ -32,7 +32,7 @@ class Arm {
     const points = this.points(configurations), low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k])));
     const high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
     this.scene.centre = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
-    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.22 * this.robot.reach;
+    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.13 * this.robot.reach;
   }
 
   // The view grows where the arm would leave it.

@@ -33,7 +33,7 @@ def page(content: Content) -> str:
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
     data = json.dumps(page_data(content), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    data = data.replace("</", "<\\/")  # no name in it can end the script
+    data = data.replace("<", "\\u003c")  # no name in it can end the script
     script = "\n".join(asset(name) for name in SCRIPTS)
     links = "".join(f'<a href="#{target}">{name}</a>' for target, name in _NAVIGATION)
     sections = (

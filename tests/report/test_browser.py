@@ -1,4 +1,4 @@
-"""The page in a real browser: its kinematics are rankdrop's, sliders move the arm, arrows point where the numbers say."""
+"""The page in a real browser: its kinematics are rankdrop's, sliders move the arm, arrows point where they should."""
 
 from __future__ import annotations
 

@@ -90,7 +90,8 @@ def test_the_data_is_the_arm() -> None:
     record = json.loads(json.dumps(page_data(found), allow_nan=False))
     robot = found.analysis.robot
     assert [one["screw"] for one in record["robot"]["chain"]] == [joint.screw.tolist() for joint in robot.joints]
-    assert [one["witness"] for one in record["families"]] == [list(family.witness) for family in found.analysis.families]
+    witnesses = [list(family.witness) for family in found.analysis.families]
+    assert [one["witness"] for one in record["families"]] == witnesses
 
 
 @pytest.mark.parametrize("name", ["pa10", "scara", "stanford", "ur5"])

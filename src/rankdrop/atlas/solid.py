@@ -109,7 +109,7 @@ def solid(
         return nothing
     rank = int(np.median(np.linalg.matrix_rank(held.jacobian(seeds)[..., moving], tol=1e-5)))
     if rank == 2:
-        lines = walk(held, q, moving, seeds[:, moving])
+        lines = walk(held, q, moving, seeds[:, moving]) or []
         lines = [line for line in lines if _all_singular(robot, task, family, q, moving, line, tolerances)]
         return Solid(family.id, three, q, tuple(lines), sum(map(closed, lines)), nothing.vertices, nothing.triangles)
     if rank == 1 and len(held.equations) == 1:

@@ -14,14 +14,14 @@ from rankdrop.atlas.linear import wrap
 from rankdrop.atlas.system import SOLVED, System, shortest
 from rankdrop.robot.model import Array
 
-STEP = 0.04
+STEP = 0.07
 """Between neighbours on a curve [rad]."""
-_MOST = 2000  # steps of one curve
+_MOST = 600  # steps of one curve: seven turns; one that is longer does not come to an end
 _FLAT = 1e-6  # a second vanishing singular value of A: curves cross there, or it is no curve
 _CORRECTIONS = 8
 
 
-def walk(system: System, base: Array, joints: Sequence[int], seeds: Array, step: float = STEP) -> list[Array]:
+def walk(system: System, base: Array, joints: Sequence[int], seeds: Array, step: float = STEP) -> list[Array] | None:
     """Every curve of the zero set that a seed lies on; all joints of the slice turn, and curves run on past ±π.
 
     Args:
@@ -32,12 +32,15 @@ def walk(system: System, base: Array, joints: Sequence[int], seeds: Array, step:
         step: between neighbours [rad].
 
     Returns:
-        (k, d) polylines, not wrapped; a closed one ends where it begins, up to whole turns.
+        (k, d) polylines, not wrapped; a closed one ends where it begins, up to whole turns. None where a curve does
+        not come to an end: equations that nearly hold on more than a curve (Sawyer) are not to be walked.
     """
     found: list[Array] = []
     left = np.array(seeds)
     while len(left):
         line = _line(system, base, list(joints), left[0], step)
+        if len(line) > _MOST:
+            return None
         if len(line) > 2:
             found.append(line)
         left = left[1:]
@@ -63,17 +66,18 @@ def _line(system: System, base: Array, joints: list[int], seed: Array, step: flo
 def _half(system: System, base: Array, joints: list[int], seed: Array, step: float, sign: float) -> tuple[Array, bool]:
     """Points from the seed on, and whether the walk came back to it."""
     x, line, direction = seed, [seed], None
+    slope = _linear(system, base, joints, x)[1][0]
     for count in range(_MOST):
-        tangent = _tangent(system, base, joints, x)
+        tangent = _tangent(slope)
         if tangent is None:
             break
         if direction is None:
             direction = sign * _positive(tangent)
         direction = tangent if tangent @ direction > 0 else -tangent
         arrived = _corrected(system, base, joints, x + step * direction)
-        if arrived is None or np.linalg.norm(arrived - x) > 2 * step:
+        if arrived is None or np.linalg.norm(arrived[0] - x) > 2 * step:
             break
-        x = arrived
+        x, slope = arrived
         line.append(x)
         gap = wrap(seed - x)
         if count > 2 and np.linalg.norm(gap) < 0.75 * step and gap @ direction > -0.75 * step:
@@ -93,19 +97,20 @@ def _linear(system: System, base: Array, joints: list[int], x: Array) -> tuple[A
     return f, slope[..., joints]
 
 
-def _tangent(system: System, base: Array, joints: list[int], x: Array) -> Array | None:
-    _, slope = _linear(system, base, joints, x)
-    _, s, vt = np.linalg.svd(slope[0])
-    d = len(joints)
+def _tangent(slope: Array) -> Array | None:
+    """The null vector of A (e, d); None where there is more than one."""
+    _, s, vt = np.linalg.svd(slope)
+    d = slope.shape[1]
     if len(s) < d - 1 or s[d - 2] < _FLAT:
         return None
     return np.asarray(vt[-1])
 
 
-def _corrected(system: System, base: Array, joints: list[int], x: Array) -> Array | None:
+def _corrected(system: System, base: Array, joints: list[int], x: Array) -> tuple[Array, Array] | None:
+    """x brought back to the zero set, and A there; None where it does not get there."""
     for _ in range(_CORRECTIONS):
         f, slope = _linear(system, base, joints, x)
         if np.abs(f).max() <= SOLVED:
-            return x
+            return x, slope[0]
         x = x - shortest(slope, f)[0]
     return None

@@ -108,7 +108,7 @@ def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
     shown = sweep.sigma[:, ::-1][:, : corank + 1 if corank > 1 else 2]
     high = max(float(shown.max()) * 1.05, 1e-9)
     chart = Chart(
-        (float(sweep.values[0]), float(sweep.values[-1])), (0.0, high), width=_SMALL, height=0.62 * _SMALL, left=26,
+        (float(sweep.values[0]), float(sweep.values[-1])), (0.0, high), width=_SMALL, height=0.62 * _SMALL, left=36,
         bottom=20, top=16, right=6,
     )  # fmt: skip
     name = names_of(robot)[sweep.number - 1]

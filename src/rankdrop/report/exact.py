@@ -10,6 +10,7 @@ from rankdrop.report.typeset import typeset
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded
+_LINES = 3  # of what was left unfinished
 _NO_SHIFT = 1e-12  # [rad]
 
 
@@ -37,8 +38,11 @@ def exact_section(content: Content) -> str:
             f"{found.explained.tested:,} singular configurations found numerically lie on one (seed {found.seed})."
         )
     told = "".join(f"<p>{one}</p>" for one in words if one)
-    left = "".join(f'<p class="bad">Not finished: {_cut(one)}</p>' for one in found.left)
-    left += "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
+    left = "".join(f'<p class="bad">Not finished: {_cut(one)}</p>' for one in found.left[:_LINES])
+    if len(found.left) > _LINES:
+        left += f'<p class="bad">… and {len(found.left) - _LINES} more.</p>'
+    if found.complete:  # of an unfinished derivation it says nothing that a point lies on none of its families
+        left += "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
     left += "".join(f'<p class="small">{escape(one)}</p>' for one in (*found.remarks, *found.not_real))
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 

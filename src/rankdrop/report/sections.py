@@ -62,10 +62,11 @@ def solid_section(content: Content) -> str:
     names = names_of(robot)
     for number, one in enumerate(content.solids, start=1):
         axes = ", ".join(names[joint - 1] for joint in one.joints)
-        held = ", ".join(f"{names[i]} = {x:.4g}" for i, x in enumerate(one.q) if i + 1 not in one.joints)
+        held = ", ".join(f"{names[i]} = {x:.4g}" for i, x in enumerate(one.q) if i + 1 not in one.joints).replace(
+            "-", "−"
+        )
         if one.curves:
-            count = len(one.curves)
-            what = f"{count} smooth curve{'s' if count > 1 else ''}, {one.closed} of them closed"
+            what = _curves(len(one.curves), one.closed)
         else:
             what = f"a surface, {len(one.triangles):,} triangles"
         figures.append(
@@ -80,6 +81,11 @@ def solid_section(content: Content) -> str:
         '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves or '
         f'surfaces in the cube of these joints (−π … π).</p><div class="figures">{"".join(figures)}</div></section>'
     )
+
+
+def _curves(count: int, closed: int) -> str:
+    many = "s" if count > 1 else ""
+    return f"{count} closed curve{many}" if closed == count else f"{count} curve{many}, {closed} of them closed"
 
 
 def workspace_section(content: Content) -> str:

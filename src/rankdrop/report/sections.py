@@ -65,10 +65,7 @@ def solid_section(content: Content) -> str:
         held = ", ".join(f"{names[i]} = {x:.4g}" for i, x in enumerate(one.q) if i + 1 not in one.joints).replace(
             "-", "−"
         )
-        if one.curves:
-            what = _curves(len(one.curves), one.closed)
-        else:
-            what = f"a surface, {len(one.triangles):,} triangles"
+        what = _curves(len(one.curves), one.closed) if one.curves else f"a surface, {len(one.triangles):,} triangles"
         figures.append(
             f'<figure><canvas id="solid{number}" tabindex="0" aria-label="{one.family} in {axes}; drag to turn">'
             "</canvas>"
@@ -96,8 +93,8 @@ def workspace_section(content: Content) -> str:
         share = f"{int(section.one_sided.sum()):,} of {len(section.walls):,}"
         figures.append(
             f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
-            "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: no small "
-            f"motion from that posture crosses the wall ({share}): boundaries of the workspace and of voids, barriers "
+            "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to second "
+            f"order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of voids, barriers "
             'inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.</figcaption>'
             "</figure>"
         )

@@ -4,6 +4,7 @@
     .venv/bin/python tools/make_atlases.py pa10 ur5   # these, and the index anew
 
 An atlas in which some fresh point is unexplained, a row unsound or a family unnamed is not written.
+They hold no exact conditions: what these say in addition is text, and derived anew in seconds where it is wanted.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "atlases"
 
 def write(name: str) -> None:
     """Analyse one arm and write its file."""
-    found = analyze(open_robot(name), starts=STARTS, seed=SEED)
+    found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="off")
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
         raise SystemExit(f"{name}: the analysis is not verified; nothing was written")
     text = json.dumps(found.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))

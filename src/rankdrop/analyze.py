@@ -9,6 +9,7 @@ from rankdrop._handles import check_robot
 from rankdrop.atlas.families import families
 from rankdrop.atlas.family import CorankFamilies
 from rankdrop.atlas.search import check_numbers, search
+from rankdrop.join import check_exact, join
 from rankdrop.local.block import generic_rank
 from rankdrop.result import Analysis, Settings
 from rankdrop.robot.model import Robot
@@ -27,6 +28,7 @@ def analyze(
     starts: int = 10_000,
     seed: int = 0,
     limits: bool = False,
+    exact: str = "auto",
     threads: int = 0,
     length_scale: float | None = None,
     progress: Progress | None = None,
@@ -38,6 +40,9 @@ def analyze(
     Levenberg–Marquardt), then turn the cloud into families with their conditions, checked on fresh points. It ends
     with the first corank that no start reaches; that corank is reported too. Not finding is not a proof of absence.
 
+    Beside it the families are derived exactly, where that is possible in the time allowed, and the two are compared:
+    `Analysis.exact`. Both know nothing of each other.
+
     Ctrl-C does not lose the work: the coranks already done come back with `complete=False`.
 
     Args:
@@ -46,6 +51,7 @@ def analyze(
         starts: random starts for each corank.
         seed: of every random choice; same seed, same result, on any number of threads.
         limits: stay within the joint limits; otherwise the whole torus.
+        exact: "auto", exact conditions where python-flint is installed and 5 s are enough; "on", required, 60 s; "off".
         threads: of the core; 0 uses every processor.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
         progress: called as progress(label, done, total).
@@ -58,6 +64,7 @@ def analyze(
         RobotError: not a Robot.
         TaskError: the task does not exist, or the length scale is not positive.
         OptionError: an option outside what is allowed.
+        MissingExtraError: exact conditions are required, and python-flint is not installed.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -66,6 +73,7 @@ def analyze(
         [(1, 2)]
     """
     check_robot(robot)
+    check_exact(exact)
     starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))
@@ -91,16 +99,24 @@ def analyze(
             break
         if found[-1].summary.converged == 0:
             break
+    rows = tuple(family for one in found for family in one.families)
+    joined = None
+    if unfinished is None:
+        joined = join(
+            robot, resolved, rank, rows, exact=exact, limits=limits, seed=seed, tolerances=tolerances,
+            progress=_prefixed(progress, "exact"),
+        )  # fmt: skip
     return Analysis(
         robot=robot,
         task=resolved,
         generic_rank=rank,
         settings=Settings(seed, starts, limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in found),
-        families=tuple(family for one in found for family in one.families),
+        families=rows,
         complete=unfinished is None,
         unfinished=unfinished,
         notes=_rank_notes(robot, resolved, rank),
+        exact=joined,
     )
 
 
@@ -108,6 +124,12 @@ def _labelled(progress: Progress | None, label: str) -> Callable[[int, int], Non
     if progress is None:
         return None
     return lambda done, total: progress(label, done, total)
+
+
+def _prefixed(progress: Progress | None, label: str) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda inner, done, total: progress(f"{label}: {inner}", done, total)
 
 
 def _rank_notes(robot: Robot, task: Task, rank: int) -> tuple[str, ...]:

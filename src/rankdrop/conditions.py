@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
+from math import inf
 from time import monotonic
 
 from rankdrop._handles import check_robot
-from rankdrop.derived import Conditions, Step
+from rankdrop.atlas.search import check_numbers
+from rankdrop.derived.conditions import Conditions
+from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, corank_one
+from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.settled import settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
@@ -28,6 +34,12 @@ Progress = Callable[[str, int, int], None]
 """progress(label, done, total), label such as "sets looked into"."""
 POINTS = 1000
 """Singular configurations found numerically that the families have to explain."""
+MOST_POINTS = 100_000
+"""More of them take longer than any derivation."""
+_SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
+_LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
+_LONG = 4.0  # where less time is left, fewer configurations are tried [s]
+_FEWEST = 50
 
 
 def conditions(
@@ -60,7 +72,7 @@ def conditions(
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
         snap: lengths up to this are taken for zero [m].
         coranks: the highest corank to derive; None for all.
-        seconds: time limit; what was derived by then is returned, and what is left is told.
+        seconds: time limit; what was derived by then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand.
@@ -82,26 +94,28 @@ def conditions(
         [('θ2 = 0 or π',)]
     """
     check_robot(robot)
-    _check(method, coranks, seconds, points)
+    _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
-    chain = exact_chain(robot, task, lengths=lengths, snap=snap)
     work = Work(seconds, seed, progress)
-    full = min(chain.task.m, chain.n)
-    lowest = 0 if coranks is None else max(full - coranks, 0)
-    tree = rank_tree(chain, work, lowest=lowest)
+    chain, tree, work, remarks = _tree(exact_chain(robot, task, lengths=lengths, snap=snap), coranks, lengths, work)
+    lowest = _lowest(chain, coranks)
     left = list(tree.left)
-    found, not_real, extra = _families(chain, tree, work, seed, left)
-    first = corank_one(chain, method, tree, found, Work(max(work.left, 0.1), seed), steps=steps)
-    left += [*first.left, *_unresolved(work)]
+    with work.share(_SHARE):
+        found, not_real, wrong = _families(chain, tree, work, seed, left)
+    first = _first(chain, method, tree, found, work, seed, steps)
+    left += [*first.left, *_unresolved(chain, tree, lowest, work)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
-    check, over = _cloud(chain, tree.generic_rank, lowest, found, seed, points, progress)
+    check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
+    if left:  # what is left over belongs to what was not derived
+        left += over
+        over = []
     return Conditions(
         robot=robot,
         task=chain.task,
         generic_rank=tree.generic_rank,
         letters=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
-        remarks=(*chain.remarks, *(one.text for one in structure_of(chain).near)),
+        remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
         steps=tuple(Step(title, lines) for title, lines in first.steps),
@@ -110,36 +124,73 @@ def conditions(
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
         explained=check,
-        disagreements=(*first.disagreements, *extra, *over),
+        disagreements=(*first.disagreements, *wrong, *over),
         complete=tree.complete and not left,
+        interrupted=work.interrupted,
         left=tuple(left),
         seconds=monotonic() - begun,
-        seed=seed,
-        version=VERSION,
-    )
+        settings=ConditionSettings(
+            method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), snap=snap, coranks=coranks,
+            seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
+        ),
+        chain=chain,
+    )  # fmt: skip
 
 
-def _check(method: str, coranks: int | None, seconds: float, points: int) -> None:
+def _check(method: str, coranks: int | None, seconds: float, points: int, snap: float, seed: int) -> None:
     if method not in METHODS:
         raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if coranks is not None and coranks < 1:
         raise OptionError("the highest corank is at least 1", where="coranks", got=coranks)
     if not seconds > 0:
         raise OptionError("the time limit is positive", where="seconds", got=seconds)
-    if points < 0:
-        raise OptionError("a number of points is not negative", where="points", got=points)
+    if not 0 <= points <= MOST_POINTS:
+        raise OptionError("points is outside the range", got=points, allowed=f"0 … {MOST_POINTS}")
+    if not 0 <= snap < inf:
+        raise OptionError("a length to snap is not negative", where="snap", got=snap)
+    check_numbers(1, seed, 0)
+
+
+def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
+    """Assumptions on lengths that the arm's own lengths break, in words."""
+    return tuple(
+        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
+        for f in work.assumed.values()
+        if sign_of(chain, f) == 0
+    )
+
+
+def _lowest(chain: Chain, coranks: int | None) -> int:
+    return 0 if coranks is None else max(min(chain.task.m, chain.n) - coranks, 0)
+
+
+def _tree(
+    chain: Chain, coranks: int | None, lengths: str | Mapping[str, float], work: Work
+) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
+    """The rank tree; with numbers where letters that nobody asked for take too long, or rule out this arm's lengths."""
+    lowest = _lowest(chain, coranks)
+    optional = lengths == "auto" and bool(chain.letters)
+    with work.share(_LETTERS if optional else _SHARE):
+        tree = rank_tree(chain, work, lowest=lowest)
+    broken = _broken(chain, work)
+    if not broken and (tree.complete or not optional or work.interrupted):
+        return chain, tree, work, ()
+    plain, again = replace(chain, letters={}, written={}), work.again()
+    with again.share(_SHARE):
+        other = rank_tree(plain, again, lowest=lowest)
+    if broken:
+        return plain, other, again, broken
+    if not other.complete and not again.interrupted:
+        return chain, tree, work, ()
+    return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
 
 
 def _families(
     chain: Chain, tree: Tree, work: Work, seed: int, left: list[str]
 ) -> tuple[list[ExactFamily], list[str], list[str]]:
     """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
-    try:
-        sets, not_real = real_sets(chain, tree.drops, work, seed)
-        found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
-    except OutOfTime:
-        left.append(f"{len(tree.drops)} sets were found, but not looked at for real points")
-        return [], [], []
+    sets, not_real = real_sets(chain, tree.drops, work, left, seed)
+    found = families(chain, sets, tree.generic_rank, work, partial(described, chain, tree.generic_rank))
     wrong = [
         f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
         f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
@@ -149,10 +200,27 @@ def _families(
     return found, not_real, wrong
 
 
-def _unresolved(work: Work) -> list[str]:
+def _first(
+    chain: Chain, method: str, tree: Tree, found: Sequence[ExactFamily], work: Work, seed: int, steps: bool
+) -> CorankOne:
+    """Corank 1 by the method a person would take; left out where the user has asked to stop."""
+    if not work.interrupted:
+        work.show("the method for corank 1", 0, 1)
+        try:
+            return corank_one(chain, method, tree, found, Work(max(_SHARE * work.left, 0.1), seed), steps=steps)
+        except KeyboardInterrupt:
+            work.interrupt()
+    return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
+
+
+def _unresolved(chain: Chain, tree: Tree, lowest: int, work: Work) -> list[str]:
     count = len(set(work.unresolved))
     if not count:
         return []
+    if tree.complete and chain.letters and not work.interrupted:
+        with work.share(_SHARE):
+            if settled(chain, tree, lowest, work):
+                return []
     return [
         f"{count} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
         "common zeros of that size, those are missing"
@@ -160,41 +228,48 @@ def _unresolved(work: Work) -> list[str]:
 
 
 def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
-    try:
-        return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
-    except OutOfTime:
-        left.append("arms of special lengths")
-        return ()
+    if not work.interrupted:
+        work.show("arms of special lengths", 0, 1)
+        try:
+            with work.share(_SHARE):
+                return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
+        except OutOfTime:
+            pass
+        except KeyboardInterrupt:
+            work.interrupt()
+    left.append("arms of special lengths")
+    return ()
 
 
 def _cloud(
-    chain: Chain,
-    generic_rank: int,
-    lowest: int,
-    found: Sequence[ExactFamily],
-    seed: int,
-    points: int,
-    progress: Progress | None,
+    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work
 ) -> tuple[Check, list[str]]:
-    """Singular configurations found numerically, tried on the families; those left over as disagreements."""
+    """Singular configurations found numerically, tried on the families, and sentences on those left over."""
     tested = agree = 0
     over = []
     for corank in range(1, generic_rank - lowest + 1):
-        if not points:
+        if not points or work.interrupted or (corank > 1 and work.left < 0):
             break
-        if progress is not None:
-            progress("checks", corank - 1, generic_rank - lowest)
+        work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)
-        met = cloud(chain.robot, chain.task, corank, wanted, seed)
-        if not len(met.q):
+        try:
+            met = cloud(chain.robot, chain.task, corank, _few(wanted, work.left), work.seed, work.left)
+            if not len(met.q):
+                break
+            check, remaining = explained(met, [family.equations for family in found if family.corank >= corank])
+        except KeyboardInterrupt:
+            work.interrupt()
             break
-        rows = [family.equations for family in found if family.corank >= corank]
-        check, remaining = explained(met, rows)
         tested, agree = tested + check.tested, agree + check.agree
         if len(remaining):
-            q = ", ".join(f"{x:.6g}" for x in met.q[remaining[0]])
+            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in met.q[remaining[0]])
             over.append(
-                f"corank {corank}: {len(remaining)} of {check.tested} configurations found numerically lie on no "
+                f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
                 f"family, q = ({q}) is one"
             )
     return Check(tested, agree), over
+
+
+def _few(wanted: int, seconds: float) -> int:
+    """Fewer points where little time is left."""
+    return wanted if seconds >= _LONG else max(int(wanted * seconds / _LONG), min(wanted, _FEWEST))

@@ -9,6 +9,7 @@ import json
 import re
 from dataclasses import asdict, fields, is_dataclass
 from math import inf, isfinite
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,19 @@ def json_text(record: Any) -> str:
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
     # strings hold no raw line break, so only arrays of numbers match
     return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"
+
+
+def save_record(record: Record, path: str | Path) -> None:
+    """Write a record to a JSON file.
+
+    Raises:
+        ResultFileError: the file cannot be written.
+    """
+    try:
+        Path(path).write_text(json_text(record), encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
 
 
 def number_or_null(value: float) -> float | None:
@@ -80,6 +94,7 @@ def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
         "tip": robot.tip,
         "about": robot.about,
         "notes": list(robot.notes),
+        **({"lengths": dict(robot.lengths)} if robot.lengths else {}),
         "source": asdict(robot.source),
         "made_for": robot.task,
         "frame": {"axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)},
@@ -114,6 +129,7 @@ def robot_from_dict(record: Record) -> Robot:
         tip=record["tip"],
         notes=tuple(record["notes"]),
         about=record["about"],
+        lengths=tuple(record.get("lengths", {}).items()),
     )
 
 

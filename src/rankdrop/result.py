@@ -12,6 +12,7 @@ import numpy as np
 from rankdrop.atlas.family import CorankSummary, Family
 from rankdrop.atlas.overview import overview
 from rankdrop.errors import RankdropError, ResultFileError
+from rankdrop.joined import Joined, joined_from_dict
 from rankdrop.local.block import singular_values
 from rankdrop.record import (
     Record,
@@ -19,6 +20,7 @@ from rankdrop.record import (
     family_to_dict,
     json_text,
     known,
+    plain,
     robot_from_dict,
     robot_to_dict,
     summary_from_dict,
@@ -109,6 +111,7 @@ class Analysis:
         complete: False when the analysis was interrupted.
         unfinished: the corank that was being worked on then.
         notes: what the reader should be told.
+        exact: the conditions derived exactly, held against the families; None where they were not asked for.
     """
 
     robot: Robot
@@ -120,9 +123,15 @@ class Analysis:
     complete: bool = True
     unfinished: int | None = None
     notes: tuple[str, ...] = ()
+    exact: Joined | None = None
 
     @property
     def verified(self) -> bool:
+        """Whether the families hold numerically, and nothing derived exactly says otherwise."""
+        return self.sound_and_complete and (self.exact is None or self.exact.holds)
+
+    @property
+    def sound_and_complete(self) -> bool:
         """Whether every fresh point is explained, every row has equations, and every row is sound."""
         explained = all(row.completeness.explained == row.completeness.tested for row in self.coranks)
         sound = all(row.named and row.soundness.singular == row.soundness.tested for row in self.families)
@@ -171,6 +180,7 @@ class Analysis:
             "notes": list(self.notes),
             "coranks": [summary_to_dict(summary) for summary in self.coranks],
             "families": [family_to_dict(family) for family in self.families],
+            **({} if self.exact is None else {"exact": plain(self.exact)}),
         }
 
     @classmethod
@@ -203,6 +213,7 @@ class Analysis:
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
+            exact=joined_from_dict(record["exact"]) if "exact" in record else None,
         )
 
     def _repr_html_(self) -> str:

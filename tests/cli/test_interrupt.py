@@ -62,6 +62,19 @@ def test_an_interrupted_find_keeps_the_starts_done(tmp_path: Path) -> None:
     assert len(record["configurations"]) == 300_000 - record["counts"]["not_run"] > 0
 
 
+def test_interrupted_conditions_keep_the_sets_found(tmp_path: Path) -> None:
+    path = tmp_path / "kept.json"
+    argv = ("conditions", "canadarm2", "--points", "0", "--json", str(path))
+    code, rest = interrupted("sets looked into for rank < 5: 20 of", *argv)
+    assert code == exits.INTERRUPTED
+    assert "Traceback" not in rest
+    record = json.loads(path.read_text(encoding="utf-8"))
+    assert record["interrupted"]
+    assert not record["complete"]
+    assert record["families"]
+    assert record["left"]
+
+
 def test_the_unfinished_corank_is_said(run, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = search_module.search
 

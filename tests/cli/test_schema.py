@@ -14,6 +14,7 @@ from rankdrop.errors import OptionError
 from rankdrop.explain import explain
 from rankdrop.explanation.record import far_to_dict, way_out_to_dict
 from rankdrop.findings import find_to_dict
+from rankdrop.known import shipped
 from rankdrop.record import json_text
 from rankdrop.result import Analysis
 from rankdrop.robot.open import open_robot
@@ -124,6 +125,15 @@ def test_every_entry_written_is_described(found: Analysis, shapes: Analysis, fin
     """With unknown entries forbidden everywhere, the records are still valid."""
     for name, record in (("analysis", found.to_dict()), ("analysis", shapes.to_dict()), ("find", find_record)):
         Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(record)))
+
+
+def test_letters_for_lengths_are_described() -> None:
+    record = json.loads(json_text(shipped("canadarm2").to_dict()))
+    assert record["robot"]["lengths"] == {"a": 0.635, "c": 0.504, "d": 6.85}
+    check = Draft202012Validator(closed(load_schema("analysis")))
+    check.validate(record)
+    for wrong in ({"a": "635 mm"}, {"a": -1.0}, ["a"]):
+        assert not check.is_valid(record | {"robot": record["robot"] | {"lengths": wrong}})
 
 
 def closed(schema: Any) -> Any:

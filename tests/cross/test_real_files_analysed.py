@@ -19,7 +19,7 @@ CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.item
 @pytest.mark.parametrize("file", [file for _, file in CASES], ids=[name for name, _ in CASES])
 def test_analysis_runs_to_the_end_and_hides_nothing(file: RealFile) -> None:
     robot = open_robot(str(file.path), tip=file.tip, packages=file.packages)
-    analysis = analyze(robot, starts=500, seed=6)
+    analysis = analyze(robot, starts=500, seed=6, exact="off")
     assert analysis.complete
     assert analysis.generic_rank == 6
     assert analysis.coranks[0].converged >= 495  # rtb-data gives its iiwa offsets of 0.436 mm: a few starts are slow

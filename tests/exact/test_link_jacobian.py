@@ -16,7 +16,7 @@ from rankdrop.robot.open import open_robot
 def test_planar_jacobian_in_link_axes_of_ml():
     chain = exact_chain(open_robot("planar2r"))
     ring = chain.ring
-    a1, a2 = ring.letter["a1"], ring.constant(7) / 10
+    a1, a2 = ring.letter["a1"], ring.letter["a2"]  # a2 is the way from the last axis to the tip
     s2, c2 = ring.s[2], ring.c[2]
     found = frame_jacobian(chain, 1)
     assert found == [[-a2 * s2, -a2 * s2], [a1 + a2 * c2, a2 * c2]]

@@ -33,6 +33,14 @@ EXPLANATIONS = {
     "nearest-60.txt": (60, "nearest ur5 --deg --q 0,-135,45,90,-90,0 --evaluations 0"),
 }
 
+CONDITIONS = {
+    "conditions-80.txt": (80, "conditions pa10 --quiet"),
+    "steps-100.txt": (
+        100, "conditions canadarm2 --steps --coranks 1 --points 200 --lengths a=0.635,c=0.504,d=6.85 --quiet",
+    ),
+    "test-80.txt": (80, "conditions puma560 --quiet --test 'sin(q5)*(a3*sin(q3)+d4*cos(q3))'"),
+}  # fmt: skip
+
 # errors in our own words; those about options are in the words of the parser
 ERRORS = [
     "analyze nowhere.urdf",
@@ -40,6 +48,8 @@ ERRORS = [
     "analyze pa10 --starts 0",
     "analyze pa10 --json /no/such/folder/pa10.json",
     "analyze pa10 --package arm",
+    "conditions puma560 --test 'sin(q5)*foo(q3)'",
+    "conditions pa10 --lengths a=0.4",
     "find pa10 --corank 9",
     "find pa10 --corank 1 --out found.xls",
 ]
@@ -65,11 +75,11 @@ def compare(name: str, text: str) -> None:
     assert text == path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_tables_are_as_they_were(
+@pytest.mark.parametrize("name", TABLES | CONDITIONS)
+def test_tables_and_conditions_are_as_they_were(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    width, line = TABLES[name]
+    width, line = (TABLES | CONDITIONS)[name]
     monkeypatch.setenv("COLUMNS", str(width))
     code = main.run(shlex.split(line))
     text = without_time(capsys.readouterr().out)
@@ -115,6 +125,19 @@ def test_the_readme_shows_part_of_an_explanation() -> None:
     assert shown.endswith("\n…\n")
     assert golden.startswith(shown.removesuffix("…\n"))
     assert "How to get out" in shown
+
+
+def test_the_readme_shows_a_condition_tested() -> None:
+    """The third block of the README is the golden text from corank 1 on."""
+    block = README.read_text(encoding="utf-8").split("```console\n")[3].partition("```\n")[0]
+    first, _, golden = (HERE / "test-80.txt").read_text(encoding="utf-8").partition("\n")
+    command = first.replace("COLUMNS=80 ", "").replace(" --quiet", "")
+    wanted = f"{command}\n…\n\n{golden[golden.index('Corank 1') : golden.index('exit code')]}"
+    if WRITE:
+        text = README.read_text(encoding="utf-8")
+        README.write_text(text.replace(block, wanted.replace("(some)", "0.3")), encoding="utf-8")
+        block = wanted
+    assert without_time(block) == wanted
 
 
 def test_errors_are_as_they_were(capsys: pytest.CaptureFixture[str]) -> None:

@@ -84,7 +84,7 @@ def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(na
 @pytest.mark.parametrize("name", ANEW)
 def test_made_anew_it_is_the_same(name):
     found = shipped(name)
-    again = analyze(open_robot(name), starts=found.settings.starts, seed=found.settings.seed)
+    again = analyze(open_robot(name), starts=found.settings.starts, seed=found.settings.seed, exact="off")
     rows = [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in again.families]
     assert rows == [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in found.families]
     for new, old in zip(again.families, found.families, strict=True):

@@ -17,7 +17,7 @@ def random_arm(n: int, seed: int):
 
 @pytest.mark.parametrize(("n", "coranks"), [(6, [True, True, False]), (7, [True, False]), (8, [True, False])])
 def test_coranks_that_exist(n, coranks):
-    analysis = analyze(random_arm(n, 4), starts=600, seed=4)
+    analysis = analyze(random_arm(n, 4), starts=600, seed=4, exact="off")
     assert [summary.converged > 0 for summary in analysis.coranks] == coranks
     assert analysis.complete
     for summary in analysis.coranks:

@@ -85,6 +85,16 @@ def test_without_the_exact_conditions_the_section_says_why() -> None:
     assert "Not derived" in text
 
 
+def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
+    from rankdrop.analyze import analyze
+
+    analysis = analyze(shipped("scara").robot, starts=200)
+    shown_of_it = content(analysis)
+    assert analysis.exact is not None
+    assert shown_of_it.exact is None
+    assert f"held against the families found: {analysis.exact.status}" in page(shown_of_it)
+
+
 def test_the_data_is_the_arm() -> None:
     found = shown("stanford")
     record = json.loads(json.dumps(page_data(found), allow_nan=False))

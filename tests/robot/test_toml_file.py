@@ -111,6 +111,14 @@ def test_screw_file_takes_screws_axes_and_compound_joints() -> None:
     assert robot.home[2, 3] == 1.0
 
 
+@pytest.mark.parametrize("head", ['convention = "standard"', 'order = "linear-first"'])
+def test_lengths_are_letters_with_values_in_either_file(head: str) -> None:
+    joint = "a = 0.635" if "convention" in head else "screw = [0, 0, 0, 0, 0, 1]"
+    robot = read(f'{head}\n[lengths]\nd = 6.85\na = "635 mm"\nupper_arm = "1/4"\n[[joints]]\n{joint}\n')
+    assert robot.lengths == (("d", 6.85), ("a", pytest.approx(0.635, abs=1e-15)), ("upper_arm", 0.25))
+    assert read(f"{head}\n[[joints]]\n{joint}\n").lengths == ()
+
+
 BAD = [
     ("convention = 'standard'\n[[joints]]\nalfa = 0\n", 3, "joint 1, alfa: unknown key; got 'alfa'; allowed: a, alpha"),
     ("convention = 'standard'\nnam = 'x'\n[[joints]]\n", 2, "nam: unknown key; got 'nam'; allowed: name, convention"),
@@ -129,6 +137,15 @@ BAD = [
     ("convention = 'standard'\n[tool]\nquat = [0, 0]\n[[joints]]\n", 3, "unknown key; got 'quat'; allowed: xyz, rpy"),
     ("convention = 'standard'\ntool = 3\n[[joints]]\n", 2, "a pose is a table"),
     ("convention = 'standard'\ntask = 3\n[[joints]]\n", 2, "task is a text"),
+    ("convention = 'standard'\nlengths = 3\n[[joints]]\n", 2, "lengths is a table of letters; got 3"),
+    ("convention = 'standard'\n[lengths]\na = 1\nc23 = 1\n[[joints]]\n", 4, "c23: a length cannot have this name"),
+    ("convention = 'standard'\n[lengths]\n'ℓ' = 1\n[[joints]]\n", 3, "cannot have this name; got 'ℓ'"),
+    ("convention = 'standard'\n[lengths]\npi = 1\n[[joints]]\n", 3, "this name; got 'pi'; allowed: a letter"),
+    ("convention = 'standard'\n[lengths]\na = 0\n[[joints]]\n", 3, "a: a length with a letter is positive; got 0"),
+    ("convention = 'standard'\n[lengths]\na = '-3 mm'\n[[joints]]\n", 3, "is positive; got -3 mm; .*without its sign"),
+    ("convention = 'standard'\n[lengths]\na = nan\n[[joints]]\n", 3, "not finite"),
+    ("convention = 'standard'\n[lengths]\na = '3 deg'\n[[joints]]\n", 3, "the unit is not one that fits"),
+    ("order = 'linear-first'\n[lengths]\na = [1]\n[[joints]]\naxis = [0, 0, 1]\n", 3, "this is not a number"),
     ("convention = 'standard'\nnotes = 'x'\n[[joints]]\n", 2, "notes is a list"),
     ("[[joints]]\nscrew = [0, 0, 1, 0, 0, 0]\n", 2, "order of the screws must be named"),
     ("order = 'linear-first'\n[[joints]]\nscrew = [0, 0, 1]\n", 3, "screw is a list of 6 numbers"),

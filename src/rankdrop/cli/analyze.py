@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -23,6 +23,7 @@ def analyze(
     *,
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    exact: Literal["auto", "on", "off"] = "auto",
     starts: Whole = 10_000,
     seed: Whole = 0,
     threads: Whole = 0,
@@ -40,12 +41,13 @@ def analyze(
         rankdrop analyze pa10
         rankdrop analyze arm.urdf --tip flange --json arm.json
 
-    Exit code 3: something found is not explained or not sound; all codes are
-    in `rankdrop --help`.
+    Exit code 3: something found is not explained or not sound, or exact
+    conditions say otherwise; all codes are in `rankdrop --help`.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
         limits: Look within the joint limits only; otherwise in the whole joint space.
+        exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
         starts: Random starts for each corank.
         seed: Of every random choice; the same seed gives the same result.
         threads: Processors to use; 0 means all. The result does not depend on it.
@@ -62,7 +64,7 @@ def analyze(
     model, task = open_arm(robot, arm)
     with reporter(quiet=quiet) as report:
         analysis = run(
-            model, task, starts=starts, seed=seed, limits=limits, threads=threads, progress=report
+            model, task, starts=starts, seed=seed, limits=limits, exact=exact, threads=threads, progress=report
         )
     seconds = monotonic() - begun
     steps: list[Callable[[], None]] = []
@@ -80,6 +82,7 @@ def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     from rankdrop.atlas.cells import LEGEND
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.closing import closing_text
+    from rankdrop.cli.exact_text import exact_section
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show
 
@@ -91,7 +94,8 @@ def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary))
     legend = [Text(f"\n{LEGEND}", style="dim")] if analysis.families else []
-    show(console, [*legend, "", closing_text(analysis, seconds)])
+    told = list(exact_section(analysis))
+    show(console, [*legend, *([""] if told else []), *told, "", closing_text(analysis, seconds)])
 
 
 def _exit_code(analysis: Analysis) -> int:

@@ -29,7 +29,7 @@ def _verified(analysis: Analysis) -> str:
     singular = sum(row.soundness.singular for row in analysis.families)
     fresh = sum(row.completeness.tested for row in analysis.coranks)
     explained = sum(row.completeness.explained for row in analysis.coranks)
-    verdict = "Verified" if analysis.verified else "Not all verified"
+    verdict = "Verified" if analysis.sound_and_complete else "Not all verified"
     return (
         f"{verdict}: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}), and the rows explain {explained:,} of {fresh:,} fresh "

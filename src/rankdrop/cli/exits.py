@@ -15,8 +15,9 @@ MEANING = {
     FINE: "done; everything found is explained and sound",
     INTERNAL: "internal error, with a traceback",
     BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
-    UNEXPLAINED: "analyze: some point is not explained, or some row not sound; explain: near a singularity; escape, "
-    "nearest: none found",
+    UNEXPLAINED: "analyze: some point is not explained, some row not sound, or exact conditions differ; conditions: "
+    "not complete, not verified, or the condition tested is not exact; explain: near a singularity; escape, nearest: "
+    "none found",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

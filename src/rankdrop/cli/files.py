@@ -41,8 +41,11 @@ def check_different(targets: Mapping[str, str | None]) -> None:
         targets: option -> file or None.
 
     Raises:
-        OptionError: two options name the same file.
+        OptionError: two options name the same file, or both stdout.
     """
+    printed = [option for option, target in targets.items() if target == STDOUT]
+    if len(printed) > 1:
+        raise OptionError(f"stdout is taken by {printed[0]}", where=printed[1], got=STDOUT, mend="name a file")
     first: dict[Path, str] = {}
     for option, target in targets.items():
         if target is None or target == STDOUT:
@@ -71,7 +74,11 @@ def do_all(steps: Iterable[Callable[[], None]]) -> None:
 
 def write_json(record: Any, target: str) -> None:
     """Write `record` to a file, or to stdout when `target` is "-"."""
-    text = json_text(record)
+    write_text(json_text(record), target)
+
+
+def write_text(text: str, target: str) -> None:
+    """Write a text to a file, or to stdout when `target` is "-"."""
     if target == STDOUT:
         sys.stdout.write(text)
         sys.stdout.flush()

@@ -14,6 +14,7 @@ try:
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.conditions import conditions
     from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
@@ -32,6 +33,7 @@ _HELP = f"""Kinematic singularities of robot arms: every family, of every corank
 For example:
     rankdrop analyze pa10
     rankdrop analyze arm.urdf --tip flange --json arm.json
+    rankdrop conditions puma560
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
 
@@ -49,6 +51,7 @@ app = App(
 )
 app.command(robots)
 app.command(analyze)
+app.command(conditions)
 app.command(find)
 app.command(explain)
 app.command(escape)

@@ -13,18 +13,19 @@ if TYPE_CHECKING:
     from rankdrop.explanation.explanation import Explanation
     from rankdrop.sections import Section
 
-_INDENT = 2
+INDENT = 2
+"""Blanks before every line under a heading."""
 _GAP = 2  # between columns
 _LABEL = 24  # a column of words is wrapped, but not narrower than this
 
 
-def print_sections(sections: Iterable[Section]) -> None:
-    """Print to stdout: headings bold, notes dim, tables aligned."""
+def print_sections(sections: Iterable[Section], *, first: bool = True) -> None:
+    """Print to stdout: headings bold, notes dim, tables aligned; a blank line before each but the `first`."""
     from rankdrop.cli.terminal import results, show
 
     console = results()
     for number, section in enumerate(sections):
-        show(console, _parts(section, console.width, first=number == 0))
+        show(console, _parts(section, console.width, first=first and number == 0))
 
 
 def interrupted(found: Explanation) -> int:
@@ -47,12 +48,12 @@ def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableT
         yield Text.assemble((section.title, "bold"), f"  {section.summary}" if section.summary else "")
     for line in section.lines:
         yield _indented(line)
-    for columns in _pieces(section, width - _INDENT):
-        yield Padding(_table(section, columns), (0, 0, 0, _INDENT))
+    for columns in _pieces(section, width - INDENT):
+        yield Padding(_table(section, columns), (0, 0, 0, INDENT))
     for line in section.after:
         yield _indented(line)
     for note in section.notes:
-        yield Padding(Text(note, style="dim"), (0, 0, 0, _INDENT))
+        yield Padding(Text(note, style="dim"), (0, 0, 0, INDENT))
 
 
 def _indented(line: str) -> RenderableType:
@@ -61,7 +62,7 @@ def _indented(line: str) -> RenderableType:
     from rich.text import Text
 
     text = line.lstrip(" ")
-    return Padding(Text(text), (0, 0, 0, _INDENT + len(line) - len(text)))
+    return Padding(Text(text), (0, 0, 0, INDENT + len(line) - len(text)))
 
 
 def _pieces(section: Section, width: int) -> list[list[int]]:

@@ -23,11 +23,13 @@ from rankdrop.atlas.cells import (
     share_text,
     values_text,
 )
+from rankdrop.cli.exact_text import exact_conditions
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from rankdrop.atlas.family import CorankSummary, Family
+    from rankdrop.joined import Joined
     from rankdrop.result import Analysis
     from rankdrop.robot.model import Robot
 
@@ -44,7 +46,7 @@ def corank_section(console: Console, analysis: Analysis, summary: CorankSummary)
     yield ""
     yield _title(analysis, summary, len(rows))
     if rows:
-        yield from _rows(console, analysis.robot, rows)
+        yield from _rows(console, analysis.robot, rows, analysis.exact)
     yield Text(_starts_line(summary), style="dim")
 
 
@@ -62,18 +64,20 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
     return title.append(f"completeness {share_text(share.explained, share.tested)} {counts}", style)
 
 
-def _rows(console: Console, robot: Robot, rows: tuple[Family, ...]) -> Iterator[RenderableType]:
+def _rows(
+    console: Console, robot: Robot, rows: tuple[Family, ...], exact: Joined | None
+) -> Iterator[RenderableType]:
     roomy, tight = _family_table(robot, rows, gap=1), _family_table(robot, rows, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
     if console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN:
         yield _family_table(robot, rows, gap=1, lost=True)
-        yield from _footnotes(rows, lost=False)
+        yield from _footnotes(rows, exact, lost=False)
         return
     fitting = [
         table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width
     ]
     yield fitting[0] if fitting else _family_list(robot, rows)
-    yield from _footnotes(rows, lost=True)
+    yield from _footnotes(rows, exact, lost=True)
 
 
 def _family_table(robot: Robot, rows: tuple[Family, ...], *, gap: int, lost: bool = False) -> Table:
@@ -128,13 +132,15 @@ def _unbroken(cell: str) -> int:
     return len(cell) if len(cell) <= _LONGEST_UNBROKEN else max(map(len, cell.split()))
 
 
-def _footnotes(rows: tuple[Family, ...], *, lost: bool) -> Iterator[RenderableType]:
+def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column(no_wrap=True)
     grid.add_column()
     for index, row in enumerate(rows, start=1):
-        notes = [(COUPLED, text) for text in coupled_conditions(row)]
+        exactly, instead = exact_conditions(row, exact)
+        notes = [] if instead else [(COUPLED, text) for text in coupled_conditions(row)]
+        notes += [("exactly", text) for text in exactly]
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.ring import Atom
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
@@ -14,18 +14,15 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.decoupling.decouple import Decoupling, decouple, why_not
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
-from rankdrop.exact.methods import Derivation, Equality, derive
+from rankdrop.exact.methods import Derivation, derive
+from rankdrop.exact.methods.words import Words
 from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import pin_text
-from rankdrop.exact.writing.text_of import text_of
 from rankdrop.local.block import sample, singular_values
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
 """What can be asked for."""
 _SHOWN = 40  # conditions that are printed
-_LONG = 400  # terms beyond which a condition is counted, not printed
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
@@ -74,13 +71,13 @@ def corank_one(
             )
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
-        reason = f"the arm has {chain.n} joints for six freedoms: {why_not(chain)}"
+        reason = "asked for" if method == "suppression" else why_not(chain)
         return _suppressed(chain, reason, tree, work, steps)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work)
+    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
 
 
 def _tree_lines(tree: Tree) -> tuple[str, ...]:
@@ -116,7 +113,7 @@ def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Vari
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
     told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
-    left = tuple(f"suppression: {one}" for one in found.left)
+    left = tuple(f"suppression did not finish {one}" for one in found.left)
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
 
@@ -136,7 +133,9 @@ def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work:
     return _differences("suppression", missing, surplus)
 
 
-def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work) -> CorankOne:
+def _compared(
+    chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work, steps: bool
+) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
     found = derive(chain, method.replace("-", "_"), max(work.left, 0.1))
     different = []
@@ -148,31 +147,14 @@ def _compared(chain: Chain, method: str, reason: str, families: Sequence[ExactFa
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    steps = ((f"Method: {method}", _told(found)),)
+    told = ((f"Method: {method}", _told(found)),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
-    return CorankOne(method, reason, steps, left, tuple(different))
-
-
+    return CorankOne(method, reason, told, left, tuple(different))
 
 def _told(found: Derivation) -> tuple[str, ...]:
     """The conditions of a method, its figures and its notes, in lines."""
-    ring = found.chain.ring
-    lines = [f"{', '.join(f'{count:,} {name}' for name, count in found.sizes.items())}; {found.seconds:.2f} s"]
-    for conjunction in found.conditions[:_SHOWN]:
-        parts = [_equality(ring, one) for one in conjunction.equal]
-        parts += ["not (" + " and ".join(_equality(ring, one) for one in group) + ")" for group in conjunction.unequal]
-        lines.append("; ".join(parts) or "everywhere")
-    if len(found.conditions) > _SHOWN:
-        lines.append(f"… and {len(found.conditions) - _SHOWN} more")
-    return (*lines, *found.notes)
-
-
-def _equality(ring: Ring, one: Equality) -> str:
-    if one.whole is not None:
-        text = text_of(ring, one.whole) if one.terms <= _LONG else f"a polynomial of {one.terms:,} terms"
-        return f"{text} = 0"
-    if one.terms > _LONG:
-        return f"a product of {len(one.atoms)} factors, {one.terms:,} terms = 0"
-    return " or ".join(
-        pin_text(atom.joint, (atom.value,)) if atom.pinned else Condition(ring, atom.f).text() for atom in one.atoms
-    )
+    words = Words(found.chain.ring)
+    figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
+    shown = [words.conjunction(one) for one in found.conditions[:_SHOWN]]
+    more = len(found.conditions) - _SHOWN
+    return (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)

@@ -8,19 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, row_texts
 from rankdrop.exact.real import STARTS, Reality, reality
-from rankdrop.exact.tree import Drop, largest
+from rankdrop.exact.sharpen import sharpened
+from rankdrop.exact.tree import Drop, largest, rank_on
 from rankdrop.exact.verify import rank_modulo
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
 
+_SHARPENED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
 
 
@@ -33,49 +36,77 @@ class RealSet:
     reality: Reality
 
 
-def real_sets(chain: Chain, drops: Sequence[Drop], work: Work, seed: int = 0) -> tuple[list[RealSet], list[str]]:
+def real_sets(
+    chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0
+) -> tuple[list[RealSet], list[str]]:
     """The sets that have real points, in short words, and sentences on those that do not.
 
     Where the real points of a set are fewer than its conditions say (a sum of squares vanishes), the set is cut down to
-    them by the derivatives of its conditions.
-
-    Raises:
-        OutOfTime: the deadline has passed.
+    them by the derivatives of its conditions. What time does not allow is told in `left`.
     """
     kept: list[RealSet] = []
     left_out: list[str] = []
+    known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
-        work.check()
-        drop = waiting.pop(0)
-        piece = tidy(drop.piece, work)
-        found = reality(chain, piece, drop.rank, np.random.default_rng([seed, len(kept), drop.rank]))
+        work.show("sets with real points", max(len(drops) - len(waiting), 0), len(drops))
+        try:
+            work.check()
+            drop = waiting[0]
+            piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
+            thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
+            left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not looked at for real points")
+            if isinstance(stop, KeyboardInterrupt):
+                work.interrupt()
+            break
+        waiting = [*waiting[1:], *thinner]
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
         elif found.proof:
             left_out.append(f"{_words(piece)}: not real, for {found.proof}")
-        else:
-            thinner = _thinner(chain, piece, drop.rank, work)
-            waiting += thinner
-            if not thinner:
-                left_out.append(f"{_words(piece)}: no real point was found from {STARTS} random starts")
+        elif not thinner:
+            left_out.append(f"{_words(piece)}: no real point was found from {STARTS} random starts")
     remaining = largest([Drop(one.piece, one.rank) for one in kept])
     return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], left_out
+
+
+def _sharp(
+    chain: Chain, drop: Drop, rng: np.random.Generator, known: list[Polynomial], work: Work
+) -> tuple[Variety, Reality]:
+    """A set in short words, with conditions added until no configuration of higher rank satisfies them."""
+    piece = tidy(drop.piece, work)
+    found = reality(chain, piece, drop.rank, rng)
+    for _ in range(_SHARPENED):
+        if not len(found.strays):
+            break
+        more = sharpened(chain, piece, drop.rank, found.strays, known, work)
+        if more is None:
+            break
+        known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
+        piece, found = more, reality(chain, more, drop.rank, rng)
+    return piece, found
 
 
 def _words(piece: Variety) -> str:
     return ", ".join(row_texts(alone(piece)))
 
 
-def _thinner(chain: Chain, piece: Variety, rank: int, work: Work) -> list[Drop]:
+def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
     """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
     if len(piece.equations) != 1 or piece.also:
         return []
-    f = piece.equations[0]
-    ring = chain.ring
-    slopes = [f.derivative(name) for name in ring.names[: ring.moving]]
-    found = decompose(ring, piece.pins, [form(g, ring) for g in (f, *slopes)], chain.n, work)
-    return [Drop(one, rank) for one in found if one.codimension > piece.codimension]
+    ring, (f, degree) = chain.ring, form(piece.equations[0], chain.ring)
+    slopes = []
+    for place, name in enumerate(ring.names[: ring.moving]):
+        slope = f.derivative(name)
+        if place < ring.angles:  # by the angle, of f / (1 + t²)^(D/2): a polynomial of degree D again
+            t = f.context().gen(place)
+            slope = (1 + t**2) * slope - degree[place] * t * f
+        slopes.append((slope, degree))
+    found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
+    return [Drop(one, rank_on(chain.columns, one)) for one in found if one.codimension > piece.codimension]
 
 
 def families(
@@ -107,7 +138,7 @@ def families(
                 by_reality.setdefault(one.reality.condition, []).append(one.piece)
         rows = [row for pieces in by_reality.values() for row in merge(pieces)]
         for number, (pins, pieces) in enumerate(sorted(rows, key=lambda row: row[1][0].codimension), 1):
-            work.check()
+            work.show("families described", len(result), len(result) + len(rows) - number + 1)
             realities = [seen[id(piece)] for piece in pieces]
             points = np.concatenate([one.points for one in realities])
             told = describe(corank, points, pins)

@@ -20,6 +20,7 @@ from rankdrop.tolerances import DEFAULT
 
 STARTS = 96
 """Random starts from which a real point of a set is looked for."""
+_HIGHER = 1e-4  # σ above this: the rank is higher; where sheets cross, σ is small over a long way
 _SMOOTH = 1e-5  # singular values of the gradients above this: the set is smooth there, and of the dimension claimed
 
 
@@ -32,12 +33,14 @@ class Reality:
         smooth: at one of them the gradients have full rank: near it the real set has the dimension claimed.
         proof: why it is not real, where that is proven; "" where none was found only.
         condition: when it is real, in words; "" where that is plain.
+        strays: (k, n) real configurations of higher rank that satisfy the conditions of the set, too.
     """
 
     points: Array
     smooth: bool
     proof: str
     condition: str
+    strays: Array
 
     @property
     def real(self) -> bool:
@@ -62,16 +65,19 @@ def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -
             continue
         text = letters_text(chain.ring, found)
         if sign_of(chain, found) < 0:
-            return Reality(np.empty((0, n)), False, f"{text} ≥ 0 does not hold", text)
+            none = np.empty((0, n))
+            return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
         if text and not _always(chain, found):
             words.append(f"{text} ≥ 0")
-    points, smooth = real_points(chain, piece, rank, rng)
+    points, smooth, strays = real_points(chain, piece, rank, rng)
     condition = "real if and only if " + " and ".join(words) if words else ""
-    return Reality(points, smooth, "", condition)
+    return Reality(points, smooth, "", condition, strays)
 
 
-def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool]:
-    """(k, n) real configurations on a set with exactly its rank, and whether the set is smooth at one of them."""
+def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
+    """(k, n) real configurations on a set with exactly its rank, whether the set is smooth at one of them, and those of
+    higher rank that satisfy its conditions.
+    """
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
     for j in chain.ring.prismatic:
@@ -88,15 +94,17 @@ def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generato
     if equations:
         q, good = system.solve(q, along=moving, iterations=60)
     sigma = singular_values(chain.robot, q, chain.task)
-    good &= (sigma[:, rank] <= DEFAULT.singular) if rank < sigma.shape[1] else True
+    full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(STARTS)
+    strays = q[good & (full > _HIGHER)]
+    good &= full <= DEFAULT.singular
     good &= (sigma[:, rank - 1] > 1e3 * DEFAULT.singular) if rank else True
     q = q[good]
     if not equations or not len(q):
-        return q, len(q) > 0
+        return q, len(q) > 0, strays
     gradients = np.linalg.svd(system.jacobian(q) @ moving, compute_uv=False)
     wanted = piece.codimension - len(pinned)
     smooth = (gradients > _SMOOTH).sum(axis=1) >= wanted
-    return (q[smooth], True) if smooth.any() else (q, False)
+    return (q[smooth], True, strays) if smooth.any() else (q, False, strays)
 
 
 def _span(chain: Chain) -> float:

@@ -1,16 +1,16 @@
 """Every set of configurations on which the rank drops, of every rank, by branching on minors.
 
-On an irreducible set the rank is some ρ almost everywhere, found at random points modulo a prime. Where it drops, every
-minor of order ρ vanishes; one that is not zero on the set is factored, the set is cut by each factor, and every
-irreducible piece is looked at in the same way. A piece with a lower rank is a find; from a piece with the same rank the
-search goes on to the drops inside it.
+Where the rank is lower than r, every minor of order r vanishes. One that is not zero on a set is factored, the set is
+cut by each factor, and every irreducible piece is looked at in the same way. A piece whose rank, at random points
+modulo a prime, is lower than r is a find; from the others the search goes on. It starts from the whole space anew for
+every r: small minors have short factors, sets of lower rank inside one of higher rank may be long to derive.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations
+from itertools import combinations, islice
 
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
@@ -20,8 +20,10 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 
+_STAGE = 0.5  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
-_SEVERAL = 12  # random points on a set that may be several
+_SEVERAL = 24  # random points on a set that may be several
+_RESTRICTED = 4  # minors by which such sets are told apart
 _SHORT = 4  # a minor with so short factors is taken at once
 
 
@@ -40,7 +42,7 @@ class Tree:
     Attributes:
         generic_rank: almost everywhere.
         drops: the largest sets for each rank, ranks descending: none lies inside another one of the same or lower rank.
-        complete: False when time ran out, or where a set could not be looked into.
+        complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
         visited: sets looked at.
     """
@@ -61,106 +63,120 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         lowest: drops to this rank are the last ones looked for.
 
     Returns:
-        Tree; incomplete, with what is left in words, where time ran out.
+        Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
-    columns = chain.columns
     whole = Variety.whole(chain.ring)
-    generic = _rank(columns, whole)
+    generic = rank_on(chain.columns, whole)
     tree = Tree(generic)
-    found: list[Drop] = [Drop(whole, generic)]
-    at = 0
-    try:
-        while at < len(found):
-            drop = found[at]
-            work.show("sets looked into", at, len(found))
-            if drop.rank > lowest:
-                _explore(columns, drop, found, tree, work)
-            at += 1
-    except OutOfTime:
-        tree.complete = False
-        missing = sorted({drop.rank for drop in found[at:] if drop.rank > lowest}, reverse=True)
-        tree.left.append(
-            "time ran out while looking for drops below rank " + ", ".join(map(str, missing))
-            + f": {len(found) - at} of {len(found)} sets were not looked into to the end"
-        )  # fmt: skip
-    tree.drops = largest(found[1:])
+    found: list[Drop] = []
+    for order in range(generic, lowest, -1):
+        waiting = [whole]
+        try:
+            with work.share(1.0 if order == lowest + 1 else _STAGE):
+                _explore(chain.columns, order, waiting, found, tree, work)
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            tree.complete = False
+            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
+            tree.left.append(
+                f"{what} while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
+                "to the end"
+            )
+            if isinstance(stop, KeyboardInterrupt):
+                work.interrupt()
+                break
+        if not any(drop.rank < order for drop in found):
+            break
+    tree.drops = largest(found)
     return tree
 
 
 def largest(found: Sequence[Drop]) -> list[Drop]:
-    """The drops that do not lie inside another one of the same or a lower rank."""
+    """The drops whose configurations do not satisfy the conditions of another one of the same rank.
+
+    A set of higher rank lies in none of lower rank, even where it satisfies all conditions of one.
+    """
     kept: list[Drop] = []
     for one in sorted(found, key=lambda drop: (drop.rank, drop.piece.codimension)):
-        if not any(one.piece.inside(other.piece) for other in kept if other.rank <= one.rank):
+        if not any(one.piece.satisfies(other.piece) for other in kept if other.rank == one.rank):
             kept.append(one)
     return sorted(kept, key=lambda drop: (-drop.rank, drop.piece.codimension, drop.piece.key))
 
 
-def _explore(columns: list[list[Polynomial]], start: Drop, found: list[Drop], tree: Tree, work: Work) -> None:
-    """Find the drops inside one set, and append them to `found`.
+def _explore(
+    columns: list[list[Polynomial]], order: int, waiting: list[Variety], found: list[Drop], tree: Tree, work: Work
+) -> None:
+    """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
-    A piece of the set where an m × n matrix has rank ≤ r binds at most (m − r)(n − r) freedoms, so pieces that bind
-    more lie inside others.
+    A piece of the space where an m × n matrix has rank < r binds at most (m − r + 1)(n − r + 1) freedoms, so pieces
+    that bind more lie inside others. The shortest set that waits comes first: where time runs out, long ones are left.
     """
     n, m = len(columns), len(columns[0])
-    bound = (m - start.rank + 1) * (n - start.rank + 1)
-    waiting: list[tuple[Variety, tuple[Variety, ...]]] = [(start.piece, ())]  # each with the sets it was cut from
+    bound = (m - order + 1) * (n - order + 1)
     seen: list[Variety] = []
     while waiting:
-        piece, above = waiting.pop(0)
-        work.check()
-        tree.visited += 1
-        minor = _minor(columns, piece, start.rank, work)
-        if minor is None:
-            found.append(Drop(piece, _rank(columns, piece)))  # its random points lay on a part of higher rank before
-            continue
-        for part in cut(piece, minor, work):
-            if any(part.inside(drop.piece) for drop in found if drop.rank < start.rank):
-                continue  # whatever drops inside it is found there
+        work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
+        piece = min(waiting, key=_length)
+        minor = _minor(columns, piece, order, work)
+        if minor is None:  # its random points lay on a part of higher rank before
+            found.append(Drop(piece, rank_on(columns, piece)))
+        for part in cut(piece, minor, work) if minor is not None else ():
             if not part.samples:
                 continue  # no point modulo P: no real one either
-            dropped = _dropped(columns, part, start.rank, work)
-            found += dropped
+            dropped = _dropped(columns, part, order, work)
+            for drop in dropped:
+                if not any(drop.piece.inside(other.piece) for other in found if other.rank == drop.rank):
+                    found.append(drop)
             if (dropped and dropped[0].piece is part) or part.codimension >= bound:
                 continue
-            if not any(part.inside(other) for other in seen if other not in above and other is not piece):
+            # the same set only: two sets might each leave their intersection to the other
+            if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
                 seen.append(part)
-                waiting.append((part, (*above, piece)))
+                waiting.append(part)
+        waiting.remove(piece)
+        tree.visited += 1
+
+
+def _length(piece: Variety) -> int:
+    return piece.codimension + sum(map(len, piece.equations))
 
 
 def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:
-    """The part as a drop where its rank is lower; where two conditions hold on several sets, the one it is lower on."""
+    """The part as a drop where its rank is lower; where two conditions hold on several sets, those it is lower on."""
     if len(part.rest) < 2:
-        here = _rank(columns, part)
+        here = rank_on(columns, part)
         return [Drop(part, here)] if here < above else []
+    ranks = {rank(_matrix(columns, point, part)) for point in part.points(work.rng, _SEVERAL)}
+    found = (_restricted(columns, part, lower, work, _RESTRICTED) for lower in sorted(ranks) if lower < above)
+    return [drop for drop in found if drop is not None]
+
+
+def _restricted(columns: list[list[Polynomial]], part: Variety, most: int, work: Work, depth: int) -> Drop | None:
+    """Those among the sets that two conditions hold on where the rank is at most `most`: factors of minors tell."""
     points = part.points(work.rng, _SEVERAL)
     ranks = [rank(_matrix(columns, point, part)) for point in points]
-    if not ranks or min(ranks) >= above:
-        return []
-    if max(ranks) < above:
-        return [Drop(part, max(ranks))]
+    if not ranks or min(ranks) > most:
+        return None
+    if max(ranks) <= most:
+        return Drop(part, max(ranks))
+    if not depth:
+        return None
     full = points[ranks.index(max(ranks))]
     evaluate = trig_evaluator(part.ring)
-    for minor in _minors(columns, part, max(ranks)):
+    for minor in islice(_minors(columns, part, max(ranks)), _TRIED):
         work.check()
-        if evaluate(minor, full) != 0:
-            return _where(columns, part, minor, above)
-    return []
+        if evaluate(minor, full) == 0:
+            continue
+        for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms:
+            if not atom.pinned:
+                also = (*part.also, part.ring.trig_zero_set(atom.f))
+                inside = replace(part, also=also, equations=(*part.equations, atom.f))
+                found = _restricted(columns, inside, most, work, depth - 1)
+                if found is not None:
+                    return found
+    return None
 
 
-def _where(columns: list[list[Polynomial]], part: Variety, minor: Polynomial, above: int) -> list[Drop]:
-    """The sets among those that two conditions hold on where one of the factors of a minor vanishes too."""
-    found = []
-    for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms:
-        if not atom.pinned:
-            also = (part.ring.trig_zero_set(atom.f),)
-            inside = replace(part, also=also, equations=(*part.equations, atom.f))
-            if inside.samples and _rank(columns, inside) < above:
-                found.append(Drop(inside, _rank(columns, inside)))
-    return found
-
-
-def _rank(columns: list[list[Polynomial]], piece: Variety) -> int:
+def rank_on(columns: list[list[Polynomial]], piece: Variety) -> int:
     """Rank almost everywhere on a set."""
     return max((rank(_matrix(columns, point, piece)) for point in piece.samples), default=0)
 
@@ -189,12 +205,12 @@ def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iter
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
     residues = [_matrix(here, point, piece) for point in piece.samples]
-    for columns_used, rows_used in _by_length(lengths, order):
+    for columns_used, rows_used in by_length(lengths, order):
         if any(rank([[m[c][r] for r in rows_used] for c in columns_used]) == order for m in residues):
             yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
 
 
-def _by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
     """Choices of columns and rows for a minor, short entries first."""
     n, m = len(lengths), len(lengths[0])
     choices = []

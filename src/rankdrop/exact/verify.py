@@ -9,7 +9,8 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
+from math import inf
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from rankdrop.atlas.equation import Equation, normalised
 from rankdrop.atlas.search import search
 from rankdrop.atlas.system import System
 from rankdrop.atlas.which import families_at
-from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank
+from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank, residue
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.local.block import generic_rank
@@ -100,7 +101,7 @@ def rank_agreement(chain: Chain, points: Iterable[Point], claimed: int) -> Check
     return Check(len(ranks), sum(found == claimed for found in ranks))
 
 
-def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> Cloud:
+def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seconds: float = inf) -> Cloud:
     """Singular configurations of one corank and of every higher one, found from random starts.
 
     Args:
@@ -110,6 +111,7 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
         count: configurations of exactly this corank at least, where the search finds as many; of each higher corank
             a tenth of that is looked for.
         seed: of the starts.
+        seconds: no search is begun after these.
 
     Returns:
         Cloud, polished as `search` does; empty where nothing was found, which proves nothing.
@@ -117,7 +119,7 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
     Raises:
         OptionError: no such corank for this arm and task.
     """
-    generic = generic_rank(robot, task)
+    generic, end = generic_rank(robot, task), monotonic() + seconds
     parts: list[Array] = [np.zeros((0, robot.n))]
     coranks: list[NDArray[np.int64]] = [np.zeros(0, dtype=np.int64)]
     for wanted in range(corank, generic + 1):
@@ -125,14 +127,16 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> C
         found, lost = 0, 0
         for part in range(ROUNDS):
             run = search(robot, wanted, task=task, starts=enough, seed=seed + 1000 * wanted + part)
+            if not run.complete:
+                raise KeyboardInterrupt  # the core met Ctrl-C and handed over what it had
             kept = run.outcome == 0
             parts.append(run.converged)
             coranks.append(generic - (run.sigma[kept][:, :generic] > run.tolerances.singular).sum(axis=1))
             new = int((coranks[-1] == wanted).sum())
             found, lost = found + new, lost + int(kept.sum())
-            if found >= enough or new < enough / 10:
+            if found >= enough or new < enough / 10 or monotonic() > end:
                 break
-        if not lost:
+        if not lost or monotonic() > end:
             break
     return Cloud(robot, task, np.concatenate(parts), np.concatenate(coranks))
 
@@ -175,10 +179,6 @@ class _Given:
     dimension: int = 0
 
 
-def _residue(value: Fraction) -> int:
-    return value.numerator % P * pow(value.denominator, -1, P) % P
-
-
 def _twists(chain: Chain, point: Point) -> list[list[int]]:
     """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z."""
     turned = [[int(i == j) for j in range(3)] for i in range(3)]
@@ -186,7 +186,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
     found = []
     for number, section in enumerate(chain.sections, 1):
         z = [row[2] for row in turned]
-        cosine, sine = _residue(section.phase.cos), _residue(section.phase.sin)
+        cosine, sine = residue(section.phase.cos), residue(section.phase.sin)
         d = _length(chain, number - 1, "d", point)
         if section.kind is JointKind.PRISMATIC:
             d += point[f"q{number}"]
@@ -199,7 +199,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
         turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
         a = _length(chain, number - 1, "a", point)
         place = [(place[i] + d * z[i] + a * turned[i][0]) % P for i in range(3)]
-        cosine, sine = _residue(section.twist.cos), _residue(section.twist.sin)
+        cosine, sine = residue(section.twist.cos), residue(section.twist.sin)
         turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
     return found
 
@@ -208,7 +208,7 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
-    return _residue(getattr(chain.sections[place], which))
+    return residue(getattr(chain.sections[place], which))
 
 
 def _times(one: list[list[int]], two: list[list[int]]) -> list[list[int]]:

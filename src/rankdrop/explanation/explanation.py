@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rankdrop.errors import ResultFileError
 from rankdrop.explanation.data import ExplanationData
 from rankdrop.explanation.record import explanation_to_dict
 from rankdrop.explanation.text import DETAILS, PARTS, sections_of
-from rankdrop.record import Record, json_text
+from rankdrop.record import Record, save_record
 from rankdrop.sections import Section, html, text
 
 _SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
@@ -37,11 +36,7 @@ class Explanation(ExplanationData):
         Raises:
             ResultFileError: the file cannot be written.
         """
-        try:
-            Path(path).write_text(json_text(self.to_dict()), encoding="utf-8")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+        save_record(self.to_dict(), path)
 
     def sections(self, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
         """The explanation in words: see `rankdrop.explanation.text.sections_of`."""

@@ -13,7 +13,7 @@ from rankdrop.atlas.slices import Slice, telling_slices
 from rankdrop.atlas.solid import Solid, solids
 from rankdrop.atlas.workspace import Workspace, workspace
 from rankdrop.conditions import conditions
-from rankdrop.derived import Conditions
+from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.kinematics import link_poses
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
@@ -38,7 +38,7 @@ class Content:
         blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
             freedom lost.
         blame_words: per family the sets from which all its dependencies follow, in words.
-        exact: the conditions, exactly; None where they are not to be had.
+        exact: the conditions, exactly; None where they are not to be had, or stand in the analysis (`Analysis.exact`).
         exact_missing: why not; "" otherwise.
         slices: planes of joint space.
         solids: families in the cube of three joints.
@@ -118,6 +118,9 @@ def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:
 
 
 def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | None, str]:
+    """The conditions and "", or None and why not; an analysis that holds them already needs no second derivation."""
+    if analysis.exact is not None and analysis.exact.families:
+        return None, "They stand in the analysis."
     try:
         found = conditions(
             analysis.robot, analysis.task, seconds=seconds, seed=seed, points=EXACT_POINTS, special=False

@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from rankdrop.exact.family import ExactFamily
+from rankdrop.joined import ExactRow, Joined
 from rankdrop.report.content import Content
 from rankdrop.report.typeset import typeset
 
@@ -17,6 +18,9 @@ _NO_SHIFT = 1e-12  # [rad]
 def exact_section(content: Content) -> str:
     """The conditions, exactly, typeset."""
     head = '<section id="exact"><h2>Exact conditions</h2>'
+    joined = content.analysis.exact
+    if joined is not None and joined.families:
+        return f"{head}{_joined(joined)}</section>"
     found = content.exact
     if found is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
@@ -47,11 +51,23 @@ def exact_section(content: Content) -> str:
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 
+def _joined(found: Joined) -> str:
+    """Those that the analysis holds, derived with it and held against its families."""
+    letters = ", ".join(f"{name} = {value:.6g} m" for name, value in (found.letters or {}).items())
+    told = (
+        f"Derived exactly and held against the families found: {found.status}. {found.numeric.agree:,} of "
+        f"{found.numeric.tested:,} points of the families lie on an exact one, {found.exact.agree:,} of "
+        f"{found.exact.tested:,} points of the exact ones on a family.{' Lengths: ' + letters + '.' if letters else ''}"
+    )
+    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
+    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, found.families))}</div>{wrong}'
+
+
 def _cut(text: str) -> str:
     return escape(text if len(text) < _LONG else text[:_LONG] + " …")
 
 
-def _exact_family(family: ExactFamily) -> str:
+def _exact_family(family: ExactFamily | ExactRow) -> str:
     side_by_side = [f"<span>{typeset(one)}</span>" for one in family.latex if len(one) <= _SHORT]
     short = '<span class="comma">,</span> '.join(side_by_side)
     lines = f'<div class="condition">{short}</div>' if short else ""

@@ -93,9 +93,10 @@ def workspace_section(content: Content) -> str:
         share = f"{int(section.one_sided.sum()):,} of {len(section.walls):,}"
         figures.append(
             f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
-            "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to second "
-            f"order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of voids, barriers "
-            'inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.</figcaption>'
+            "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to "
+            f"second order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of "
+            'voids, barriers inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.'
+            "</figcaption>"
             "</figure>"
         )
     names = {family.id: family.name for family in content.analysis.families}

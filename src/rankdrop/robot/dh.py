@@ -61,6 +61,7 @@ def from_dh(
     source: Source | None = None,
     notes: Sequence[str] = (),
     about: str = "",
+    lengths: Mapping[str, float] | None = None,
 ) -> Robot:
     """A robot from its DH table.
 
@@ -78,6 +79,7 @@ def from_dh(
             numbers are another arm in the other convention.
         kinds: overrides the kinds of the rows: "RRPRRR", or a list of "revolute", "prismatic", "helical".
         name, task, source, notes, about: as in `Robot`.
+        lengths: letters for lengths and their values [m], as in `Robot`.
         base: (4, 4) pose of DH frame 0 in the base frame.
         tool: (4, 4) pose of the tip in the last DH frame.
 
@@ -112,7 +114,8 @@ def from_dh(
     home = pose if tool is None else pose @ rigid(tool, f"tool of robot {name!r}")
     origin = source or Source("dh", f'from_dh(convention="{convention}")')
     remarks = (*notes, *turn_notes(joints))
-    return Robot(name, tuple(joints), home, task, origin, notes=remarks, about=about)
+    letters = tuple((lengths or {}).items())
+    return Robot(name, tuple(joints), home, task, origin, notes=remarks, about=about, lengths=letters)
 
 
 def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.lengths import checked_lengths
 
 Array = NDArray[np.float64]
 
@@ -112,6 +113,7 @@ class Robot:
         base, tip: names of the first and last link, where the source has names.
         notes: what a reader of the description should be told (choices made, things tolerated).
         about: one line for lists ("7-DoF arm, spherical shoulder and wrist").
+        lengths: letters and their values [m]: exact conditions write lengths of ± such a value with its letter.
     """
 
     name: str
@@ -123,11 +125,14 @@ class Robot:
     tip: str = "tip"
     notes: tuple[str, ...] = ()
     about: str = ""
+    lengths: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         where = f"robot {self.name!r}"
         object.__setattr__(self, "joints", tuple(self.joints))
         object.__setattr__(self, "home", _read_only(self.home, (4, 4), where, "home pose"))
+        lengths = checked_lengths(self.lengths, lambda letter: f"{where}, length {letter!r}")
+        object.__setattr__(self, "lengths", lengths)
         if not self.joints:
             raise RobotError("there is no moving joint", where=where, allowed="at least one", mend="name another tip")
         names = [joint.name for joint in self.joints]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Any, Literal
 
@@ -73,6 +73,7 @@ def from_screws(
     source: Source | None = None,
     notes: Sequence[str] = (),
     about: str = "",
+    lengths: Mapping[str, float] | None = None,
 ) -> Robot:
     """A robot from its joint screws at q = 0, base to tip, in the base frame with the base origin as reference point.
 
@@ -86,6 +87,7 @@ def from_screws(
         names, lower, upper, velocity: one per joint [rad or m]; "joint1" … and ±inf by default.
         home: (4, 4) pose of the tip at q = 0; without it the tip is taken at the base origin, and a note says so.
         name, task, source, notes, about: as in `Robot`.
+        lengths: letters for lengths and their values [m], as in `Robot`.
 
     Raises:
         RobotError: wrong shape, values that are not finite, no length, a pitch that contradicts the kind or is too
@@ -113,7 +115,8 @@ def from_screws(
         remarks.append("home pose not given: the tip is taken at the base origin")
     pose = np.eye(4) if home is None else rigid(home, f"home pose of robot {name!r}")
     origin = source or Source("screws", f'from_screws(order="{order}")')
-    return Robot(name, tuple(joints), pose, task, origin, notes=tuple(remarks), about=about)
+    letters = tuple((lengths or {}).items())
+    return Robot(name, tuple(joints), pose, task, origin, notes=tuple(remarks), about=about, lengths=letters)
 
 
 def _rows(screws: ArrayLike, order: str, name: str) -> Array:

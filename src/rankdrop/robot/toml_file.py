@@ -11,14 +11,15 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.lengths import checked_lengths
 from rankdrop.robot.model import Array, JointKind, Robot, Source
 from rankdrop.robot.quantity import quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
 from rankdrop.robot.toml_lines import TomlLines
 from rankdrop.robot.transform import from_xyz_rpy
 
-_DH_FILE_KEYS = ("name", "convention", "task", "about", "source", "notes", "base", "tool", "joints")
-_SCREW_FILE_KEYS = ("name", "order", "task", "about", "source", "notes", "home", "joints")
+_DH_FILE_KEYS = ("name", "convention", "task", "about", "source", "notes", "lengths", "base", "tool", "joints")
+_SCREW_FILE_KEYS = ("name", "order", "task", "about", "source", "notes", "lengths", "home", "joints")
 _SCREW_KEYS = ("kind", "screw", "axis", "point", "pitch", "axes", "name", "lower", "upper", "velocity")
 _KEYS_OF = {
     "prismatic": ("axis",),
@@ -84,6 +85,7 @@ def _robot(document: dict[str, Any], place: Place, file: str, default_name: str,
         "task": _text(document, "task", where, "pose"),
         "about": _text(document, "about", where, ""),
         "source": Source(kind or form, file, _text(document, "source", where, "")),
+        "lengths": _lengths(document.get("lengths", {}), place("lengths", None)),
     }
     if form == "dh":
         rows = [dh_row(joint, i + 1, place("joints", i)) for i, joint in enumerate(joints)]
@@ -211,6 +213,14 @@ def _pose(table: Any, where: Where) -> Array:
     xyz = _vector(table, "xyz", "length", where) if "xyz" in table else [0.0, 0.0, 0.0]
     rpy = _vector(table, "rpy", "angle", where) if "rpy" in table else [0.0, 0.0, 0.0]
     return from_xyz_rpy(xyz, rpy)
+
+
+def _lengths(table: Any, where: Where) -> dict[str, float]:
+    if not isinstance(table, dict):
+        raise RobotError(
+            "lengths is a table of letters", where=where(""), got=repr(table), allowed="[lengths], then a = 0.635 …"
+        )
+    return dict(checked_lengths(table.items(), where))
 
 
 def _vector(table: Mapping[str, Any], key: str, measure: str, where: Where, size: int = 3) -> list[float]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find", "explanation", "escape", "nearest")
+NAMES = ("analysis", "find", "explanation", "escape", "nearest", "conditions")
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
 
 
@@ -16,8 +16,8 @@ def load_schema(name: str) -> dict[str, Any]:
     """One schema.
 
     Args:
-        name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape" or
-            "nearest".
+        name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
+            "nearest" or "conditions".
 
     Raises:
         OptionError: there is no such schema.

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations, product
+from itertools import combinations, permutations, product
+from math import prod
 
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, primitive, used
@@ -17,6 +18,8 @@ from rankdrop.exact.algebra.variety import Solved, Variety, independent
 from rankdrop.exact.algebra.work import Work
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
+_DEGREE = 64  # product of two degrees beyond which their resultant takes seconds
+_POWERS = 200_000  # and so it does where its degrees allow for more terms than this
 
 Form = tuple[Polynomial, tuple[int, ...]]
 """A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
@@ -73,16 +76,8 @@ def form(f: Polynomial, ring: Ring) -> Form:
 def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
     """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
     f, degree = one
-    left = list(degree)
-    for joint, value in pins.items():
-        place = ring.index[f"t{joint}"]
-        if value == "pi":
-            parts = coefficients(f, place)
-            f = parts[-1] if len(parts) > degree[place] else f * 0
-        else:
-            f = ring.half_at(f, {joint: value})
-        left[place] = 0
-    return f, tuple(left)
+    pinned = {ring.index[f"t{joint}"] for joint in pins}
+    return ring.half_at(f, pins, degree), tuple(0 if place in pinned else d for place, d in enumerate(degree))
 
 
 def _put(ring: Ring, one: Form, solved: Solved) -> Form:
@@ -136,14 +131,21 @@ def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Varie
 def _at_infinity(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> Iterator[Variety]:
-    """Components with a further joint at π: there two leading coefficients have a common factor."""
+    """Components with a further joint at π: there two leading coefficients vanish together."""
     for k, joint in enumerate(ring.revolute):
         if joint in pins or not any(f.degrees()[k] for f in system):
             continue
-        leading = [coefficients(f, k)[-1] for f in system]
-        if any(factors(ring, f.gcd(g), work) for f, g in combinations(leading, 2)):
-            there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+        there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+        # more than two conditions may meet there without a common factor, where they may bind more than two freedoms
+        if most > 2 < len(system) or any(_share(ring, one, two, work) for one, two in combinations(there, 2)):
             yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
+
+
+def _share(ring: Ring, one: Form, two: Form, work: Work) -> bool:
+    """Whether two forms have a common factor, or both vanish at π of a joint."""
+    (f, most), (g, most_too) = one, two
+    degrees = zip(most, f.degrees(), most_too, g.degrees(), strict=False)
+    return any(a > b and c > d for a, b, c, d in degrees) or bool(factors(ring, f.gcd(g), work))
 
 
 def _eliminated(
@@ -156,6 +158,7 @@ def _eliminated(
     solved, f = min(solvable, key=lambda pair: (not _unit(ring, pair[0].denominator), len(pair[1])))
     others = [g for g in system if g != f]
     found: list[Variety] = []
+    factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
     if not _unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
         found += decompose(ring, pins, [form(g, ring) for g in both], most, work, done)
@@ -185,12 +188,16 @@ def _reduced(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[Variety]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
+    for f, g, k in _divisions(ring, system):
+        work.check()
+        others = [form(h, ring) for h in system if h is not g]
+        return decompose(ring, pins, [*others, _remainder(ring, g, f, k)], most, work, done)
     known = {str(f) for f in system}
     for f, g, k in _pairs(ring, system):
         work.check()
         one, two = sorted((str(f), str(g)))
         pair = (one, two, k)
-        if pair in done or len(f) * len(g) > _LARGE:
+        if pair in done or not _eliminable(f, g, k):
             continue
         done |= {pair}
         combined = _combined(f, g, k) if f.degrees()[k] == g.degrees()[k] == 2 else f.resultant(g, ring.names[k])
@@ -209,6 +216,42 @@ def _reduced(
     if len(system) <= 2:
         return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
     return _several(ring, pins, system, most, work)
+
+
+def _divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial, Polynomial, int]]:
+    """(divisor, condition, place): a condition whose degree in a variable falls when it is divided by another one.
+
+    The divisor has no joint of its own and a leading coefficient without joints, so that nothing is lost. What is left
+    may factor where the condition itself did not.
+    """
+    for f, g in permutations(system, 2):
+        joints = {place for place in used(f) if place < ring.moving}
+        if joints < {place for place in used(g) if place < ring.moving}:
+            for k in joints:
+                if f.degrees()[k] <= g.degrees()[k] and _unit(ring, coefficients(f, k)[-1]):
+                    yield f, g, k
+
+
+def _remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
+    """The pseudo-remainder of g divided by f in one variable; it counts for the degrees of g in the others."""
+    degree = list(form(g, ring)[1])
+    divisor = coefficients(f, k)
+    t = f.context().gens()[k]
+    while g != 0 and g.degrees()[k] >= len(divisor) - 1:
+        top = coefficients(g, k)[-1]
+        g = g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1)
+    if k < ring.angles:
+        degree[k] = int(g.degrees()[k]) if g != 0 else 0
+    return g, tuple(degree)
+
+
+def _eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
+    """Whether the resultant is worth its time: it cannot be interrupted."""
+    one, two = f.degrees(), g.degrees()
+    if len(f) * len(g) > _LARGE or int(one[k]) * int(two[k]) > _DEGREE:
+        return False
+    powers = (1 + a * two[k] + b * one[k] for place, (a, b) in enumerate(zip(one, two, strict=True)) if place != k)
+    return prod(map(int, powers)) <= _POWERS
 
 
 def _several(
@@ -312,6 +355,7 @@ def plainly_positive(ring: Ring, f: Polynomial) -> bool:
 
 
 def divides(h: Polynomial, f: Polynomial) -> bool:
+    """Whether the first polynomial divides the second one."""
     return f != 0 and bool(divmod(f, h)[1] == 0)
 
 

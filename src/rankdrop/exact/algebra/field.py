@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
@@ -29,6 +30,11 @@ def modulo(value: Any) -> int:
     bottom = int(value.q)
     top = int(value.p) % P
     return top if bottom == 1 else top * pow(bottom, -1, P) % P
+
+
+def residue(value: Fraction) -> int:
+    """A rational number modulo P."""
+    return value.numerator % P * pow(value.denominator, -1, P) % P
 
 
 class Evaluator:

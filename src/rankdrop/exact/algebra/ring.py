@@ -242,9 +242,15 @@ class Ring:
             values[f"c{joint}"], values[f"s{joint}"] = cosine, sine
         return self.reduce(p.subs(values)) if values else self.reduce(p)
 
-    def half_at(self, f: Polynomial, pins: Mapping[int, str]) -> Polynomial:
-        """A half-angle polynomial with some joints at simple angles; at π the coefficient of the highest power."""
-        degrees = f.degrees()
+    def half_at(self, f: Polynomial, pins: Mapping[int, str], degrees: Sequence[int] | None = None) -> Polynomial:
+        """A half-angle polynomial with some joints at simple angles; at π the coefficient of the highest power.
+
+        Args:
+            f: of `half`.
+            pins: simple angles by joint.
+            degrees: that f counts for in each t_j; None for its own. A lower one means a zero at π.
+        """
+        degrees = f.degrees() if degrees is None else degrees
         for joint, value in pins.items():
             place = self.index[f"t{joint}"]
             if value == "pi":  # of the degree that f has before any joint is pinned: a lower one means a zero there

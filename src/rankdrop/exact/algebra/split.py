@@ -90,6 +90,7 @@ def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
     if not one.rest:
         solved = linear(ring, h)
         if solved is not None:
+            factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
             return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
         return [replace(one, rest=(h,), equations=(*one.equations, h))]
     system = [form(f, ring) for f in (*one.equations, h)]

@@ -188,11 +188,37 @@ class Variety:
                 return False
         return True
 
-    def inside(self, other: Variety) -> bool:
-        """Whether every condition of another set holds on this one."""
+    def satisfies(self, other: Variety) -> bool:
+        """Whether every condition of another set holds on this one.
+
+        The conditions may hold elsewhere too: with A t + B = 0 and a third condition, also where A = B = 0. So this set
+        need not lie inside the other one: see `inside`.
+        """
         if self.codimension < other.codimension or not self.samples:
             return False
         return other.holds_at(self.samples)
+
+    def inside(self, other: Variety) -> bool:
+        """Whether this set lies inside another one; False, too, where that is open.
+
+        It is where the conditions hold and every solution of the other set exists. Where a denominator vanishes on
+        this set, points of it may or may not be limits of points of the other.
+        """
+        return self.satisfies(other) and all(other._solves(point) for point in self.samples)
+
+    def _solves(self, point: Point) -> bool:
+        """Whether every solution exists at a point and is the one there."""
+        ring, evaluate = self.ring, half_evaluator(self.ring)
+        far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
+        for one in self.solved:
+            if ring.names[one.place] not in point:
+                return False
+            degrees = tuple(map(max, one.numerator.degrees(), one.denominator.degrees()))
+            bottom, top = (ring.half_at(f, far, degrees) for f in (one.denominator, one.numerator))
+            divisor = evaluate(bottom, point)
+            if divisor == 0 or (point[ring.names[one.place]] * divisor - evaluate(top, point)) % P:
+                return False
+        return True
 
 
 def independent(found: Sequence[Variety]) -> list[Variety]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from math import inf
 from time import monotonic
 
@@ -12,6 +13,8 @@ from rankdrop.exact.algebra.ring import primitive
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)"""
+GRACE = 5.0
+"""Time left after the user has asked to stop [s]."""
 
 
 class OutOfTime(Exception):
@@ -27,17 +30,21 @@ class Work:
         progress: called now and then as progress(label, done, total).
 
     Attributes:
+        seed: of the random points.
         rng: source of random numbers.
+        interrupted: the user has asked to stop; only what was found is put in order.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
     """
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
         self._end = monotonic() + seconds
+        self.seed = seed
         self._progress = progress
         self.rng = random.Random(seed)
         self.assumed: dict[str, Polynomial] = {}
         self.unresolved: list[str] = []
+        self.interrupted = False
 
     def check(self) -> None:
         """Call this in every loop that may be long.
@@ -52,6 +59,25 @@ class Work:
         """Tell how far the derivation is."""
         if self._progress is not None:
             self._progress(label, done, total)
+
+    @contextmanager
+    def share(self, part: float) -> Iterator[None]:
+        """Until the end of the block the time limit is this part of the time that is left."""
+        end = self._end
+        self._end = end if part >= 1.0 else monotonic() + part * self.left
+        try:
+            yield
+        finally:
+            self._end = end
+
+    def again(self) -> Work:
+        """A derivation begun anew, with the same deadline."""
+        return Work(self.left, self.seed, self._progress)
+
+    def interrupt(self) -> None:
+        """Stop: `GRACE` is left to put in order what was found."""
+        self.interrupted = True
+        self._end = min(self._end, monotonic() + GRACE)
 
     @property
     def left(self) -> float:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -15,6 +14,7 @@ from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.geometry import DIGITS, Section, first_and_last, sections
 from rankdrop.frames import BODY, WORLD_ALIGNED
+from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
 
@@ -32,6 +32,7 @@ class Chain:
         sections: twists, lengths and phases, exact.
         letters: value [m] of each length that is a symbol, by its name.
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
+            Index n is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
         remarks: what was rounded or snapped on the way.
     """
 
@@ -66,10 +67,13 @@ class Chain:
 
     def length(self, place: int, which: str) -> Polynomial:
         """Length "a" or "d" of section `place` (from 0) as an element of the trigonometric ring."""
+        return self._length(place, which, getattr(self.sections[place], which))
+
+    def _length(self, place: int, which: str, value: Fraction) -> Polynomial:
         if (place, which) in self.written:
             sign, letter = self.written[place, which]
             return self.ring.letter[letter] * sign
-        return self.ring.constant(getattr(self.sections[place], which))
+        return self.ring.constant(value)
 
     @cached_property
     def frame(self) -> int:
@@ -170,7 +174,8 @@ class Chain:
         pose = _identity(ring)
         for j in range(k + 1, self.n + 1):
             pose = _times(ring, _times(ring, pose, self._link(j - 1)), self._joint(j))
-        tip = [ring.constant(x) for x in self._end[1]]
+        x, y, z = _tip(self.robot)
+        tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z)]
         point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
         return [_moved(ring, screw, point) for screw in self.screws(k)]
 
@@ -178,8 +183,7 @@ class Chain:
         """Screws at the tip along the axes of the task's frame."""
         ring, rows = self.ring, set(self.task.rows)
         body = self.task.frame == BODY
-        start, end = self._start, self._end
-        k, turned = (self.n, end[0]) if body else (1, start)
+        k, turned = (self.n, self._end) if body else (1, self._start)
         about_z = all(abs(turned[2][i]) == (i == 2) for i in range(3))
         paired = all((r in rows) == (r + 1 in rows) for r in (0, 3))
         screws = self._at_tip(k)
@@ -206,10 +210,9 @@ class Chain:
         return _exact(first_and_last(self.robot)[0][:3, :3])
 
     @cached_property
-    def _end(self) -> tuple[list[list[Fraction]], list[Fraction]]:
-        """(rotation from the frame of link n to the tip's axes, position of the tip in the frame of link n)."""
-        relative = np.linalg.inv(first_and_last(self.robot)[1]) @ self.robot.home
-        return _exact(relative[:3, :3].T), [Fraction(f"{x:.{DIGITS}f}") for x in relative[:3, 3]]
+    def _end(self) -> list[list[Fraction]]:
+        """Rotation from the frame of link n to the tip's axes."""
+        return _exact(_home_in_last(self.robot)[:3, :3].T)
 
     def with_letters(self, changed: Mapping[str, tuple[int, str]]) -> Chain:
         """The chain of a special arm: some letters replaced, each by (sign, another letter)."""
@@ -231,8 +234,10 @@ def exact_chain(
     """Make a robot exact: twists as quarter turns or rationals, lengths as letters or decimals.
 
     Equal lengths get the same letter, opposite ones that letter with a minus: an arm whose forearm is as long as its
-    upper arm is another arm, and its conditions are its own. Letters are Denavit and Hartenberg's with the number of
-    the link (a2, d4), unless the caller names them.
+    upper arm is another arm, and its conditions are its own. Letters are those of the robot (`Robot.lengths`) for the
+    lengths of ± their value, and Denavit and Hartenberg's with the number of the link (a2, d4) for the others, unless
+    the caller names them. For tasks that depend on the tip its x and z in the frame of the last link n count as
+    lengths too: a{n} and d{n}.
 
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
@@ -254,12 +259,19 @@ def exact_chain(
             allowed="WORLD_ALIGNED, BODY",
         )
     found, remarks = sections(robot, snap=snap)
-    letters, written = _letters(robot, found, lengths)
+    tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
+    letters, written = _letters(robot, found, lengths, tip)
+    if letters and isinstance(lengths, str):
+        remarks += tuple(
+            f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
+            for name, value in robot.lengths
+            if name not in letters
+        )
     return Chain(robot, resolved, found, letters, written, remarks)
 
 
 def _letters(
-    robot: Robot, found: tuple[Section, ...], lengths: str | Mapping[str, float]
+    robot: Robot, found: tuple[Section, ...], lengths: str | Mapping[str, float], tip: list[Fraction] | None
 ) -> tuple[dict[str, Fraction], dict[tuple[int, str], tuple[int, str]]]:
     if isinstance(lengths, str) and lengths not in ("auto", "letters", "numbers"):
         raise OptionError(
@@ -267,12 +279,9 @@ def _letters(
         )
     given = {} if isinstance(lengths, str) else {name: Fraction(str(value)) for name, value in lengths.items()}
     for name in given:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[sctqθ]\d+|pi|sin|cos", name):
+        if not is_letter(name):
             raise OptionError(
-                "a length cannot have this name",
-                where="lengths",
-                got=repr(name),
-                allowed="a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number",
+                "a length cannot have this name", where="lengths", got=repr(name), allowed=LETTERS_ALLOWED
             )
     if lengths == "numbers":
         return {}, {}
@@ -281,19 +290,23 @@ def _letters(
         (i, which) for i in range(len(found)) for which in "da" if 0 < i < len(found) - 1 or (i, which) == (0, "a")
     ]
     values = {place: getattr(found[place[0]], place[1]) for place in places}
+    if tip is not None:
+        values |= {(len(found), "a"): tip[0], (len(found), "d"): tip[2]}
     values = {place: value for place, value in values.items() if value != 0}
     if lengths == "auto":
         turns = [t for s in found for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
         if len({abs(value) for value in values.values()}) > MANY or any(t.quarters is None for t in turns):
             return {}, {}
-    letters = dict(given)
+    own = dict(robot.lengths) if isinstance(lengths, str) else {}
+    named = given or dict(zip(own, _decimals(own.values()), strict=True))
+    letters = dict(named)
     written: dict[tuple[int, str], tuple[int, str]] = {}
     for (i, which), value in values.items():
-        # a distance along an axis and one across it may agree by chance: they keep letters of their own
-        same = [name for name, known in letters.items() if abs(known) == abs(value) and (given or name[0] == which)]
+        # a distance along an axis and one across it may agree by chance: they keep letters of their own, unless named
+        same = [x for x, known in letters.items() if abs(known) == abs(value) and (x in named or x[0] == which)]
         if given and not same:
             continue
-        name = same[0] if same else f"{which}{i + 1}"
+        name = min(same, key=lambda x: x[0] != which) if same else _free(f"{which}{min(i + 1, len(found))}", letters)
         letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     unused = set(given) - {name for _, name in written.values()}
@@ -304,7 +317,15 @@ def _letters(
             got=", ".join(f"{n} = {float(given[n])} m" for n in unused),
             allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
         )
-    return letters, written
+    used = {name for _, name in written.values()}
+    return {name: value for name, value in letters.items() if name in used}, written
+
+
+def _free(name: str, taken: Container[str]) -> str:
+    """The name, with as many _ behind it as make it a new one."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def _identity(ring: Ring) -> Matrix:
@@ -342,5 +363,19 @@ def _moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list
     return [*(ring.reduce(v + w) for v, w in zip(screw[:3], cross, strict=True)), *screw[3:]]
 
 
+def _home_in_last(robot: Robot) -> Array:
+    """(4, 4) pose of the tip in the frame of link n."""
+    return np.asarray(np.linalg.inv(first_and_last(robot)[1]) @ robot.home)
+
+
+def _tip(robot: Robot) -> list[Fraction]:
+    """Position of the tip in the frame of link n."""
+    return _decimals(_home_in_last(robot)[:3, 3])
+
+
 def _exact(rotation: Array) -> list[list[Fraction]]:
-    return [[Fraction(f"{x:.{DIGITS}f}") for x in row] for row in rotation]
+    return [_decimals(row) for row in rotation]
+
+
+def _decimals(values: Iterable[float]) -> list[Fraction]:
+    return [Fraction(f"{x:.{DIGITS}f}") for x in values]

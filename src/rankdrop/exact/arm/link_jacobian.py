@@ -28,7 +28,7 @@ def frame_jacobian(chain: Chain, k: int) -> list[list[Polynomial]]:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> [str(x) for x in frame_jacobian(exact_chain(open_robot("planar2r")), 1)[1]]
-        ['7/10*c2 + a1', '7/10*c2']
+        ['c2*a2 + a1', 'c2*a2']
     """
     if not 1 <= k <= chain.n:
         raise OptionError("there is no such link", got=k, allowed=f"1 … {chain.n}")

@@ -275,7 +275,7 @@ def _wide(chain: Chain, structure: ExactStructure) -> str:
     n, m = chain.n, chain.task.m
     part = "wrist" if structure.wrist else "shoulder" if structure.shoulder else ""
     if chain.task.rows != POSE or not part:
-        return f"{n} joints for {m} freedoms: the Jacobian is not square, and only two square blocks are a proof"
+        return f"{n} joints for {m} freedoms: the Jacobian is not square, so that it has no two square blocks"
     return (
         f"{n} joints for {m} freedoms: with a spherical {part} the Jacobian is block triangular, but the arm's block "
         f"is 3 × {n - 3}: where the {part} alone loses a freedom, null motions of the arm may make up for it"

@@ -9,11 +9,11 @@ import numpy as np
 
 from rankdrop.atlas.naming import name_family
 from rankdrop.errors import ConfigurationError
-from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Atom, Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs.signs import simple_pair
 from rankdrop.exact.signs.zeros import real_points
+from rankdrop.exact.writing.condition import Condition
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.words import words
@@ -64,13 +64,7 @@ def condition_text(ring: Ring, atoms: Sequence[Atom]) -> str:
     """When the atoms hold: "θ3 = 0 or π", or a polynomial = 0."""
     if atoms[0].pinned:
         return f"θ{atoms[0].joint} = {' or '.join(_PIN[atom.value] for atom in atoms)}"
-    return f"{polynomial_text(ring, atoms[0].f)} = 0"
-
-
-def polynomial_text(ring: Ring, f: Polynomial) -> str:
-    """An irreducible half-angle polynomial as text: in sines and cosines where it can be."""
-    trig = ring.to_trig(f)
-    return str(f if trig is None else trig)
+    return Condition(ring, atoms[0].f).text()
 
 
 def look(chain: Chain, atoms: Sequence[Atom]) -> Place:

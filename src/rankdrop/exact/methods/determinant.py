@@ -31,7 +31,7 @@ def determinant(draft: Draft) -> None:
         equality = draft.equality(minors[0])
         parts = [Equality((atom,)) for atom in equality.atoms] if equality.whole is None else [equality]
         draft.conditions += [Conjunction((part,)) for part in parts]
-        draft.notes.append(f"det J has {len(minors[0])} terms and {len(parts)} different factors")
+        draft.notes.append(f"terms of det J: {len(minors[0])}; different factors: {len(parts)}")
         return
     total = draft.ring.zero
     for minor in minors:

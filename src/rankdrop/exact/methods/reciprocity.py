@@ -20,6 +20,7 @@ from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches, size
 from rankdrop.exact.methods.derivation import Equality
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
+from rankdrop.exact.methods.words import Words
 
 Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""
@@ -135,15 +136,10 @@ def _note(draft: Draft, choice: _Choice, known: list[Factors]) -> None:
     if frozenset() in known:
         draft.notes.append("it never vanishes")
         return
-    words = []
-    for piece in pieces([_equality(found) for found in known]):
-        words.append(" and ".join(_text(equality) for equality in piece.equal))
-    draft.notes.append("invalid, since all its components vanish, where " + ", or where ".join(words))
+    words = Words(draft.ring)
+    told = [words.conjunction(piece) for piece in pieces([_equality(found) for found in known])]
+    draft.notes.append("invalid, since all its components vanish, where " + ", or where ".join(told))
     draft.sizes["exceptional"] = len(known)
-
-
-def _text(equality: Equality) -> str:
-    return "(" + " or ".join(atom.key if atom.pinned else f"{atom.key} = 0" for atom in equality.atoms) + ")"
 
 
 def _equality(found: Factors) -> Equality:

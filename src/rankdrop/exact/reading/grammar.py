@@ -35,6 +35,9 @@ _TOKEN = re.compile(
     re.DOTALL,
 )
 
+_KNOWN = re.compile(r"[qθsct]\d+|pi|π")
+"""Names that a bracket may follow as a factor: s2 (a2 + a3)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Token:
@@ -230,6 +233,8 @@ class _Reader:
             bracket = self.token.text == "(" or self.token.kind == "raised"
             if token.text in ("sin", "cos") or (token.text in WAVES and bracket and token.text not in self.letters):
                 return self.wave(token)
+            if self.token.text == "(" and token.text not in self.letters and not _KNOWN.fullmatch(token.text):
+                raise mistake(self.text, token.place, f"there is no function {token.text}", allowed="sin, cos, s, c")
             return Node("name", token.place, name=token.text)
         if self.take("±"):
             return Node("±", token.place, (self.power(),))

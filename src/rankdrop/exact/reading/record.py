@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+_ZERO = 1e-12  # σ below it is printed as 0
+
 
 @dataclass(frozen=True, slots=True)
 class Example:
@@ -79,7 +81,7 @@ class LintResult:
             at = _at(one.example)
             found.append(
                 f"Singular but left out: {one.conditions}; at {at} it is {_number(one.example.value)}, "
-                f"σ = {_number(one.example.sigma, 2)}."
+                f"σ = {0 if one.example.sigma < _ZERO else _number(one.example.sigma, 2)}."
             )
         for one in self.extra:
             at = _at(one.example)

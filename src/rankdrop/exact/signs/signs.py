@@ -16,8 +16,10 @@ import numpy as np
 
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.writing.text_of import text_of
 from rankdrop.robot.model import Array
 
+_READABLE = 60  # terms above which a factor is not written out
 _PAIRS = (("0", "pi"), ("pi/2", "-pi/2"))
 
 
@@ -159,7 +161,13 @@ def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
         sign = "−" if atom.value == "pi/2" else "+"
         return (text or f"sin(θ{atom.joint}/2 {sign} π/4)", 1)
     trig = ring.to_trig(atom.f)
-    return (str(atom.f), 1) if trig is None else (str(trig), _sense(ring, atom, trig))
+    if trig is None:
+        return _text(atom.f, str(atom.f)), 1
+    return _text(trig, text_of(ring, trig) if len(trig) <= _READABLE else ""), _sense(ring, atom, trig)
+
+
+def _text(f: Polynomial, text: str) -> str:
+    return text if len(f) <= _READABLE else f"a polynomial of {len(f):,} terms"
 
 
 def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:

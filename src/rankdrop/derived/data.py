@@ -1,16 +1,15 @@
-"""The result of an exact derivation: a frozen record that goes to JSON and shows itself as sections of text."""
+"""What an exact derivation found, as plain attributes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-
-SCHEMA = "rankdrop/conditions/1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,9 +20,38 @@ class Step:
     lines: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Conditions:
-    """The singularity conditions of an arm, exactly.
+@dataclass(frozen=True, slots=True)
+class ConditionSettings:
+    """What the derivation was asked to do; with the robot and the version it determines the result.
+
+    Attributes:
+        method: asked for, for corank 1.
+        lengths: "auto", "letters", "numbers", or values by letter [m].
+        snap: lengths up to this were taken for zero [m].
+        coranks: the highest one asked for; None for all.
+        seconds: time limit. The result depends on it only where it was met.
+        seed: of every random choice.
+        points: numerically found configurations tried, of corank 1.
+        special: whether arms of special lengths were derived too.
+        steps: whether the derivation was written down.
+        version: of rankdrop.
+    """
+
+    method: str
+    lengths: str | Mapping[str, float]
+    snap: float
+    coranks: int | None
+    seconds: float
+    seed: int
+    points: int
+    special: bool
+    steps: bool
+    version: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ConditionsData:
+    """The singularity conditions of an arm, exactly; `Conditions` adds what can be done with them.
 
     Attributes:
         robot, task: the arm, and the rows that matter.
@@ -40,10 +68,11 @@ class Conditions:
         explained: of singular configurations found numerically, how many lie on a family.
         disagreements: whatever two methods, or the derivation and a check, say differently. None is as it should be.
         complete: nothing was left unfinished.
-        left: what was, in words.
+        interrupted: Ctrl-C ended it.
+        left: what was not finished, in words.
         seconds: spent.
-        seed: of every random choice.
-        version: of rankdrop.
+        settings: what was asked for.
+        chain: the arm over the exact ring, in which conditions are polynomials.
     """
 
     robot: Robot
@@ -62,10 +91,11 @@ class Conditions:
     explained: Check
     disagreements: tuple[str, ...]
     complete: bool
+    interrupted: bool
     left: tuple[str, ...]
     seconds: float
-    seed: int
-    version: str
+    settings: ConditionSettings
+    chain: Chain
 
     @property
     def verified(self) -> bool:
@@ -73,6 +103,11 @@ class Conditions:
         ranks = all(family.rank_check.holds for family in self.families)
         points = self.explained.tested == self.explained.agree
         return self.complete and ranks and points and not self.disagreements
+
+    @property
+    def verdict(self) -> str:
+        """Verified, not complete, or not verified."""
+        return "verified" if self.verified else "not verified" if self.complete else "not complete"
 
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
         """The families of one corank."""

@@ -1,0 +1,161 @@
+"""`rankdrop conditions`: the singularity conditions of an arm, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from rankdrop.cli.question import Answer
+    from rankdrop.derived.conditions import Conditions
+    from rankdrop.task import Task
+
+_FILE = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+_ANGLES = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+_SWITCH = Parameter(negative=(), show_default=False)
+
+
+def conditions(
+    robot: str,
+    /,
+    *,
+    arm: ArmOptions = NO_OPTIONS,
+    method: str = "auto",
+    lengths: str = "auto",
+    snap: float = 0.0,
+    coranks: Whole | None = None,
+    time_limit: float = 60.0,
+    seed: Whole = 0,
+    points: Whole = 1000,
+    steps: Annotated[bool, _SWITCH] = False,
+    test: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    flags: _ANGLES = None,
+    from_: Annotated[str | None, Parameter(name="--from", allow_leading_hyphen=True)] = None,
+    to: _ANGLES = None,
+    deg: Annotated[bool, _SWITCH] = False,
+    latex: _FILE = None,
+    python: _FILE = None,
+    c: _FILE = None,
+    json: _FILE = None,
+    quiet: Annotated[bool, _SWITCH] = False,
+) -> int:
+    """Derive the singularity conditions of an arm exactly, for every corank, and check them.
+
+    Lengths are letters (a2, d4) where that is possible: the conditions hold
+    for every arm of this kind, and what is assumed of the lengths is told.
+    With --test, --flags or --from and --to, corank 1 only is derived unless
+    --coranks says otherwise.
+
+    For example:
+        rankdrop conditions pa10
+        rankdrop conditions canadarm2 --steps --lengths "a=0.635,c=0.504,d=6.85"
+        rankdrop conditions puma560 --test "sin(q5)*(a3*sin(q3)+d4*cos(q3))"
+        rankdrop conditions ur5 --deg --from 0,-90,60,0,80,0 --to 0,-90,-60,0,80,0
+        rankdrop conditions ur5 --python ur5_singularities.py
+
+    Exit code 0: complete and verified; 3: not complete, not verified, or the
+    condition of --test is not exact; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        method: For corank 1: auto, decoupling, suppression, tree, determinant, cofactors, decomposition, reciprocity or
+            singular-vector. All give the same set.
+        lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
+        snap: Lengths up to this are taken for zero [m].
+        coranks: The highest corank to derive; else all.
+        time_limit: Seconds; what was derived by then is shown, and what is left is told.
+        seed: Of every random choice.
+        points: Singular configurations to find numerically, as a check; 0 for none.
+        steps: Print the derivation of corank 1 step by step.
+        test: A condition: is it exactly the singular set, too small, or too large?
+        flags: A configuration: the signs of the determinant's factors there (arms without redundancy).
+        from_: A configuration; with --to: which families part the two.
+        to: The other configuration.
+        deg: Angles of configurations without a unit are in degrees.
+        latex: Write the families as a LaTeX table to this file; - for stdout in place of the text.
+        python: Write them as a Python module on NumPy.
+        c: Write them as a C header.
+        json: Write everything as JSON.
+        quiet: No progress.
+    """
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.question import Question
+    from rankdrop.conditions import conditions as run
+    from rankdrop.exact.arm.chain import exact_chain
+
+    targets = {"--latex": latex, "--python": python, "--c": c, "--json": json}
+    for option, target in targets.items():
+        check_target(target, option)
+    check_different(targets)
+    model, task = open_arm(robot, arm)
+    letters = lengths_of(lengths)
+    question = Question(model, test, flags, from_, to, deg=deg)
+    question.check(exact_chain(model, task, lengths=letters, snap=snap))
+    with reporter(quiet=quiet) as report:
+        found = run(
+            model, task, method=method, lengths=letters, snap=snap, seconds=time_limit, seed=seed, points=points,
+            coranks=1 if question and coranks is None else coranks, steps=steps, special=not question, progress=report,
+        )  # fmt: skip
+    answer = question.answer(found)
+    written: list[Callable[[], None]] = []
+    if STDOUT not in targets.values():
+        written.append(lambda: _print(found, task, answer))
+    if latex is not None:
+        written.append(lambda: write_text(found.latex(), latex))
+    if python is not None:
+        written.append(lambda: write_text(found.code("python"), python))
+    if c is not None:
+        written.append(lambda: write_text(found.code("c"), c))
+    if json is not None:
+        written.append(lambda: write_json({**found.to_dict(), **answer.record}, json))
+    do_all(written)
+    if found.interrupted:
+        return exits.INTERRUPTED
+    return exits.FINE if found.verified and answer.fine else exits.UNEXPLAINED
+
+
+def lengths_of(text: str) -> str | dict[str, float]:
+    """What --lengths says: a word, or letters with values [m].
+
+    Raises:
+        OptionError: neither.
+    """
+    from rankdrop.errors import OptionError, RobotError
+    from rankdrop.robot.quantity import quantity
+
+    if "=" not in text:
+        return text.strip()
+    found = {}
+    for word in text.replace(";", ",").split(","):
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not (name and equals and value) or name in found:
+            raise OptionError(
+                "this is not a list of lengths", where="--lengths", got=repr(word.strip() or text),
+                allowed='each letter once, with its value: "a=0.635,d=120mm"',
+            )  # fmt: skip
+        try:
+            found[name] = quantity(value, "length", where=f"--lengths, {name}")
+        except RobotError as error:
+            raise OptionError(
+                error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend
+            ) from error
+    return found
+
+
+def _print(found: Conditions, task: Task, answer: Answer) -> None:
+    from rankdrop.cli.arm import arm_section
+    from rankdrop.cli.sections import INDENT, print_sections
+    from rankdrop.cli.terminal import results, show
+    from rankdrop.derived.text import arm_lines
+
+    console = results()
+    show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found)))
+    print_sections((*found.sections(width=console.width - INDENT), *answer.sections), first=False)

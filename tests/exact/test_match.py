@@ -1,0 +1,144 @@
+"""Numeric and exact families have the same points; whatever is taken away from either side, or added to it, shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import pytest
+
+from rankdrop.atlas.equation import Equation, Term
+from rankdrop.atlas.vanishing import vanishing_on
+from rankdrop.conditions import conditions
+from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.match import Agreement, match
+from rankdrop.known import shipped
+
+ARMS = ("pa10", "puma560", "stanford", "scara", "anthropomorphic", "planar3r")
+
+
+@dataclass(frozen=True)
+class Given:
+    """Equations as a family of either side."""
+
+    id: str
+    corank: int
+    dimension: int
+    equations: tuple[Equation, ...]
+    witness: tuple[float, ...]
+    name: str = "given"
+
+
+@cache
+def derived(name: str) -> tuple[ExactFamily, ...]:
+    return conditions(shipped(name).robot, method="tree", points=0, special=False).families
+
+
+def held(
+    name: str, rows: Sequence[Any] | None = None, families: Sequence[Any] | None = None, **options: Any
+) -> Agreement:
+    found = shipped(name)
+    rows = found.families if rows is None else rows
+    families = derived(name) if families is None else families
+    return match(found.robot, found.task, found.generic_rank, rows, families, **options)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_two_ways_that_know_nothing_of_each_other_find_the_same_families(name: str) -> None:
+    agreement = held(name)
+    assert agreement.disagreements == ()
+    assert agreement.numeric.tested == agreement.numeric.agree > 200
+    assert agreement.exact.tested == agreement.exact.agree > 200
+    assert [one.row for one in agreement.matches] == [row.id for row in shipped(name).families]
+    assert all(one.families and not one.parts for one in agreement.matches)
+    named = [family for one in agreement.matches for family in one.families]
+    assert sorted(named) == sorted(family.id for family in derived(name))
+
+
+@pytest.mark.parametrize("name", ["stanford", "puma560"])
+def test_each_exact_family_that_is_missing_is_missed(name: str) -> None:
+    for gone in derived(name):
+        agreement = held(name, families=[family for family in derived(name) if family is not gone])
+        rows = [one.row for one in held(name).matches if one.families == (gone.id,)]
+        assert rows
+        said = [text for text in agreement.disagreements if text.startswith(f"numeric {rows[0]} ")]
+        assert len(said) == 1
+        assert "on no exact family of this corank, q = (" in said[0]
+
+
+def test_each_row_that_is_missing_is_missed() -> None:
+    rows = shipped("puma560").families
+    for gone in rows:
+        agreement = held("puma560", rows=[row for row in rows if row is not gone])
+        assert any("on no numeric family of this corank" in text for text in agreement.disagreements)
+
+
+def test_a_value_too_few_and_a_value_too_many_are_seen() -> None:
+    rows = shipped("pa10").families
+    for values, side in (((0.0,), "exact k1.f1"), ((0.0, 3.141592653589793, 1.0), "numeric k1.f1")):
+        only = vanishing_on([0, 0, 0, 1, 0, 0, 0], values, periodic=True)
+        agreement = held("pa10", rows=[replace(rows[0], equations=(only,)), *rows[1:]])
+        assert rows[0].name.startswith("elbow")
+        assert [text.split(" (")[0] for text in agreement.disagreements] == [side]
+
+
+def test_a_row_of_another_dimension_is_seen() -> None:
+    rows = shipped("pa10").families
+    agreement = held("pa10", rows=[replace(rows[0], dimension=5), *rows[1:]])
+    assert any("dimension" in text for text in agreement.disagreements)
+
+
+def test_a_row_whose_conditions_contradict_each_other_is_seen() -> None:
+    row = shipped("planar3r").families[0]
+    never = Equation((Term(1.0, "cos", (0, 0, 0), (0, 0, 0)),))
+    agreement = held("planar3r", rows=[replace(row, equations=(*row.equations, never))])
+    assert any("no configuration satisfies its own conditions" in text for text in agreement.disagreements)
+
+
+def test_a_row_without_conditions_is_known_by_its_witness() -> None:
+    rows = shipped("scara").families
+    bare = replace(rows[0], equations=(), named=False, dimension=4)
+    agreement = held("scara", rows=[bare])
+    assert [one.families or one.parts for one in agreement.matches] == [("k1.f1",)]
+    agreement = held("scara", rows=[replace(bare, witness=(0.1, 1.0, 0.1, 0.2))])
+    assert any("numeric k1.f1" in text for text in agreement.disagreements)
+
+
+def test_unions_are_matched_as_unions() -> None:
+    """θ4 = 0 and θ4 = π apart on one side, together on the other."""
+    found = shipped("pa10")
+    row = found.families[0]
+    apart = [
+        Given(f"k1.f{k}", 1, 6, (vanishing_on([0, 0, 0, 1, 0, 0, 0], (value,), periodic=True),),
+              (0.1, 0.2, 0.3, value, 0.5, 0.6, 0.7))
+        for k, value in ((1, 0.0), (2, 3.141592653589793))
+    ]  # fmt: skip
+    one = held("pa10", rows=[row], families=apart)
+    assert [(m.families, m.parts) for m in one.matches] == [(("k1.f1", "k1.f2"), ())]
+    other = held("pa10", rows=apart, families=[row])
+    assert [(m.families, m.parts) for m in other.matches] == [((), ("k1.f1",)), ((), ("k1.f1",))]
+    assert one.disagreements == other.disagreements == ()
+
+
+def test_conditions_that_hold_on_more_than_the_family_are_told() -> None:
+    wide = {one.family for one in held("puma560").wider}
+    assert wide <= {"k2.f3"}
+    wrist = [row for row in shipped("puma560").families if row.id == "k1.f3"]
+    half = vanishing_on([0, 0, 0, 0, 1, 0], (0.0, 3.141592653589793, 1.0), periodic=True)
+    loose = Given("k1.f1", 1, 5, (half,), (0.1, 0.1, 0.1, 0.1, 0.0, 0.2))
+    agreement = held("puma560", rows=wrist, families=[loose])
+    assert agreement.disagreements == ()
+    assert [one.family for one in agreement.wider] == ["k1.f1"]
+    assert 0 < agreement.wider[0].elsewhere < agreement.wider[0].solved
+
+
+def test_with_limits_only_points_within_them_count() -> None:
+    agreement = held("puma560", limits=True)
+    assert agreement.disagreements == ()
+    assert 0 < agreement.numeric.tested < held("puma560").numeric.tested
+
+
+def test_the_same_seed_gives_the_same_answer() -> None:
+    assert held("puma560", seed=3) == held("puma560", seed=3)

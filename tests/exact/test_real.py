@@ -1,0 +1,101 @@
+"""Which sets are real: thin ones are cut down, and what is said of the others is what was done."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.families import real_sets
+from rankdrop.exact.merge import alone, merge, row_texts
+from rankdrop.exact.real import real_points, reality
+from rankdrop.exact.tree import Drop
+from rankdrop.local.block import singular_values
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+
+@pytest.fixture(scope="module")
+def chain() -> Chain:
+    return exact_chain(open_robot("anthropomorphic"))
+
+
+def test_a_sum_of_squares_is_cut_down_to_its_real_points(chain: Chain) -> None:
+    """s3² + s5² = 0 has one condition and binds two angles: θ3, θ5 ∈ {0, π}."""
+    t = chain.ring.t
+    f = t[3] ** 2 * (1 + t[5] ** 2) ** 2 + t[5] ** 2 * (1 + t[3] ** 2) ** 2
+    (f,) = [g for g, _ in f.factor()[1]]
+    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
+    left: list[str] = []
+    sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
+    both = ("0", "pi")
+    assert {tuple(sorted(one.piece.pins.items())) for one in sets} == {((3, x), (5, y)) for x in both for y in both}
+    assert {one.rank for one in sets} == {5}
+    assert not left
+    assert not not_real
+
+
+def test_a_set_without_a_real_point_is_told_with_what_was_done(chain: Chain) -> None:
+    f = 3 + chain.ring.t[3] ** 2 * chain.ring.t[5] ** 2 + chain.ring.t[5] ** 4
+    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
+    sets, (sentence,) = real_sets(chain, [Drop(piece, 5)], Work(), [])
+    assert sets == []
+    assert "no real point was found from" in sentence
+
+
+def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:
+    ring = chain.ring
+    a2 = ring.letter_half["a2"]
+    f = a2**2 * ring.t[3] ** 2 + a2 * ring.t[3] + 1
+    found = reality(chain, Variety(ring, {}, rest=(f,), equations=(f,)), 5, np.random.default_rng(0))
+    assert found.proof
+    assert not found.real
+    assert not len(found.points)
+
+
+def test_time_that_ran_out_is_told(chain: Chain) -> None:
+    left: list[str] = []
+    sets, not_real = real_sets(chain, [Drop(Variety(chain.ring, {3: "0"}), 5)], Work(0.0), left)
+    assert (sets, not_real) == ([], [])
+    assert left == ["time ran out: 1 of 1 sets were not looked at for real points"]
+
+
+def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
+    points, smooth, strays = real_points(chain, Variety(chain.ring, {5: "pi"}), 5, np.random.default_rng(1))
+    assert smooth
+    assert len(points) > 50
+    assert not len(strays)
+    sigma = singular_values(chain.robot, points, resolve_task(None, chain.robot))
+    assert (sigma[:, 5] < 1e-9).all()
+    points, _, strays = real_points(chain, Variety(chain.ring, {4: "pi"}), 5, np.random.default_rng(1))
+    assert not len(points), "θ4 = π is regular"
+    assert len(strays)
+
+
+def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
+    ring = chain.ring
+    pieces = [Variety(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
+    ((pins, merged),) = merge(pieces)
+    assert pins == {3: ("0", "pi"), 5: ("0", "pi")}
+    assert len(merged) == 4
+    assert row_texts((pins, merged)) == ("θ3 = 0 or π", "θ5 = 0 or π")
+    rows = merge(pieces[:3])
+    assert sorted(len(row[1]) for row in rows) == [1, 2]
+    assert alone(pieces[0])[0] == {3: ("0",), 5: ("0",)}
+    f = ring.t[2] - ring.t[4]
+    assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
+
+
+def test_every_family_has_a_witness_of_its_corank() -> None:
+    found = conditions(open_robot("anthropomorphic"), points=0)
+    assert all(family.witness for family in found.families)
+    for family in found.families:
+        sigma = singular_values(found.robot, np.array([family.witness]), found.task)[0]
+        assert int((sigma > 1e-9).sum()) == found.generic_rank - family.corank

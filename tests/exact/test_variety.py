@@ -1,0 +1,147 @@
+"""Planted components are found, and what is found satisfies the conditions."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("flint")
+
+from rankdrop.exact.algebra.decompose import decompose, form, plainly_positive
+from rankdrop.exact.algebra.field import half_evaluator
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.split import cut, cut_half
+from rankdrop.exact.algebra.variety import Variety, independent
+from rankdrop.exact.algebra.work import OutOfTime, Work
+
+
+@pytest.fixture(scope="module")
+def ring() -> Ring:
+    return Ring([1, 2, 3, 4])
+
+
+def taken_apart(ring: Ring, polynomials, most: int) -> list[Variety]:
+    return decompose(ring, {}, [form(f, ring) for f in polynomials], most, Work())
+
+
+def is_there(ring: Ring, found: list[Variety], pins: dict[int, str], *conditions) -> bool:
+    """Whether exactly this set is among those found: each holds the conditions of the other."""
+    codimension = len(pins) + len(conditions)
+    for one in found:
+        there = one.codimension == codimension and all(one.stands(j, value) for j, value in pins.items())
+        if there and all(one.half_vanishes(f) for f in conditions):
+            return True
+    return False
+
+
+def random_plane(ring: Ring, rng: random.Random, joints):
+    return sum((rng.randint(1, 9) * ring.t[j] for j in joints), ring.half.constant(rng.randint(1, 9)))
+
+
+def test_products_of_irreducibles_fall_into_all_pairs(ring: Ring) -> None:
+    rng = random.Random(1)
+    for _ in range(5):
+        one = [random_plane(ring, rng, (1, 2)), random_plane(ring, rng, (2, 3)) + ring.t[1] * ring.t[3]]
+        two = [random_plane(ring, rng, (3, 4)), random_plane(ring, rng, (1, 4)) + ring.t[2] ** 2]
+        system = [one[0] * one[1], two[0] * two[1]]
+        found = taken_apart(ring, system, 2)
+        for f in one:
+            for g in two:
+                assert is_there(ring, found, {}, f, g)
+        for piece in found:
+            assert piece.samples
+            assert all(piece.half_vanishes(f) for f in system)
+
+
+def test_what_a_solution_leaves_out_is_found(ring: Ring) -> None:
+    t = ring.t
+    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] - 5
+    f = a * t[3] + b
+    g = a * t[4] + b * 7
+    found = taken_apart(ring, [f, g], 2)
+    assert is_there(ring, found, {}, a, b), "A = B = 0 with t3 and t4 free"
+    assert is_there(ring, found, {}, f, 7 * t[3] - t[4])
+
+
+@pytest.mark.parametrize("joints", [(3,), (1, 2)])
+def test_components_at_pi_are_found(ring: Ring, joints: tuple[int, ...]) -> None:
+    t = ring.t
+    if len(joints) == 1:  # the leading coefficients in t3 have the common factor t1 + t2
+        system = [(t[1] + t[2]) * t[3] + t[4] + 1, (t[1] + t[2]) * t[3] * t[4] + t[4] - 5]
+        assert is_there(ring, taken_apart(ring, system, 2), {3: "pi"}, t[1] + t[2])
+    else:
+        system = [t[1] + t[2] + 2 * t[4], t[1] - t[2] + 3 * t[3]]
+        found = taken_apart(ring, system, 3)
+        assert is_there(ring, found, {1: "pi", 2: "pi"})
+
+
+def test_three_conditions_that_meet_at_pi_without_a_common_factor_are_found(ring: Ring) -> None:
+    t = ring.t
+    one, two = t[1] + 2 * t[2] - 3, t[1] * t[2] + 5
+    # at t3 = ∞ the three leading coefficients vanish where one = two = 0, pairwise they have no common factor
+    system = [one * t[3] + t[4] + 1, two * t[3] + 3 * t[4] - 7, (one + two * t[4]) * t[3] + t[4] ** 2 - 11]
+    assert is_there(ring, taken_apart(ring, system, 3), {3: "pi"}, one, two)
+
+
+def test_sets_without_a_real_point_for_a_plain_reason_are_left_out(ring: Ring) -> None:
+    t = ring.t
+    assert taken_apart(ring, [(1 + t[1] ** 2) * (2 + t[2] ** 2 + t[3] ** 2), t[1] - t[2]], 2) == []
+    assert plainly_positive(ring, 1 + t[1] ** 2 * t[2] ** 2)
+    assert not plainly_positive(ring, t[1] ** 2 + t[2] ** 2)
+
+
+def test_one_condition_cut_by_another_loses_one_dimension_each_time(ring: Ring) -> None:
+    rng, work = random.Random(3), Work()
+    for _ in range(4):
+        one = Variety.whole(ring)
+        conditions = [random_plane(ring, rng, (1, 2, 3)) + ring.t[2] * ring.t[3], random_plane(ring, rng, (2, 3, 4))]
+        for depth, f in enumerate(conditions, 1):
+            parts = cut_half(one, f, work)
+            assert parts
+            assert {part.codimension for part in parts} == {depth}
+            assert all(part.half_vanishes(f) for part in parts)
+            one = max(parts, key=lambda part: len(part.equations))
+        assert cut_half(one, conditions[0], work)[0] is one
+
+
+def test_a_trigonometric_condition_has_its_angles(ring: Ring) -> None:
+    found = cut(Variety.whole(ring), ring.s[1] * (ring.c[2] + 1), Work())
+    assert {tuple(piece.pins.items()) for piece in found} == {((1, "0"),), ((1, "pi"),), ((2, "pi"),)}
+
+
+def test_a_set_satisfies_conditions_without_lying_inside(ring: Ring) -> None:
+    t = ring.t
+    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] - 5
+    other = (t[4] + 2) * a * t[3] + t[1] * b - b - a
+    found = taken_apart(ring, [a * t[3] + b, other], 2)
+    both = next(piece for piece in found if piece.half_vanishes(a) and piece.half_vanishes(b))
+    main = next(piece for piece in found if not piece.half_vanishes(a))
+    main = replace(main, equations=(a * t[3] + b, other))
+    assert both.satisfies(main), "A = B = 0 satisfies whatever is a combination of A and B"
+    assert not both.inside(main)
+    assert len(independent([main, both])) == 2
+    assert main.inside(main)
+
+
+def test_random_points_lie_on_their_set_and_a_sum_of_squares_has_its_points_too(ring: Ring) -> None:
+    f = ring.t[1] ** 2 + ring.t[2] ** 2 - ring.t[3] ** 3 * ring.t[4] - 2
+    piece = Variety(ring, {}, rest=(f,), equations=(f,))
+    points = piece.points(random.Random(1), 20)
+    assert len(points) == 20
+    assert all(half_evaluator(ring)(f, point) == 0 for point in points)
+
+
+def test_a_deadline_ends_it(ring: Ring) -> None:
+    with pytest.raises(OutOfTime):
+        decompose(ring, {}, [form(ring.t[1] + ring.t[2], ring)], 1, Work(0.0))
+
+
+def test_a_share_of_the_time_ends_with_its_block() -> None:
+    work = Work(100.0)
+    with work.share(0.1):
+        assert work.left < 11
+    assert work.left > 90
+    work.interrupt()
+    assert work.left <= 5

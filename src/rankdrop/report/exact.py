@@ -39,7 +39,8 @@ def exact_section(content: Content) -> str:
     if found.families:
         words.append(
             f"The rank was checked modulo a prime at random points of every family, and {found.explained.agree:,} of "
-            f"{found.explained.tested:,} singular configurations found numerically lie on one (seed {found.seed})."
+            f"{found.explained.tested:,} singular configurations found numerically lie on one (seed "
+            f"{found.settings.seed})."
         )
     told = "".join(f"<p>{one}</p>" for one in words if one)
     left = "".join(f'<p class="bad">Not finished: {_cut(one)}</p>' for one in found.left[:_LINES])

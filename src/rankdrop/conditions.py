@@ -256,6 +256,7 @@ def _cloud(
             met = cloud(chain.robot, chain.task, corank, _few(wanted, work.left), work.seed, work.left)
             if not len(met.q):
                 break
+            met = met.up_to(generic_rank - lowest)
             check, remaining = explained(met, [family.equations for family in found if family.corank >= corank])
         except KeyboardInterrupt:
             work.interrupt()

@@ -8,7 +8,7 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from reference.arms import random_chain, standard_dh
+from reference.arms import in_other_words, random_chain, remade, reversed_chain, standard_dh
 
 pytest.importorskip("flint")
 
@@ -198,6 +198,19 @@ def test_what_is_found_before_an_interruption_is_kept() -> None:
     assert not found.complete
     assert any("interrupted" in line for line in found.left)
     assert Counter(family.corank for family in found.families)[1] == 3
+
+
+@pytest.mark.parametrize("name", ["stanford", *slow("puma560", "ur5")])
+def test_base_tool_units_signs_and_direction_change_no_family(name: str) -> None:
+    robot = open_robot(name)
+    kinds = []
+    others = in_other_words(robot, np.random.default_rng(1))
+    for one in (robot, *others, remade(robot, length=1000.0), reversed_chain(robot)):
+        found = conditions(one, points=50, special=False)
+        assert found.verified, (found.left, found.disagreements)
+        kinds.append(sorted((family.corank, family.codimension, len(family.pieces)) for family in found.families))
+    assert kinds[0]
+    assert all(kind == kinds[0] for kind in kinds)
 
 
 def test_every_phase_tells_how_far_it_is() -> None:

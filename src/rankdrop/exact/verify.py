@@ -48,6 +48,11 @@ class Cloud:
     q: Array
     corank: NDArray[np.int64]
 
+    def up_to(self, corank: int) -> Cloud:
+        """The configurations that lose no more than so many ranks."""
+        kept = self.corank <= corank
+        return Cloud(self.robot, self.task, self.q[kept], self.corank[kept])
+
 
 def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:
     """Points of the whole joint space modulo P, lengths random too: what almost every arm of this kind does.

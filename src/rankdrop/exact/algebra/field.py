@@ -131,18 +131,19 @@ def common_zeros(f: Polynomial, g: Polynomial, rng: random.Random) -> tuple[int,
     eliminated = f.resultant(g, "x")
     if eliminated == 0:
         return None
-    ys = roots(_coefficients(eliminated, 1))
+    ys = roots(dense(eliminated, 1))
     rng.shuffle(ys)
     module = flint()
     for y in ys:
-        one, two = (module.nmod_poly(_coefficients(h.subs({"y": y}), 0), P) for h in (f, g))
+        one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), P) for h in (f, g))
         xs = roots([int(x) for x in one.gcd(two).coeffs()])
         if xs:
             return rng.choice(xs), y
     return None
 
 
-def _coefficients(f: Polynomial, place: int) -> list[int]:
+def dense(f: Polynomial, place: int) -> list[int]:
+    """Coefficients from power 0 up of a polynomial modulo P (`flint.nmod_mpoly`) that contains one variable alone."""
     parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
     return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
 

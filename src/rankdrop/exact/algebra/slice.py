@@ -11,7 +11,7 @@ import random
 from collections.abc import Sequence
 from functools import reduce
 
-from rankdrop.exact.algebra.field import P, modulo, roots
+from rankdrop.exact.algebra.field import P, dense, modulo, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import used
 
@@ -56,20 +56,15 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
     sliced = sorted((_sliced(f, forms, context) for f in system), key=lambda f: int(f.total_degree()))
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
-        return False if common.is_constant() else (True if roots(_values(common, 0)) else None)
+        return False if common.is_constant() else (True if roots(dense(common, 0)) else None)
     common = reduce(lambda f, g: f.gcd(g), (sliced[0].resultant(f, "y") for f in sliced[1:]))
     if common.is_constant() and common != 0:
         return False
-    for at in roots(_values(common, 0)):
-        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(_values(f.subs({"x": at}), 1), P) for f in sliced))
+    for at in roots(dense(common, 0)):
+        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(dense(f.subs({"x": at}), 1), P) for f in sliced))
         if there.degree() > 0 and roots([int(value) for value in there.coeffs()]):
             return True
     return None
-
-
-def _values(f: Polynomial, place: int) -> list[int]:
-    parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
-    return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
 
 
 def _sliced(f: Polynomial, forms: Sequence[Polynomial], context: Polynomial) -> Polynomial:

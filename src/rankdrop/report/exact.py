@@ -48,7 +48,10 @@ def exact_section(content: Content) -> str:
         left += f'<p class="bad">… and {len(found.left) - _LINES} more.</p>'
     if found.complete:  # of an unfinished derivation it says nothing that a point lies on none of its families
         left += "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
-    left += "".join(f'<p class="small">{escape(one)}</p>' for one in (*found.remarks, *found.not_real))
+    left += "".join(f'<p class="small">{escape(one)}</p>' for one in found.remarks)
+    if found.not_real:
+        unreal = "".join(f'<p class="small">{escape(one)}</p>' for one in found.not_real)
+        left += f"<details><summary>{len(found.not_real)} sets without a real point</summary>{unreal}</details>"
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 

@@ -1,5 +1,6 @@
 // The arm as capsules, its axes, and the lost directions as arrows: solid for translation, dotted for rotation.
 
+const ARROW = 0.34; // length of a unit vector, per reach
 const ARROW_COLOURS = ["--lost1", "--lost2", "--lost3", "--lost4"];
 
 class Arm {
@@ -43,6 +44,13 @@ class Arm {
 
   draw() {
     const scene = this.scene, robot = this.robot, unitSize = robot.reach, moved = displacements(robot, this.state.q);
+    const point = taskFrame(robot, moved).point, small = scene.width <= 260;
+    for (const one of this.state.arrows) { // the view grows where an arrow would leave it
+      for (const vector of [one.v, one.w]) {
+        const far = length(plus(plus(point, vector, ARROW * unitSize), scene.centre, -1));
+        if (!one.faint) scene.radius = Math.max(scene.radius, far + (small ? 0.05 : 0.03) * unitSize);
+      }
+    }
     scene.begin();
     this.ground(unitSize);
     const link = ink("--link"), joint = ink("--joint"), slide = ink("--slide"), blame = ink("--blame");
@@ -65,7 +73,7 @@ class Arm {
     scene.tube(last, tipPoint, 0.02 * unitSize, link, { end: 0.012 * unitSize });
     this.axes(moved, unitSize);
     this.triad(tip, tipPoint, 0.085 * unitSize);
-    this.arrows(taskFrame(robot, moved).point, unitSize);
+    this.arrows(point, unitSize);
     scene.finish();
   }
 
@@ -111,7 +119,7 @@ class Arm {
       const colour = ink(ARROW_COLOURS[i % 4]), width = small ? 2 : 3.4, alpha = one.faint ? 0.35 : 1;
       for (const [vector, dash] of [[one.v, []], [one.w, small ? [0.1, 4] : [0.1, 6.5]]]) {
         if (length(vector) < 0.02) continue;
-        this.scene.arrow(point, plus(point, vector, 0.34 * size), colour, { width, dash, alpha });
+        this.scene.arrow(point, plus(point, vector, ARROW * size), colour, { width, dash, alpha });
       }
     });
   }

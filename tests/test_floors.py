@@ -1,6 +1,6 @@
 """Imports go down only. Floors, lowest first:
 
-0  errors, tolerances, version, the compiled core
+0  errors, tolerances, version, sections (text in parts), the compiled core
 1  robot/      the robot as data, and the numbers it is known by
 2  kinematics, task, frames, reach, and what the core is told of them
 3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
@@ -25,12 +25,12 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
-    "errors": 0, "tolerances": 0, "version": 0, "_core": 0,
+    "errors": 0, "tolerances": 0, "version": 0, "sections": 0, "_core": 0,
     "robot": 1,
     "kinematics": 2, "task": 2, "frames": 2, "reach": 2, "_handles": 2,
     "local": 3,
     "atlas": 4, "certify": 4, "exact": 4,
-    "analyze": 5, "result": 5, "record": 5, "known": 5, "findings": 5, "schema": 5, "sections": 5,
+    "analyze": 5, "result": 5, "record": 5, "known": 5, "findings": 5, "schema": 5,
     "conditions": 5, "derived": 5, "join": 5, "joined": 5,
     "explain": 5, "explanation": 5,
     "cli": 6, "report": 6, "viewer": 6, "reproduce": 6,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.atlas.family import CorankSummary, Family
+from rankdrop.atlas.overview import overview
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.joined import Joined, joined_from_dict
 from rankdrop.local.block import singular_values
@@ -27,6 +28,7 @@ from rankdrop.record import (
     task_from_dict,
 )
 from rankdrop.robot.model import Robot
+from rankdrop.sections import html
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 
@@ -213,6 +215,10 @@ class Analysis:
             notes=tuple(record["notes"]),
             exact=joined_from_dict(record["exact"]) if "exact" in record else None,
         )
+
+    def _repr_html_(self) -> str:
+        """For notebooks: one table per corank."""
+        return html(overview(self.robot, self.generic_rank, self.coranks, self.families))
 
     def save(self, path: str | Path) -> None:
         """Write the analysis to a JSON file.

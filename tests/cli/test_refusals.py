@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import rankdrop
+from rankdrop.atlas.cells import rounded_share, share_text
 from rankdrop.atlas.family import Share
 from rankdrop.cli import exits
-from rankdrop.cli.table import _rounded, share_text
 from rankdrop.errors import OptionError, ResultFileError, RobotError
 from rankdrop.result import Analysis
 from rankdrop.robot.open import open_robot
@@ -87,8 +87,8 @@ def test_a_full_stdout_is_one_line_and_files_are_written(argv: tuple[str, ...], 
 
 
 def test_the_share_of_a_row_is_rounded_and_completeness_is_not() -> None:
-    assert _rounded(Share(3000, 2000)) == "0.667"
-    assert _rounded(Share(0, 0)) == "–"
+    assert rounded_share(Share(3000, 2000)) == "0.667"
+    assert rounded_share(Share(0, 0)) == "–"
     assert share_text(9999, 10_000) == "0.999"
 
 

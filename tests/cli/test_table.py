@@ -6,7 +6,8 @@ import re
 
 import pytest
 
-from rankdrop.cli.table import corank_section, coupled_conditions, joint_cell
+from rankdrop.atlas.cells import coupled_conditions, joint_cell
+from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
 from rankdrop.result import Analysis
 

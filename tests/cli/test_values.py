@@ -6,8 +6,7 @@ from math import pi
 
 import pytest
 
-from rankdrop.cli.table import share_text
-from rankdrop.cli.values import value_text, values_text
+from rankdrop.atlas.cells import share_text, value_text, values_text
 
 
 @pytest.mark.parametrize(

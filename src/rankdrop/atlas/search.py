@@ -18,9 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
+from rankdrop.atlas.overview import search_overview
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.sections import html
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
@@ -115,6 +117,12 @@ class Search:
     def count(self, outcome: Outcome) -> int:
         """Number of starts that ended so."""
         return int((self.outcome == outcome).sum())
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what became of the starts."""
+        counts = [(outcome.name.lower().replace("_", " "), self.count(outcome)) for outcome in Outcome]
+        smallest = self.smallest_near_miss
+        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
 
     def residual(self) -> float:
         """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""

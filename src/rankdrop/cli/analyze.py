@@ -79,10 +79,11 @@ def analyze(
 def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     from rich.text import Text
 
+    from rankdrop.atlas.cells import LEGEND
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.closing import closing_text
     from rankdrop.cli.exact_text import exact_section
-    from rankdrop.cli.table import LEGEND, corank_section
+    from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show
 
     console, settings = results(), analysis.settings

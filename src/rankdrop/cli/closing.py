@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rankdrop.cli.table import share_text
+from rankdrop.atlas.cells import share_text
 
 if TYPE_CHECKING:
     from rankdrop.result import Analysis

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.text import Text
 
-from rankdrop.cli.values import joint_symbol
+from rankdrop.atlas.cells import joint_symbol
 from rankdrop.joined import AGREES, NOT_DERIVED
 
 if TYPE_CHECKING:

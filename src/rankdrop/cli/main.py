@@ -20,6 +20,7 @@ try:
     from rankdrop.cli.find import find
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.reproduce import reproduce
+    from rankdrop.cli.report import report
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.view import view
@@ -37,6 +38,7 @@ For example:
     rankdrop conditions puma560
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+    rankdrop report pa10 --out pa10.html
     rankdrop view pa10
 
 {exits.HELP}"""
@@ -60,6 +62,7 @@ app.command(escape)
 app.command(nearest)
 app.command(view)
 app.command(reproduce)
+app.command(report)
 
 
 def main() -> None:

@@ -7,8 +7,6 @@ then one; and where even that is too wide, a list.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from math import floor
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -16,30 +14,29 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
+from rankdrop.atlas.cells import (
+    COUPLED,
+    coupled_conditions,
+    joint_cell,
+    joint_symbol,
+    rounded_share,
+    share_text,
+    values_text,
+)
 from rankdrop.cli.exact_text import exact_conditions
-from rankdrop.cli.values import joint_symbol, values_text
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.atlas.equation import Equation
-    from rankdrop.atlas.family import CorankSummary, Family, Share
+    from rankdrop.atlas.family import CorankSummary, Family
     from rankdrop.joined import Joined
     from rankdrop.result import Analysis
     from rankdrop.robot.model import Robot
 
-FREE, COUPLED, NOTHING = "×", "c", "–"
-LEGEND = (
-    "× any value; c coupled: see the condition under the table; dim: dimension of the family in joint space; "
-    "sound: share of points solved from the row's conditions that are singular; share: share of fresh singular points "
-    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, 1 m counted "
-    "as 1 rad."
-)
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
 _BOUNDLESS = 10_000
 _LONGEST_UNBROKEN = 6  # "0, π" and "±π/2" stay on one line
-_MOST_TERMS, _FIRST_TERMS = 30, 8  # a longer condition is for programs; its beginning is for people
 _BAD = "bold red"
 
 
@@ -98,7 +95,7 @@ def _family_table(robot: Robot, rows: tuple[Family, ...], *, gap: int, lost: boo
     for index, row in enumerate(rows, start=1):
         joints = [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
         words = ["\n".join(row.lost_words)] if lost else []
-        share = _rounded(row.explained)
+        share = rounded_share(row.explained)
         table.add_row(str(index), _name(row), *joints, str(row.dimension), *words, _sound(row), share)
     return table
 
@@ -117,27 +114,10 @@ def _family_list(robot: Robot, rows: tuple[Family, ...]) -> Table:
         for numbers, word in ((row.coupled, "coupled"), (row.free, "free")):
             if numbers:
                 parts.append(f"{', '.join(joint_symbol(number, kinds[number - 1]) for number in numbers)} {word}")
-        share = _rounded(row.explained)
+        share = rounded_share(row.explained)
         text = Text.assemble(_name(row), f": {'; '.join(parts)}; dim {row.dimension}, sound ", _sound(row))
         grid.add_row(str(index), text.append(f", share {share}"))
     return grid
-
-
-def joint_cell(family: Family, number: int, kind: str) -> str:
-    """What a family asks of one joint: its values, × for free, c for coupled."""
-    for pinned in family.pinned:
-        if pinned.number == number:
-            return values_text(pinned.values, kind).replace(" (", "\n(").replace("), ", "),\n")
-    return FREE if number in family.free else COUPLED
-
-
-def share_text(part: int, whole: int) -> str:
-    """A share with three decimals, rounded down so that 1.000 means all; – for a share of nothing."""
-    return f"{floor(1000 * part / whole) / 1000:.3f}" if whole else NOTHING
-
-
-def _rounded(share: Share) -> str:
-    return f"{share.explained / share.tested:.3f}" if share.tested else NOTHING
 
 
 def _name(row: Family) -> Text:
@@ -174,21 +154,6 @@ def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) ->
 
 def _witness(row: Family) -> str:
     return f"witness q = ({', '.join(f'{value:.4g}' for value in row.witness)}) [rad, m]".replace("-", "−")
-
-
-def coupled_conditions(family: Family) -> list[str]:
-    """The conditions that tie the coupled joints together, for reading."""
-    if not family.named:
-        return [f"no condition found; points of a set of dimension {family.dimension} at most, the witness is one"]
-    coupled = set(family.coupled)
-    return [_condition(equation) for equation in family.equations if coupled & set(equation.joints)]
-
-
-def _condition(equation: Equation) -> str:
-    if len(equation.terms) <= _MOST_TERMS:
-        return f"{equation.pretty()} = 0"
-    first = replace(equation, terms=equation.terms[:_FIRST_TERMS])
-    return f"{first.pretty()} + … = 0 ({len(equation.terms)} terms; all of them with --json)"
 
 
 def _starts_line(summary: CorankSummary) -> str:

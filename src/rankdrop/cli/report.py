@@ -1,0 +1,154 @@
+"""`rankdrop report`: a page that stands alone, or figures for papers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from rankdrop.cli.progress import Report
+    from rankdrop.result import Analysis
+
+Format = Literal["html", "pdf", "png", "svg"]
+_ANALYSIS = ".json"
+
+
+def report(
+    robot: str,
+    /,
+    *,
+    arm: ArmOptions = NO_OPTIONS,
+    out: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    format: Format = "html",
+    figure: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = (),
+    exact_seconds: float = 8.0,
+    starts: Whole = 10_000,
+    seed: Whole = 0,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Write a report of an arm: one page that stands alone, or figures for papers.
+
+    The page has the arm in 3-D with sliders, at every family's witness the
+    directions lost and the axes to blame, the tables of conditions, the exact
+    conditions, slices of joint space, the workspace, σ along lines, and how
+    everything was verified. It loads nothing from anywhere.
+
+    For example:
+        rankdrop report pa10 --out pa10.html
+        rankdrop report pa10.json --format pdf --figure workspace --out figures
+
+    Exit code 3: something in the analysis is not explained or not sound.
+
+    Args:
+        robot: Name in the catalogue, file (.urdf, .xacro, .toml), or an analysis (.json, from `rankdrop analyze`).
+        out: File of the page; for figures a folder, or a file for a single one. Default: ROBOT.html, ROBOT-figures.
+        format: html is the page; pdf, png and svg are figures, and need the extra rankdrop[report].
+        figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:
+            all of them.
+        exact_seconds: Time limit of the exact conditions; 0 leaves them out.
+        starts: Random starts for each corank, where the arm has to be analysed first.
+        seed: Of every random choice of the analysis and of the figures.
+        quiet: No progress.
+    """
+    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import say
+    from rankdrop.errors import OptionError
+
+    if figure and format == "html":
+        raise OptionError("figures are files", where="--figure", got=figure[0], mend="add --format pdf, png or svg")
+    if not 0 <= exact_seconds < float("inf"):
+        raise OptionError("a time limit is a number from 0 up", where="--exact-seconds", got=exact_seconds)
+    given = None if out is None else _checked(out, format)
+    with reporter(quiet=quiet) as progress:
+        analysis = _analysis(robot, arm, starts, seed, progress)
+        target = given or _checked(_default(analysis, format), format)
+        written = _written(analysis, target, format, figure, exact_seconds, seed, progress)
+    for path in written:
+        say(f"wrote {path}")
+    if not analysis.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if analysis.verified else exits.UNEXPLAINED
+
+
+def _analysis(robot: str, arm: ArmOptions, starts: int, seed: int, progress: Report) -> Analysis:
+    """The analysis given, the one that is shipped, or a new one."""
+    from rankdrop.analyze import analyze
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.errors import OptionError
+    from rankdrop.known import known_analysis
+    from rankdrop.result import Analysis
+
+    if robot.lower().endswith(_ANALYSIS):
+        if arm != NO_OPTIONS:
+            raise OptionError("an analysis has its arm and task already", where=robot, mend="leave the options out")
+        return Analysis.load(robot)
+    model, task = open_arm(robot, arm)
+    found = known_analysis(model, task) if arm.length_scale is None else None
+    return found or analyze(model, task, starts=starts, seed=seed, progress=progress)
+
+
+def _written(
+    analysis: Analysis,
+    target: Path,
+    format: Format,
+    figure: tuple[str, ...],
+    exact_seconds: float,
+    seed: int,
+    progress: Report,
+) -> list[Path]:
+    from rankdrop.cli.files import write_bytes
+    from rankdrop.report.content import content
+    from rankdrop.report.figures import check_figures, figure_names, figures
+    from rankdrop.report.page import page
+
+    paper = format != "html"
+    if paper:
+        check_figures(analysis, figure)
+    shown = content(
+        analysis, exact=not paper and exact_seconds > 0, exact_seconds=exact_seconds, seed=seed, progress=progress
+    )
+    if not paper:
+        write_bytes(page(shown).encode(), str(target))
+        return [target]
+    names = figure_names(shown, figure)
+    single = target.suffix.lower() == f".{format}"
+    if single and len(names) > 1:
+        from rankdrop.errors import OptionError
+
+        raise OptionError("one file holds one figure", where="--out", got=f"{len(names)} figures", mend="give a folder")
+    if not single:
+        target.mkdir(exist_ok=True)
+    paths = []
+    for name, content_of in figures(shown, names, format):
+        path = target if single else target / f"{name}.{format}"
+        write_bytes(content_of, str(path))
+        paths.append(path)
+    return paths
+
+
+def _default(analysis: Analysis, format: Format) -> str:
+    name = analysis.robot.name.replace("/", "-")
+    return f"{name}.html" if format == "html" else f"{name}-figures"
+
+
+def _checked(out: str, format: Format) -> Path:
+    """Where to write, refused before the work where that cannot be."""
+    from rankdrop.cli.files import check_target
+    from rankdrop.errors import OptionError
+
+    path = Path(out)
+    if format == "html":
+        check_target(out, "--out", (".html", ".htm"))
+    elif path.suffix.lower() == f".{format}":
+        check_target(out, "--out")
+    elif path.exists() and not path.is_dir():
+        raise OptionError("it is a file", where="--out", got=out, allowed=f"a folder, or a name ending in .{format}")
+    elif not path.exists() and not path.parent.is_dir():
+        raise OptionError("there is no such folder", where="--out", got=str(path.parent), mend="make it first")
+    return path

@@ -1,0 +1,126 @@
+// The arm as capsules, its axes, and the lost directions as arrows: solid for translation, dotted for rotation.
+
+const ARROW = 0.34; // length of a unit vector, per reach
+const ARROW_COLOURS = ["--lost1", "--lost2", "--lost3", "--lost4"];
+
+class Arm {
+  constructor(robot, canvas, view) {
+    this.robot = robot;
+    this.scene = new Scene(canvas, view);
+    this.scene.draw = () => this.draw();
+    this.state = { q: robot.joints.map(() => 0), blamed: [], arrows: [] };
+  }
+
+  // arrows: [{v, w, colour, faint}] in the base frame, at `point`
+  show(state) {
+    Object.assign(this.state, state);
+    this.draw();
+  }
+
+  points(configurations) {
+    const points = [[0, 0, 0]];
+    for (const q of configurations) {
+      const moved = displacements(this.robot, q);
+      this.robot.chain.forEach((joint, i) => points.push(place(moved[i + 1], joint.point)));
+      const tip = tipPose(this.robot, moved);
+      points.push([tip[3], tip[7], tip[11]]);
+    }
+    return points;
+  }
+
+  // Centre and size of the view, so that these configurations are inside.
+  fit(configurations) {
+    const points = this.points(configurations), low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k])));
+    const high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
+    this.scene.centre = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
+    this.scene.radius = Math.max(...points.map((p) => length(plus(p, this.scene.centre, -1))), 0.2 * this.robot.reach) + 0.13 * this.robot.reach;
+  }
+
+  // The view grows where the arm would leave it.
+  widen(q) {
+    const far = Math.max(...this.points([q]).map((p) => length(plus(p, this.scene.centre, -1))));
+    this.scene.radius = Math.max(this.scene.radius, far + 0.1 * this.robot.reach);
+  }
+
+  draw() {
+    const scene = this.scene, robot = this.robot, unitSize = robot.reach, moved = displacements(robot, this.state.q);
+    const point = taskFrame(robot, moved).point, small = scene.width <= 260;
+    for (const one of this.state.arrows) { // the view grows where an arrow would leave it
+      for (const vector of [one.v, one.w]) {
+        const far = length(plus(plus(point, vector, ARROW * unitSize), scene.centre, -1));
+        if (!one.faint) scene.radius = Math.max(scene.radius, far + (small ? 0.05 : 0.03) * unitSize);
+      }
+    }
+    scene.begin();
+    this.ground(unitSize);
+    const link = ink("--link"), joint = ink("--joint"), slide = ink("--slide"), blame = ink("--blame");
+    const tip = tipPose(robot, moved), tipPoint = [tip[3], tip[7], tip[11]];
+    robot.chain.forEach((one, i) => {
+      const from = i === 0 ? [0, 0, 0] : place(moved[i], robot.chain[i - 1].point);
+      const held = place(moved[i], one.point), carried = place(moved[i + 1], one.point);
+      scene.tube(from, held, 0.026 * unitSize, link, { caps: false });
+      scene.ball(held, 0.0262 * unitSize, link);
+      const colour = this.state.blamed.includes(one.variable + 1) ? blame : joint;
+      if (one.kind === "prismatic") {
+        scene.tube(held, carried, 0.017 * unitSize, slide, { sides: 8 });
+        this.slider(held, rotate(moved[i], one.screw.slice(0, 3)), colour, unitSize);
+      } else {
+        const axis = rotate(moved[i], one.screw.slice(3)), middle = place(moved[i], one.drawn);
+        scene.tube(plus(middle, axis, -0.052 * unitSize), plus(middle, axis, 0.052 * unitSize), 0.043 * unitSize, colour, { sides: 24, pieces: 3 });
+      }
+    });
+    const last = place(moved[moved.length - 1], robot.chain[robot.chain.length - 1].point);
+    scene.tube(last, tipPoint, 0.02 * unitSize, link, { end: 0.012 * unitSize });
+    this.axes(moved, unitSize);
+    this.triad(tip, tipPoint, 0.085 * unitSize);
+    this.arrows(point, unitSize);
+    scene.finish();
+  }
+
+  ground(size) {
+    const colour = ink("--grid"), step = 0.2 * size, half = 3;
+    for (let i = -half; i <= half; i++) {
+      for (const [a, b] of [[[i * step, -half * step, 0], [i * step, half * step, 0]], [[-half * step, i * step, 0], [half * step, i * step, 0]]]) {
+        this.scene.line([a, b], colour, 0.8, { lift: -9 });
+      }
+    }
+    this.scene.tube([0, 0, 0], [0, 0, 0.02 * size], 0.07 * size, ink("--base"), { sides: 28, pieces: 1 });
+  }
+
+  slider(at, axis, colour, size) {
+    this.scene.tube(plus(at, axis, -0.06 * size), plus(at, axis, 0.06 * size), 0.036 * size, colour, { sides: 4, pieces: 3 });
+  }
+
+  // Axes to blame long and marked, the others short.
+  axes(moved, size) {
+    this.robot.chain.forEach((one, i) => {
+      const slides = one.kind === "prismatic", blamed = this.state.blamed.includes(one.variable + 1);
+      const axis = rotate(moved[i], slides ? one.screw.slice(0, 3) : one.screw.slice(3)), middle = place(moved[i], one.drawn);
+      const reach = (blamed ? 0.3 : 0.1) * size, ends = [plus(middle, axis, -reach), plus(middle, axis, reach)];
+      this.scene.line(ends, ink(blamed ? "--blame" : "--faint"), blamed ? 2.2 : 1, { dash: [9, 3, 2, 3], over: true });
+      if (this.scene.width > 260) {
+        const words = String(one.variable + 1), far = blamed ? 0.33 + 0.045 * (i % 3) : 0.13;
+        this.scene.text(plus(middle, axis, far * size), words, ink(blamed ? "--blame" : "--soft"), { size: blamed ? 14 : 11, bold: blamed });
+      }
+    });
+  }
+
+  triad(tip, point, size) {
+    [0, 1, 2].forEach((k) => {
+      const axis = [tip[k], tip[4 + k], tip[8 + k]];
+      this.scene.line([point, plus(point, axis, size)], ink("--soft"), 1.6, { over: true });
+      if (this.scene.width > 260) this.scene.text(plus(point, axis, size * 1.25), "xyz"[k], ink("--soft"), { size: 11 });
+    });
+  }
+
+  arrows(point, size) {
+    const small = this.scene.width <= 260;
+    this.state.arrows.forEach((one, i) => {
+      const colour = ink(ARROW_COLOURS[i % 4]), width = small ? 2 : 3.4, alpha = one.faint ? 0.35 : 1;
+      for (const [vector, dash] of [[one.v, []], [one.w, small ? [0.1, 4] : [0.1, 6.5]]]) {
+        if (length(vector) < 0.02) continue;
+        this.scene.arrow(point, plus(point, vector, ARROW * size), colour, { width, dash, alpha });
+      }
+    });
+  }
+}

@@ -1,0 +1,142 @@
+"""What a report shows, worked out once: everything the page and the figures draw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.atlas.along import Sweep, sweeps
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.slices import Slice, telling_slices
+from rankdrop.atlas.solid import Solid, solids
+from rankdrop.atlas.workspace import Workspace, workspace
+from rankdrop.conditions import conditions
+from rankdrop.derived.conditions import Conditions
+from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.kinematics import link_poses
+from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Array
+
+Progress = Callable[[str, int, int], None]
+"""progress(label, done, total)."""
+EXACT_SECONDS = 8.0
+"""Time limit of the exact conditions; what was derived by then is shown."""
+EXACT_POINTS = 200
+"""Singular configurations that the exact families have to explain, corank 1."""
+_PARTS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """All that a report shows of one arm.
+
+    Attributes:
+        analysis: the families and how they were verified.
+        blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
+            freedom lost.
+        blame_words: per family the sets from which all its dependencies follow, in words.
+        exact: the conditions, exactly; None where they are not to be had, or stand in the analysis (`Analysis.exact`).
+        exact_missing: why not; "" otherwise.
+        slices: planes of joint space.
+        solids: families in the cube of three joints.
+        workspace: in section.
+        sweeps: per family, each joint swept through its witness.
+    """
+
+    analysis: Analysis
+    blamed: tuple[tuple[int, ...], ...]
+    blame_words: tuple[tuple[str, ...], ...]
+    exact: Conditions | None
+    exact_missing: str
+    slices: tuple[Slice, ...]
+    solids: tuple[Solid, ...]
+    workspace: Workspace
+    sweeps: tuple[tuple[Sweep, ...], ...]
+
+    @property
+    def colours(self) -> dict[str, int]:
+        """A number for the colour of each family: those of corank 1 first, the same everywhere in the report."""
+        ordered = sorted(self.analysis.families, key=lambda family: family.corank)
+        return {family.id: index for index, family in enumerate(ordered)}
+
+
+def content(
+    analysis: Analysis, *, exact: bool = True, exact_seconds: float = EXACT_SECONDS, seed: int = 0,
+    progress: Progress | None = None,
+) -> Content:  # fmt: skip
+    """Work out all that a report of this analysis shows.
+
+    Args:
+        analysis: of the arm.
+        exact: derive the exact conditions as well.
+        exact_seconds: their time limit.
+        seed: of every random choice.
+        progress: called as progress(label, done, total).
+    """
+    robot, task, families = analysis.robot, analysis.task, analysis.families
+    tell = progress or (lambda label, done, total: None)
+    tell("report", 0, _PARTS)
+    derived, missing = _exact(analysis, exact_seconds, seed) if exact else (None, "They were not asked for.")
+    tell("report", 1, _PARTS)
+    planes = telling_slices(robot, task, families, seed=seed)
+    tell("report", 2, _PARTS)
+    sets = solids(robot, task, families, seed=seed)
+    tell("report", 3, _PARTS)
+    section = workspace(robot, task, families, seed=seed)
+    tell("report", 4, _PARTS)
+    to_blame = [_blame(analysis, family) for family in families]
+    swept = tuple(sweeps(robot, family.witness, task) for family in families)
+    tell("report", 5, _PARTS)
+    return Content(
+        analysis=analysis,
+        blamed=tuple(numbers for numbers, _ in to_blame),
+        blame_words=tuple(words for _, words in to_blame),
+        exact=derived,
+        exact_missing=missing,
+        slices=planes,
+        solids=sets,
+        workspace=section,
+        sweeps=swept,
+    )
+
+
+def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:
+    """The lost directions of a family as arrows in the base frame, at its witness.
+
+    Returns:
+        (3,) the reference point of the task's frame [m], and (k, 6) directions (v; ω), of length one together.
+    """
+    links = link_poses(analysis.robot, family.witness)
+    frame = analysis.task.frame
+    axes, carrier = links[frame.axes][:3, :3], links[frame.origin]
+    point = carrier[:3, :3] @ np.array(frame.point) + carrier[:3, 3]
+    turned = family.lost_directions.reshape(-1, 2, 3) @ axes.T
+    return point, turned.reshape(-1, 6)
+
+
+def _exact(analysis: Analysis, seconds: float, seed: int) -> tuple[Conditions | None, str]:
+    """The conditions and "", or None and why not; an analysis that holds them already needs no second derivation."""
+    if analysis.exact is not None and analysis.exact.families:
+        return None, "They stand in the analysis."
+    try:
+        found = conditions(
+            analysis.robot, analysis.task, seconds=seconds, seed=seed, points=EXACT_POINTS, special=False
+        )
+    except (MissingExtraError, RobotError) as error:
+        return None, str(error)
+    return found, ""
+
+
+def _blame(analysis: Analysis, family: Family) -> tuple[tuple[int, ...], tuple[str, ...]]:
+    """Joints of the smallest dependent sets special to the witness, and those sets in words."""
+    robot, task = analysis.robot, analysis.task
+    if robot.n > LARGEST_CHAIN:
+        return (), ()
+    nullity = robot.n - analysis.generic_rank + family.corank
+    found = make_all(circuits_at(robot, family.witness, task), robot.n, nullity)
+    smallest = blame(robot, family.witness, task)
+    numbers = sorted({number for circuit in smallest for number in circuit.numbers})
+    return tuple(numbers), tuple(circuit.words for circuit in found)

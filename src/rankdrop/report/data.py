@@ -1,0 +1,146 @@
+"""What the page's own program is told, as plain data: the chain, the families, the sets in three joints."""
+
+from __future__ import annotations
+
+from html import escape
+from math import isfinite, pi
+from typing import Any
+
+import numpy as np
+
+from rankdrop.atlas.cells import joint_symbol
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.linear import wrap
+from rankdrop.atlas.solid import Solid
+from rankdrop.local.block import sampling_box
+from rankdrop.reach import reach
+from rankdrop.report.content import Content
+from rankdrop.report.skeleton import skeleton
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Array, Robot
+
+LIVE = 1e-7
+"""σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
+_DIGITS = 3  # of points in the cube of three joints
+
+
+def page_data(content: Content) -> dict[str, Any]:
+    """Everything the page's program reads, ready for JSON."""
+    analysis = content.analysis
+    blame = zip(analysis.families, content.blamed, content.blame_words, strict=True)
+    return {
+        "robot": _robot(analysis),
+        "generic_rank": analysis.generic_rank,
+        "live_tolerance": LIVE,
+        "view": _view(analysis.robot),
+        "families": [_family(family, numbers, words) for family, numbers, words in blame],
+        "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
+    }
+
+
+def slider_range(analysis: Analysis, index: int) -> tuple[float, float]:
+    """Ends of a joint's slider: a whole turn, or the travel of a slide with every witness inside."""
+    robot = analysis.robot
+    if robot.periodic[index]:
+        return -pi, pi
+    low, high = (float(end[index]) for end in sampling_box(robot, analysis.task, limits=False))
+    at = [0.0, *(family.witness[index] for family in analysis.families)]
+    return min(low, *at), max(high, *at)
+
+
+def _robot(analysis: Analysis) -> dict[str, Any]:
+    robot, task = analysis.robot, analysis.task
+    index = {joint.name: i for i, joint in enumerate(robot.variables)}
+    points, drawn = skeleton(robot)
+    count = len(robot.joints) + 1
+    chain = [
+        {
+            "kind": str(joint.kind),
+            "screw": joint.screw.tolist(),
+            "frame": _rows(joint.frame),
+            "variable": index[joint.mimic.leader if joint.mimic else joint.name],
+            "multiplier": joint.mimic.multiplier if joint.mimic else 1.0,
+            "offset": joint.mimic.offset if joint.mimic else 0.0,
+            "point": points[i].tolist(),
+            "drawn": drawn[i].tolist(),
+        }
+        for i, joint in enumerate(robot.joints)
+    ]
+    frame = task.frame
+    return {
+        "name": robot.name,
+        "joints": [{"name": joint.name, "kind": str(joint.kind)} for joint in robot.variables],
+        "chain": chain,
+        "home": _rows(robot.home),
+        "reach": _size(robot, points),
+        "rows": list(task.rows),
+        "length_scale": task.scale(robot),
+        "frame": {
+            "axes": frame.axes if frame.axes >= 0 else count,
+            "origin": frame.origin if frame.origin >= 0 else count,
+            "point": list(frame.point),
+        },
+    }
+
+
+def _size(robot: Robot, points: Array) -> float:
+    """The size that the arm is drawn in [m]: its reach, the base included."""
+    return max(reach(robot), float(np.linalg.norm(points[0])), 1e-6)
+
+
+def _view(robot: Robot) -> dict[str, float]:
+    """From above where every axis is upright (planar arms, SCARA), else from the front and a little above."""
+    upright = all(abs(abs(joint.screw[5]) - 1) < 1e-9 for joint in robot.joints if np.any(joint.screw[3:]))
+    slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)
+    return {"turn": -1.2, "tilt": 1.05} if upright and not slides else {"turn": -0.9, "tilt": 0.38}
+
+
+def _rows(pose: Array) -> list[float]:
+    rows: list[float] = pose[:3].ravel().tolist()
+    return rows
+
+
+def _family(family: Family, numbers: tuple[int, ...], words: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "id": family.id,
+        "name": family.name,
+        "corank": family.corank,
+        "witness": list(family.witness),
+        "lost_directions": family.lost_directions.tolist(),
+        "blamed": list(numbers),
+        "told": told(family, words),
+    }
+
+
+def told(family: Family, words: tuple[str, ...]) -> str:
+    """A family in sentences: what is lost and who is to blame."""
+    lost = "".join(
+        f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{escape(one)}</li>'
+        for index, one in enumerate(family.lost_words)
+    )
+    blame = f"<p><b>To blame:</b> {escape('; '.join(words))}</p>" if words else ""
+    return f"<b>{escape(family.name)}</b><ul>{lost}</ul>{blame}"
+
+
+def _solid(one: Solid, colour: int, robot: Robot) -> dict[str, Any]:
+    kinds = [str(joint.kind) for joint in robot.variables]
+    return {
+        "family": one.family,
+        "names": [joint_symbol(number, kinds[number - 1]) for number in one.joints],
+        "colour": colour % 8,
+        "curves": [piece.round(_DIGITS).tolist() for line in one.curves for piece in pieces(line)],
+        "vertices": one.vertices.round(_DIGITS).tolist(),
+        "triangles": one.triangles.tolist(),
+    }
+
+
+def pieces(line: Array) -> list[Array]:
+    """A curve that runs on past ±π, cut and brought back into the cube."""
+    inside = wrap(line)
+    jumps = np.flatnonzero((np.abs(np.diff(inside, axis=0)) > pi).any(axis=1)) + 1
+    return [piece for piece in np.split(inside, jumps) if len(piece) > 1]
+
+
+def finite(value: float) -> float | None:
+    """A number for JSON, None where it is infinite."""
+    return value if isfinite(value) else None

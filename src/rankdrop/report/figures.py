@@ -1,0 +1,212 @@
+"""Figures for papers, drawn with matplotlib: the arm at a witness, slices, sets in three joints, workspace, σ lines.
+
+Every function returns a `matplotlib.figure.Figure`; nothing is shown, and no global state is touched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from io import BytesIO
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rankdrop.atlas.along import Sweep
+from rankdrop.atlas.cells import joint_symbol
+from rankdrop.atlas.family import Family
+from rankdrop.atlas.slices import Slice
+from rankdrop.atlas.solid import Solid
+from rankdrop.atlas.workspace import Workspace
+from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.report.arm_figure import arm_figure
+from rankdrop.report.content import Content
+from rankdrop.report.data import pieces
+from rankdrop.report.svg import angle_ticks
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Robot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KINDS = ("arm", "slice", "solid", "workspace", "image", "lines")
+"""What figures there are; each but the workspace is of one family: arm-k1.f1."""
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B07D00", "#56B4E9", "#6B6B6B", "#7A4FB5")
+"""Of the families, after Okabe and Ito."""
+_DPI = 200
+_DATE = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}  # same input, same file
+
+
+def figure_names(content: Content, wanted: Sequence[str] = ()) -> list[str]:
+    """Names of the figures that there are, or of those of them that are wanted ("lines", "lines-k1.f1")."""
+    ids = [family.id for family in content.analysis.families]
+    names = [f"arm-{one}" for one in ids]
+    names += [f"slice-{plane.family}" for plane in content.slices]
+    names += [f"solid-{one.family}" for one in content.solids]
+    names += ["workspace", *(f"image-{one}" for one, points in content.workspace.images if len(points))]
+    names += [f"lines-{one}" for one in ids]
+    kept = [name for name in names if not wanted or name in wanted or name.split("-")[0] in wanted]
+    for one in wanted:
+        if one not in names and not any(name.split("-")[0] == one for name in names):
+            raise OptionError("this arm has no such figure", where="--figure", got=one, allowed=", ".join(names))
+    return kept
+
+
+def check_figures(analysis: Analysis, wanted: Sequence[str]) -> None:
+    """Refuse, before the work, names that no arm has, and a missing matplotlib.
+
+    Raises:
+        OptionError: no such kind of figure, or no such family.
+        MissingExtraError: matplotlib is not installed.
+    """
+    _new_figure((1, 1))
+    ids = {family.id for family in analysis.families}
+    for name in wanted:
+        kind, _, family = name.partition("-")
+        if kind not in KINDS or (family and family not in ids):
+            allowed = ", ".join(KINDS) + ", each with -FAMILY (lines-k1.f1) or without"
+            raise OptionError("there is no such figure", where="--figure", got=name, allowed=allowed)
+
+
+def figures(content: Content, names: Sequence[str], format: str) -> Iterator[tuple[str, bytes]]:
+    """(name, file) of each figure, as pdf, png or svg; the same input gives the same file."""
+    for name in names:
+        yield name, rendered(figure(content, name), format)
+
+
+def rendered(drawn: Figure, format: str) -> bytes:
+    """One figure as a file."""
+    import matplotlib
+
+    buffer = BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "rankdrop", "pdf.fonttype": 42, "svg.fonttype": "none"}):
+        drawn.savefig(buffer, format=format, dpi=_DPI, bbox_inches="tight", metadata=_DATE[format])
+    return buffer.getvalue()
+
+
+def figure(content: Content, name: str) -> Figure:
+    """One figure by its name, as `figure_names` lists them.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    kind, _, which = name.partition("-")
+    analysis, colours = content.analysis, content.colours
+    index = [family.id for family in analysis.families].index(which) if which else 0
+    if kind == "arm":
+        return arm_figure(analysis, analysis.families[index], content.blamed[index])
+    if kind == "slice":
+        plane = next(one for one in content.slices if one.family == which)
+        return slice_figure(analysis.robot, plane, colours)
+    if kind == "solid":
+        one = next(one for one in content.solids if one.family == which)
+        return solid_figure(analysis.robot, one, colours[which])
+    if kind == "lines":
+        return lines_figure(analysis, analysis.families[index], content.sweeps[index])
+    return workspace_figure(content.workspace, which or None, colours.get(which, 0))
+
+
+def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
+    """σ_r shaded, the families as curves and points."""
+    drawn = _new_figure((3.6, 3.4))
+    axes = drawn.add_subplot()
+    extent = (plane.x[0], plane.x[-1], plane.y[0], plane.y[-1])
+    axes.imshow(plane.sigma.T, origin="lower", extent=extent, cmap="Greys_r", aspect="auto", alpha=0.75)
+    for trace in plane.traces:
+        tone = COLOURS[colours[trace.family] % len(COLOURS)]
+        for k, line in enumerate(trace.curves):
+            axes.plot(*line.T, color=tone, lw=1.8, label=trace.family if k == 0 else None)
+        if len(trace.points):
+            axes.plot(*trace.points.T, "o", color=tone, ms=4, label=None if trace.curves else trace.family)
+    _name_axes(robot, axes, plane.joints)
+    if plane.traces:
+        axes.legend(fontsize=7, loc="upper right", framealpha=0.9)
+    return drawn
+
+
+def solid_figure(robot: Robot, one: Solid, index: int) -> Figure:
+    """A family in the cube of three joints (AM Figure 5b)."""
+    drawn = _new_figure((4.2, 4.0))
+    axes: Any = drawn.add_subplot(projection="3d")
+    tone = COLOURS[index % len(COLOURS)]
+    for line in one.curves:
+        for piece in pieces(line):
+            axes.plot(*piece.T, color=tone, lw=1.8)
+    if len(one.triangles):
+        axes.plot_trisurf(*one.vertices.T, triangles=one.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
+    for k, set_name in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)):
+        joint = robot.variables[one.joints[k] - 1]
+        set_name(f"{joint_symbol(one.joints[k], str(joint.kind))} [{joint.unit}]")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_ticks([-pi, 0, pi], ["−π", "0", "π"])
+    axes.set(xlim=(-pi, pi), ylim=(-pi, pi), zlim=(-pi, pi))
+    axes.set_box_aspect((1, 1, 1), zoom=0.85)
+    return drawn
+
+
+def workspace_figure(section: Workspace, family: str | None = None, index: int = 0) -> Figure:
+    """The workspace in section with its walls, or with the image of one family."""
+    drawn = _new_figure((3.8, 4.4))
+    axes = drawn.add_subplot()
+    shade = np.where(
+        section.tips > 0, 0.15 + 0.35 * np.sqrt(np.minimum(section.tips / max(section.tips.max(), 1), 1)), 0
+    )
+    extent = (section.x[0], section.x[-1], section.y[0], section.y[-1])
+    axes.imshow(shade.T, origin="lower", extent=extent, cmap="Greys", vmin=0, vmax=1)
+    if family is None:
+        passed, barred = section.walls[~section.one_sided], section.walls[section.one_sided]
+        axes.plot(*passed.T, ".", ms=1.2, color=COLOURS[1], label="passed in another posture", rasterized=True)
+        axes.plot(*barred.T, ".", ms=1.4, color="black", label="not crossed", rasterized=True)
+    else:
+        points = dict(section.images)[family]
+        axes.plot(*points.T, ".", ms=1.6, color=COLOURS[index % len(COLOURS)], label=family, rasterized=True)
+    axes.set(xlabel=section.section.labels[0], ylabel=section.section.labels[1], aspect="equal")
+    axes.legend(fontsize=7, loc="upper right", markerscale=5)
+    return drawn
+
+
+def lines_figure(analysis: Analysis, family: Family, swept: Sequence[Sweep]) -> Figure:
+    """The smallest singular values as each joint moves through the witness, one panel per joint."""
+    columns = min(4, len(swept))
+    rows = -(-len(swept) // columns)
+    drawn = _new_figure((2.1 * columns, 1.6 * rows + 0.3))
+    rank = analysis.generic_rank
+    for k, sweep in enumerate(swept):
+        axes = drawn.add_subplot(rows, columns, k + 1)
+        for i in range(max(0, rank - family.corank - 1), rank):
+            lost = i >= rank - family.corank
+            tone, width = (COLOURS[1], 1.7) if lost else (COLOURS[0], 1.0)
+            axes.plot(sweep.values, sweep.sigma[:, i], color=tone, lw=width, label=f"σ{i + 1}")
+        axes.axvline(sweep.at, color="black", lw=0.7, ls=":")
+        axes.set_title(
+            joint_symbol(sweep.number, str(analysis.robot.variables[sweep.number - 1].kind)), fontsize=8, pad=2
+        )
+        axes.tick_params(labelsize=6)
+        axes.set_ylim(bottom=0)
+        if analysis.robot.periodic[sweep.number - 1]:
+            axes.set_xticks([-pi, 0, pi], ["−π", "0", "π"])
+        if k == 0:
+            axes.legend(fontsize=6)
+    drawn.suptitle(f"{family.id}: {family.name}", fontsize=8)
+    drawn.tight_layout()
+    return drawn
+
+
+def _name_axes(robot: Robot, axes: Any, joints: tuple[int, int]) -> None:
+    ends = (axes.get_xlim(), axes.get_ylim())
+    for k, (number, set_name, set_ticks) in enumerate(
+        zip(joints, (axes.set_xlabel, axes.set_ylabel), (axes.set_xticks, axes.set_yticks), strict=True)
+    ):
+        joint = robot.variables[number - 1]
+        set_name(f"{joint_symbol(number, str(joint.kind))} [{joint.unit}]")
+        if robot.periodic[number - 1]:
+            ticks = angle_ticks(*ends[k])
+            set_ticks([value for value, _ in ticks], [word for _, word in ticks])
+
+
+def _new_figure(size: tuple[float, float]) -> Figure:
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtraError("matplotlib", "report", "a figure for papers") from error
+    return Figure(figsize=size)

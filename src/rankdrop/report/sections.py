@@ -1,0 +1,147 @@
+"""The lower sections of the page: joint space, workspace, σ along lines, verification."""
+
+from __future__ import annotations
+
+from html import escape
+
+from rankdrop.atlas.slices import Slice
+from rankdrop.report.charts import (
+    COLOURS,
+    image_chart,
+    names_of,
+    projections,
+    slice_chart,
+    spread,
+    sweep_chart,
+    workspace_chart,
+)
+from rankdrop.report.content import Content
+from rankdrop.report.verified import checks
+
+_WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
+
+
+def slice_section(content: Content) -> str:
+    """Planes of joint space."""
+    robot = content.analysis.robot
+    figures = "".join(
+        f"<figure>{slice_chart(robot, plane, content.colours)}<figcaption>{_slice_words(content, plane)}</figcaption>"
+        "</figure>"
+        for plane in content.slices
+    )
+    if not figures:
+        return '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+    rank = content.analysis.generic_rank
+    return (
+        f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Shade: σ<sub>{rank}</sub>, '
+        "stronger where it is small. Curves and dots: the families, solved from their conditions; every point drawn "
+        f'was checked in the Jacobian.</p><div class="figures">{figures}</div></section>'
+    )
+
+
+def _slice_words(content: Content, plane: Slice) -> str:
+    names = names_of(content.analysis.robot)
+    keys = " ".join(_key(content, trace.family) for trace in plane.traces)
+    held = ", ".join(
+        f"{names[i]} = {value:.4g}".replace("-", "−") for i, value in enumerate(plane.q) if i + 1 not in plane.joints
+    )
+    filled = "".join(f" The whole slice lies in {one}." for one in plane.filled)
+    return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
+
+
+def _key(content: Content, family: str) -> str:
+    index = content.colours[family] % COLOURS
+    return f'<span class="dot" style="background:var(--f{1 + index})"></span><b>{family}</b>'
+
+
+def solid_section(content: Content) -> str:
+    """Families that tie three joints together."""
+    if not content.solids:
+        return ""
+    robot, figures = content.analysis.robot, []
+    names = names_of(robot)
+    for number, one in enumerate(content.solids, start=1):
+        axes = ", ".join(names[joint - 1] for joint in one.joints)
+        held = ", ".join(f"{names[i]} = {x:.4g}" for i, x in enumerate(one.q) if i + 1 not in one.joints).replace(
+            "-", "−"
+        )
+        what = _curves(len(one.curves), one.closed) if one.curves else f"a surface, {len(one.triangles):,} triangles"
+        figures.append(
+            f'<figure><canvas id="solid{number}" tabindex="0" aria-label="{one.family} in {axes}; drag to turn">'
+            "</canvas>"
+            f"<figcaption>{_key(content, one.family)} in ({axes}): {what}, up to whole turns"
+            f"{'; held: ' + escape(held) if held else ''}. Drag to turn.</figcaption></figure>"
+        )
+        for text in projections(robot, one, content.colours[one.family]) if one.curves else []:
+            figures.append(f"<figure>{text}<figcaption>{_key(content, one.family)} projected.</figcaption></figure>")
+    return (
+        '<section id="solids"><h3>In three joints</h3><p>Families that tie three joints together, as curves or '
+        f'surfaces in the cube of these joints (−π … π).</p><div class="figures">{"".join(figures)}</div></section>'
+    )
+
+
+def _curves(count: int, closed: int) -> str:
+    many = "s" if count > 1 else ""
+    return f"{count} closed curve{many}" if closed == count else f"{count} curve{many}, {closed} of them closed"
+
+
+def workspace_section(content: Content) -> str:
+    """The workspace with the images of the families."""
+    section = content.workspace
+    figures = []
+    if len(section.walls):
+        share = f"{int(section.one_sided.sum()):,} of {len(section.walls):,}"
+        figures.append(
+            f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
+            "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to "
+            f"second order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of "
+            'voids, barriers inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.'
+            "</figcaption>"
+            "</figure>"
+        )
+    names = {family.id: family.name for family in content.analysis.families}
+    for family, points in section.images:
+        if not len(points):
+            continue
+        fills = spread(section, points) > _WIDE
+        words = "its tips fill the workspace: posture decides, not place" if fills else "confined to these places"
+        figures.append(
+            f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
+            f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
+        )
+    about = "in its plane" if section.section.planar else "in section: distance from axis 1, and height along it"
+    return (
+        f'<section id="workspace"><h2>Workspace</h2><p>The tip {about}. Limits of turning joints are ignored, as they '
+        f'are for the families.</p><div class="figures">{"".join(figures)}</div></section>'
+    )
+
+
+def line_section(content: Content) -> str:
+    """Each joint swept through each witness."""
+    analysis = content.analysis
+    rank = analysis.generic_rank
+    parts = []
+    for family, swept in zip(analysis.families, content.sweeps, strict=True):
+        charts = "".join(sweep_chart(analysis.robot, one, family.corank) for one in swept)
+        parts.append(f"<h3>{family.id}&ensp;<small>{escape(family.name)}</small></h3><div class='lines'>{charts}</div>")
+    return (
+        '<section id="lines"><h2>σ along lines</h2><p>Each joint turns in full, or slides its travel, through the '
+        f'witness of a family (dashed line). <b class="bad">Bold</b>: the singular values that vanish there, '
+        f"σ<sub>{rank}</sub> and up; thin: the next one. Where the bold line stays at zero, that joint does not lead "
+        f"out.</p>{''.join(parts)}</section>"
+    )
+
+
+def verification_section(content: Content) -> str:
+    """What was checked, how often, with which tolerances and seeds."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in checks(content))
+    tolerances = "".join(
+        f"<tr><td class='words'>{name}</td><td class='num'>{value:g}</td></tr>"
+        for name, value in content.analysis.settings.tolerances.to_dict().items()
+    )
+    return (
+        f'<section id="verified"><h2>How this was verified</h2><ul class="checks">{items}</ul>'
+        "<p>These are tests on samples, not proofs. A corank that was not found is not thereby shown to be absent.</p>"
+        f"<details><summary>tolerances</summary><div class='scroll'><table>{tolerances}</table></div></details>"
+        "</section>"
+    )

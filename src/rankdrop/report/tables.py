@@ -1,0 +1,103 @@
+"""The tables of a report: one per corank, as AM print them (Tables 3–5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+from rankdrop.atlas.cells import (
+    COUPLED,
+    FREE,
+    LEGEND,
+    NOTHING,
+    coupled_conditions,
+    joint_cell,
+    joint_symbol,
+    rounded_share,
+    share_text,
+)
+from rankdrop.atlas.family import CorankSummary, Family
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Robot
+
+
+def corank_tables(analysis: Analysis) -> str:
+    """All tables, each with its title and what its starts did."""
+    legend = f'<p class="small">{escape(LEGEND)}</p>' if analysis.families else ""
+    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + legend
+
+
+def _corank(analysis: Analysis, summary: CorankSummary) -> str:
+    rows = analysis.of_corank(summary.corank)
+    heading = f"Corank {summary.corank} <small>rank {summary.rank} of {analysis.generic_rank}</small>"
+    starts = (
+        f"Of {summary.starts:,} starts: {summary.converged:,} converged, {summary.near_misses:,} near misses, "
+        f"{summary.slow:,} slow."
+    )
+    if not rows:
+        smallest = summary.smallest_near_miss
+        met = "" if smallest is None else f", smallest σ<sub>{summary.rank + 1}</sub> met {smallest:.4g}"
+        return (
+            f"<h3>{heading}</h3><p>None found of {summary.starts:,} starts{met}; absence of a find is not a proof.</p>"
+            f'<p class="small">{starts}</p>'
+        )
+    share = summary.completeness
+    count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}"
+    css = "good" if share.explained == share.tested else "bad"
+    complete = (
+        f'<p>{count}, <span class="{css}">completeness {share_text(share.explained, share.tested)}</span> '
+        f"({share.explained:,} of {share.tested:,} fresh points).</p>"
+    )
+    body = "".join(_rows(analysis.robot, row) for row in rows)
+    return (
+        f'<h3>{heading}</h3>{complete}<div class="scroll"><table><thead>{_head(analysis.robot, summary)}</thead>'
+        f'<tbody>{body}</tbody></table></div><p class="small">{starts}</p>'
+    )
+
+
+def _head(robot: Robot, summary: CorankSummary) -> str:
+    joints = "".join(
+        f'<th title="{escape(joint.name)}">{_subscript(joint_symbol(number, str(joint.kind)))}</th>'
+        for number, joint in enumerate(robot.variables, start=1)
+    )
+    lost = "lost direction" if summary.corank == 1 else "lost directions"
+    return (
+        f'<tr><th></th><th class="words">family</th>{joints}<th>dim</th><th class="words">{lost}</th><th>sound</th>'
+        "<th>share</th></tr>"
+    )
+
+
+def _rows(robot: Robot, row: Family) -> str:
+    cells = "".join(_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
+    lost = "<br>".join(escape(words) for words in row.lost_words)
+    sound, share = share_text(row.soundness.singular, row.soundness.tested), rounded_share(row.explained)
+    css = "num" if row.soundness.holds else "num bad"
+    name = f'<span class="{"" if row.named else "bad"}">{escape(row.name)}</span>'
+    button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'
+    first = (
+        f'<tr><td>{button}</td><td class="words">{name}</td>{cells}<td class="num">{row.dimension}</td>'
+        f'<td class="words">{lost}</td><td class="{css}">{sound}</td><td class="num">{share}</td></tr>'
+    )
+    span = robot.n + 5
+    notes = "".join(
+        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>' for text in _notes(row)
+    )
+    return first + notes
+
+
+def _notes(row: Family) -> Iterator[str]:
+    for text in coupled_conditions(row) if row.coupled or not row.named else []:
+        yield f'<i class="bad">{COUPLED}</i>&ensp;{escape(text)}'
+    if any("witness" in text for text in row.lost_words):
+        values = ", ".join(f"{value:.4g}" for value in row.witness).replace("-", "−")
+        yield f"witness q = ({values}) [rad, m]"
+
+
+def _cell(row: Family, number: int, kind: str) -> str:
+    text = joint_cell(row, number, kind)
+    css = {FREE: "free", COUPLED: "coupled", NOTHING: "free"}.get(text, "pinned")
+    return f'<td class="{css}">{escape(text)}</td>'
+
+
+def _subscript(symbol: str) -> str:
+    return f"{symbol[0]}<sub>{symbol[1:]}</sub>"

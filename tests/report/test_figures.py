@@ -1,0 +1,110 @@
+"""Figures for papers: each one drawn, the same every time, and refused before the work where it cannot be."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.cli import main
+from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.kinematics import pose
+from rankdrop.known import shipped
+from rankdrop.report.arm_figure import placed
+from rankdrop.report.content import Content, content
+from rankdrop.report.figures import check_figures, figure_names, figures
+
+pytest.importorskip("matplotlib")
+
+HEAD = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
+
+
+@pytest.fixture(scope="module")
+def shown() -> Content:
+    return content(shipped("scara"), exact=False)
+
+
+@pytest.mark.parametrize("format", ["pdf", "png", "svg"])
+def test_every_figure_is_a_file_of_its_format(shown: Content, format: str) -> None:
+    drawn = dict(figures(shown, figure_names(shown), format))
+    assert set(drawn) == {"arm-k1.f1", "slice-k1.f1", "workspace", "image-k1.f1", "lines-k1.f1"}
+    assert all(data.startswith(HEAD[format]) for data in drawn.values())
+
+
+@pytest.mark.parametrize("format", ["pdf", "svg"])
+def test_the_same_figure_is_the_same_file(shown: Content, format: str) -> None:
+    first, again = (dict(figures(shown, ["arm-k1.f1"], format)) for _ in range(2))
+    assert first == again
+
+
+def test_the_drawn_arm_ends_at_its_tip() -> None:
+    for name in ("pa10", "stanford", "fetch8"):
+        robot = shipped(name).robot
+        q = np.linspace(-0.5, 0.9, robot.n)
+        points, middles, axes = placed(robot, q)
+        assert np.allclose(points[-1], pose(robot, q)[:3, 3])
+        assert len(middles) == len(axes) == len(robot.joints)
+
+
+def test_figures_are_chosen_by_kind_or_by_name(shown: Content) -> None:
+    assert figure_names(shown, ["lines", "workspace"]) == ["workspace", "lines-k1.f1"]
+    with pytest.raises(OptionError, match="no such figure"):
+        figure_names(shown, ["solid"])
+
+
+def test_what_no_arm_has_is_refused_at_once(shown: Content) -> None:
+    with pytest.raises(OptionError, match="no such figure"):
+        check_figures(shown.analysis, ["ellipse"])
+    with pytest.raises(OptionError, match="no such figure"):
+        check_figures(shown.analysis, ["arm-k9.f9"])
+
+
+def test_without_matplotlib_the_extra_is_named(shown: Content, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match=r"rankdrop\[report\]"):
+        check_figures(shown.analysis, [])
+
+
+def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "scara.html"
+    assert main.run(["report", "scara", "--out", str(target), "--quiet"]) == 0
+    assert target.read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert "wrote" in capsys.readouterr().err
+
+
+def test_the_command_reads_an_analysis(tmp_path: Path) -> None:
+    saved = tmp_path / "planar.json"
+    shipped("planar2r").save(saved)
+    assert main.run(["report", str(saved), "--out", str(tmp_path / "p.html"), "--exact-seconds", "0"]) == 0
+    assert "planar2r" in (tmp_path / "p.html").read_text(encoding="utf-8")
+
+
+def test_the_command_writes_figures_into_a_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "figures"
+    options = ["--format", "svg", "--figure", "lines", "--figure", "slice", "--out", str(folder)]
+    assert main.run(["report", "planar2r", *options]) == 0
+    assert sorted(path.name for path in folder.iterdir()) == ["lines-k1.f1.svg", "slice-k1.f1.svg"]
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        (["--out", "nowhere/x.html"], "there is no such folder"),
+        (["--out", "x.docx"], "the ending names no format"),
+        (["--figure", "arm"], "figures are files"),
+        (["--format", "png", "--out", "one.png"], "one file holds one figure"),
+        (["--exact-seconds", "-1"], "from 0 up"),
+        (["--format", "gif"], "gif"),
+    ],
+)
+def test_bad_options_are_one_line(
+    options: list[str], part: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main.run(["report", "planar2r", *options]) == 2
+    told = capsys.readouterr().err
+    assert part in told
+    assert len(told.strip().splitlines()) == 1
+    assert not list(tmp_path.iterdir())

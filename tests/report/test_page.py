@@ -1,0 +1,158 @@
+"""The page as text: it stands alone, holds everything, and nothing in a robot's name can break it."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from rankdrop.atlas.family import Share, Soundness
+from rankdrop.kinematics import jacobian, link_poses
+from rankdrop.known import shipped
+from rankdrop.report.content import Content, arrows, content
+from rankdrop.report.data import page_data
+from rankdrop.report.page import page
+from rankdrop.report.skeleton import skeleton
+from rankdrop.report.typeset import typeset
+
+LARGEST = 15_000_000
+
+
+@cache
+def shown(name: str, *, exact: bool = True) -> Content:
+    return content(shipped(name), exact=exact)
+
+
+@cache
+def text_of(name: str) -> str:
+    return page(shown(name))
+
+
+@pytest.mark.parametrize("name", ["scara", "planar2r", "stanford"])
+def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
+    text = text_of(name)
+    assert not re.search(r"""(?:src|href|action|poster)\s*=\s*["'](?!#|data:)""", text)
+    assert not re.search(r"url\((?!\s*['\"]?data:)|@import|\bfetch\(|XMLHttpRequest|WebSocket|importScripts", text)
+    assert "default-src 'none'" in text
+    assert len(text.encode()) < LARGEST
+
+
+@pytest.mark.parametrize("name", ["scara", "stanford"])
+def test_the_page_names_every_family_with_its_joints_and_losses(name: str) -> None:
+    text = text_of(name)
+    for family in shipped(name).families:
+        assert f'data-go="{family.id}"' in text
+        assert family.name in text
+        assert all(words in text for words in family.lost_words)
+
+
+def test_the_page_says_how_it_was_verified() -> None:
+    text, analysis = text_of("stanford"), shipped("stanford")
+    solved = sum(row.soundness.tested for row in analysis.families)
+    for part in (f"{solved:,} of {solved:,} points solved", "seed 0", analysis.settings.version, "1e-09", "not proofs"):
+        assert part in text
+
+
+def test_what_is_not_verified_is_said() -> None:
+    found = shown("scara")
+    wrong = replace(found.analysis.families[0], soundness=Soundness(100, 99), explained=Share(10, 9))
+    text = page(replace(found, analysis=replace(found.analysis, families=(wrong,))))
+    assert "not all verified" in text
+    assert "0.990" in text
+
+
+def test_an_interrupted_analysis_is_told() -> None:
+    found = shown("scara")
+    text = page(replace(found, analysis=replace(found.analysis, complete=False, unfinished=2)))
+    assert "corank 2 is unfinished" in text
+
+
+def test_a_name_cannot_break_the_page() -> None:
+    found = shown("scara")
+    evil = '</script><script>alert("x")</script><img src=x onerror=1>'
+    robot = replace(found.analysis.robot, name=evil, about=evil, notes=(evil,))
+    text = page(replace(found, analysis=replace(found.analysis, robot=robot)))
+    assert "<img src=x" not in re.sub(r'<script type="application/json".*?</script>', "", text, flags=re.DOTALL)
+    assert text.count("<script") == 2
+
+
+def test_without_the_exact_conditions_the_section_says_why() -> None:
+    text = page(shown("scara", exact=False))
+    assert "Not derived" in text
+
+
+def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
+    from rankdrop.analyze import analyze
+
+    analysis = analyze(shipped("scara").robot, starts=200)
+    shown_of_it = content(analysis)
+    assert analysis.exact is not None
+    assert shown_of_it.exact is None
+    assert f"held against the families found: {analysis.exact.status}" in page(shown_of_it)
+
+
+def test_the_data_is_the_arm() -> None:
+    found = shown("stanford")
+    record = json.loads(json.dumps(page_data(found), allow_nan=False))
+    robot = found.analysis.robot
+    assert [one["screw"] for one in record["robot"]["chain"]] == [joint.screw.tolist() for joint in robot.joints]
+    witnesses = [list(family.witness) for family in found.analysis.families]
+    assert [one["witness"] for one in record["families"]] == witnesses
+
+
+@pytest.mark.parametrize("name", ["pa10", "scara", "stanford", "ur5"])
+def test_an_arrow_is_a_motion_that_no_joint_makes(name: str) -> None:
+    """A lost direction, as wrench numbers, does no work on any column of the Jacobian in the base axes at the point."""
+    analysis = shipped(name)
+    for family in analysis.families:
+        point, rows = arrows(analysis, family)
+        columns = jacobian(analysis.robot, family.witness)
+        assert np.abs(rows @ columns).max() < 1e-9
+        assert np.allclose(point, link_poses(analysis.robot, family.witness)[-1, :3, 3])
+
+
+@pytest.mark.parametrize("name", ["pa10", "scara", "stanford", "ur5", "canadarm2"])
+def test_the_skeleton_lies_on_the_axes(name: str) -> None:
+    robot = shipped(name).robot
+    points, drawn = skeleton(robot)
+    for joint, *places in zip(robot.joints, points, drawn, strict=True):
+        axis = joint.screw[3:]
+        for place in places if np.any(axis) else ():
+            assert np.allclose(joint.screw[:3] + np.cross(axis, place), axis * (axis @ joint.screw[:3]), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("latex", "parts"),
+    [
+        (r"\theta_4 \in \{0, \pi\}", ["<msub><mi>θ</mi><mn>4</mn></msub>", "∈", "<mi>π</mi>"]),
+        (r"\theta_3 = \pm\frac{\pi}{2}", ["±", "<mfrac><mrow><mi>π</mi></mrow><mrow><mn>2</mn></mrow></mfrac>"]),
+        (r"a_2 c_2 + a_3 c_{23} = 0", ["<mrow><mn>23</mn></mrow>", ">+<"]),
+        (r"\cos^{2}(\tfrac{\theta_2}{2})", ["<msup>", "cos"]),
+        (r"2.5 \cdot 10^{-13} \mathrm{upper}", ["<mn>2.5</mn>", "−", "<mtext>upper</mtext>"]),
+    ],
+)
+def test_conditions_are_typeset(latex: str, parts: list[str]) -> None:
+    found = typeset(latex)
+    assert all(part in found for part in parts)
+    for tag in ("mrow", "msub", "msup", "mfrac", "mi", "mn", "mo", "math"):
+        assert len(re.findall(f"<{tag}[ >]", found)) == found.count(f"</{tag}>")
+    assert "\\" not in found
+
+
+def test_an_analysis_shows_itself_in_a_notebook() -> None:
+    analysis = shipped("stanford")
+    found = analysis._repr_html_()
+    assert found.count("<table>") == len({family.corank for family in analysis.families})
+    assert all(family.name in found for family in analysis.families)
+    assert "http" not in found
+
+
+def test_a_search_shows_itself_in_a_notebook() -> None:
+    from rankdrop.atlas.search import search
+
+    found = search(shipped("scara").robot, 1, starts=20)
+    assert "<td>converged</td><td>20</td>" in found._repr_html_()

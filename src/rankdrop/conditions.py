@@ -22,7 +22,7 @@ from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.settled import settled
+from rankdrop.exact.settled import covered, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
@@ -179,6 +179,8 @@ def _tree(
     with again.share(_SHARE):
         other = rank_tree(plain, again, lowest=lowest)
     if broken:
+        if tree.complete and other.complete and covered(chain, tree, other):
+            return chain, tree, work, ()  # the assumption that these lengths break makes no difference
         return plain, other, again, broken
     if not other.complete and not again.interrupted:
         return chain, tree, work, ()

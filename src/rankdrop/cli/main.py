@@ -19,8 +19,8 @@ try:
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.nearest import nearest
-    from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.report import report
+    from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.view import view

@@ -26,8 +26,17 @@ def settled(chain: Chain, tree: Tree, lowest: int, work: Work) -> bool:
     """
     again = work.again()
     plain = rank_tree(replace(chain, letters={}, written={}), again, lowest=lowest)
-    if not plain.complete or again.unresolved:
-        return False
+    return plain.complete and not again.unresolved and covered(chain, tree, plain)
+
+
+def covered(chain: Chain, tree: Tree, plain: Tree) -> bool:
+    """Whether every drop of the arm with numbers lies in one that was derived with letters.
+
+    Args:
+        chain: the arm, with letters.
+        tree: of it.
+        plain: of the arm with numbers for its lengths.
+    """
     lengths = {name: residue(value) for name, value in chain.letters.items()}
     for drop in plain.drops:
         points = [{**point, **lengths} for point in drop.piece.samples]

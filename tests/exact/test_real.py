@@ -10,11 +10,12 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import real_sets
-from rankdrop.exact.merge import alone, merge, row_texts
+from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.real import real_points, reality
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
@@ -82,15 +83,25 @@ def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
 def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     ring = chain.ring
     pieces = [Variety(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
-    ((pins, merged),) = merge(pieces)
-    assert pins == {3: ("0", "pi"), 5: ("0", "pi")}
-    assert len(merged) == 4
-    assert row_texts((pins, merged)) == ("θ3 = 0 or π", "θ5 = 0 or π")
-    rows = merge(pieces[:3])
-    assert sorted(len(row[1]) for row in rows) == [1, 2]
-    assert alone(pieces[0])[0] == {3: ("0",), 5: ("0",)}
+    (row,) = merge(pieces)
+    assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
+    assert len(row.pieces) == 4
+    assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
+    assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
+    assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
+
+
+def test_a_sum_of_angles_at_0_and_at_pi_is_one_row_and_at_half_pi_is_not() -> None:
+    ring = Ring([3, 5])
+    t3, t5 = ring.t[3], ring.t[5]
+    polynomials = (t3 - t5, t3 * t5 + 1, t3 * t5 + t3 - t5 + 1)  # θ3 − θ5 is 0, π, −π/2
+    same, opposite, quarter = (Variety(ring, {}, rest=(f,), equations=(f,)) for f in polynomials)
+    (row,) = merge([same, opposite])
+    assert row.texts == ("s(θ3 − θ5) = 0",)
+    assert row.pieces == (same, opposite)
+    assert len(merge([same, quarter])) == 2
 
 
 def test_every_family_has_a_witness_of_its_corank() -> None:

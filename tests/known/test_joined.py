@@ -25,7 +25,7 @@ from rankdrop.robot.screws import from_screws
 from rankdrop.schema import load_schema
 
 ARMS = {  # exact families that the rows consist of, corank by corank
-    "pa10": (4, 4, 1), "ur5": (3, 6, 1), "puma560": (3, 3), "canadarm2": (7, 6, 1), "stanford": (3, 3), "scara": (1,),
+    "pa10": (4, 4, 1), "ur5": (3, 5, 1), "puma560": (3, 3), "canadarm2": (7, 4, 1), "stanford": (3, 3), "scara": (1,),
     "anthropomorphic": (3, 3, 1), "planar3r": (1,),
 }  # fmt: skip
 STARTS = 400

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import OptionError
 from rankdrop.local import finite_motions
 from rankdrop.local.departure import Departure, departures
+from rankdrop.local.notebook import escape_html
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.receptors import receptors
 from rankdrop.local.second_order import LostMotion, boundary, lost_motions, null_basis
@@ -122,6 +123,9 @@ class Escape:
     boundary: bool | None
     boundary_words: str
     floor: float
+
+    def _repr_html_(self) -> str:
+        return escape_html(self)
 
 
 def escape(

@@ -25,6 +25,7 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.notebook import nearest_html
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -67,6 +68,9 @@ class Nearest:
     starts: int
     agreeing: int
     within_limits: bool
+
+    def _repr_html_(self) -> str:
+        return nearest_html(self)
 
 
 def nearest_singularity(

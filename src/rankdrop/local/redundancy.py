@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.factored import Factored, factor
+from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.readable import readable_basis
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
@@ -84,6 +85,9 @@ class Redundancy:
     annihilates: float
     closed_annihilates: float
     joint_scale: Array
+
+    def _repr_html_(self) -> str:
+        return redundancy_html(self)
 
 
 def redundancy(

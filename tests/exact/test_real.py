@@ -14,7 +14,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import real_sets
-from rankdrop.exact.merge import alone, merge, row_texts
+from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.real import real_points, reality
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
@@ -82,15 +82,26 @@ def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
 def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     ring = chain.ring
     pieces = [Variety(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
-    ((pins, merged),) = merge(pieces)
-    assert pins == {3: ("0", "pi"), 5: ("0", "pi")}
-    assert len(merged) == 4
-    assert row_texts((pins, merged)) == ("θ3 = 0 or π", "θ5 = 0 or π")
-    rows = merge(pieces[:3])
-    assert sorted(len(row[1]) for row in rows) == [1, 2]
-    assert alone(pieces[0])[0] == {3: ("0",), 5: ("0",)}
+    (row,) = merge(pieces)
+    assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
+    assert len(row.pieces) == 4
+    assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
+    assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
+    assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
+
+
+def test_a_sum_of_angles_and_the_same_plus_pi_make_one_row(chain: Chain) -> None:
+    """θ2 = θ4 and θ2 = θ4 + π; not where another angle differs, too."""
+    ring = chain.ring
+    same, opposite = ring.t[2] - ring.t[4], ring.t[2] * ring.t[4] + 1
+    pieces = [Variety(ring, {}, rest=(f,), equations=(f,)) for f in (same, opposite)]
+    (row,) = merge(pieces)
+    assert row.pieces == tuple(pieces)
+    assert row.equations == (same * opposite,)
+    assert len(merge([pieces[0], replace(pieces[1], pins={3: "0"})])) == 2
+    assert len(merge([pieces[0], replace(pieces[1], equations=(ring.t[2] * ring.t[4] - 1,))])) == 2
 
 
 def test_every_family_has_a_witness_of_its_corank() -> None:

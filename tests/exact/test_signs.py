@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import cos, sin
 
 import numpy as np
@@ -45,7 +46,8 @@ def _evaluated(text, theta):
     for j in (1, 2):
         x = theta[j - 1]
         names |= {f"s{j}": sin(x), f"c{j}": cos(x), f"θ{j}": x, f"t{j}": np.tan(x / 2)}
-    return eval(text.replace("^", "**").replace("·", "*").replace("−", "-"), {}, names)
+    written = re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text)  # a space between factors
+    return eval(written.replace("·", "*").replace("−", "-"), {}, names)
 
 
 @pytest.mark.parametrize(

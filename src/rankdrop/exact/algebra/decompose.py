@@ -12,7 +12,7 @@ from itertools import combinations, permutations, product
 from math import prod
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, primitive, used
+from rankdrop.exact.algebra.ring import TANGENT, Atom, Ring, coefficients, primitive, used
 from rankdrop.exact.algebra.slice import binds_more
 from rankdrop.exact.algebra.variety import Solved, Variety, independent
 from rankdrop.exact.algebra.work import Work
@@ -332,8 +332,7 @@ def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
     for atom, _ in atoms:
         factor = atom.f
         if factor is None:
-            root = {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
-            factor = ring.t[atom.joint] - root
+            factor = ring.t[atom.joint] - TANGENT[atom.value]
         if not plainly_positive(ring, factor):
             found.append(factor)
     return found

@@ -25,6 +25,8 @@ SIMPLE = ("0", "pi", "pi/2", "-pi/2")
 """Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
 COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
 """(cos, sin) there."""
+TANGENT = {"0": 0, "pi/2": 1, "-pi/2": -1}
+"""tan(θ/2) there; infinite at π."""
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ class Ring:
         places = used(f)
         if len(places) == 1 and places[0] < self.angles and f.total_degree() == 1:
             j = self.revolute[places[0]]
-            for value, root in (("0", 0), ("pi/2", 1), ("-pi/2", -1)):
+            for value, root in TANGENT.items():
                 if f == self.t[j] - root:
                     return self.pin(j, value)
         return Atom(0, "", f, str(f))
@@ -257,7 +259,7 @@ class Ring:
                 parts = coefficients(f, place)
                 f = parts[-1] if len(parts) > degrees[place] else f * 0
             else:
-                f = f.subs({f"t{joint}": {"0": 0, "pi/2": 1, "-pi/2": -1}[value]})
+                f = f.subs({f"t{joint}": TANGENT[value]})
         return f
 
     def to_trig(self, f: Polynomial) -> Polynomial | None:

@@ -17,14 +17,16 @@ from rankdrop.exact.algebra.field import (
     Evaluator,
     P,
     Point,
-    common_zeros,
     complete,
     half_evaluator,
+    half_value,
+    put_common_zero,
     roots,
+    stands,
     trig_evaluator,
 )
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import COS_SIN, Ring, used
+from rankdrop.exact.algebra.ring import TANGENT, Ring, used
 
 _TRIES = 80
 _POINTS = 2  # random points on which something has to hold to be believed: one would do, to within 1e-15
@@ -95,7 +97,7 @@ class Variety:
             values: dict[str, int] = {name: rng.randrange(2, P) for name in ring.names}
             for joint, value in self.pins.items():
                 if value != "pi":
-                    values[f"t{joint}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[value]
+                    values[f"t{joint}"] = TANGENT[value] % P
             if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
                 continue
             point = complete(ring, values, self.pins)
@@ -135,11 +137,7 @@ class Variety:
         if not pairs:
             return False
         a, b = (ring.names[p] for p in rng.choice(pairs))
-        zero = common_zeros(evaluate.in_two(f, a, b, values), evaluate.in_two(g, a, b, values), rng)
-        if zero is None:
-            return False
-        values[a], values[b] = zero
-        return True
+        return put_common_zero(evaluate, f, g, (a, b), values, rng)
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
         """Random points modulo P, fewer than `count` where they are not met."""
@@ -167,26 +165,17 @@ class Variety:
 
     def stands(self, joint: int, value: str) -> bool:
         """Whether a revolute joint is at a simple angle on the whole set."""
-        cosine, sine = (x % P for x in COS_SIN[value])
-        return bool(self.samples) and all(p[f"c{joint}"] == cosine and p[f"s{joint}"] == sine for p in self.samples)
+        return bool(self.samples) and all(stands(point, joint, value) for point in self.samples)
 
     def holds_at(self, points: Sequence[Point]) -> bool:
         """Whether every condition of this set holds at points modulo P that give values to all its variables."""
-        ring = self.ring
-        evaluate, trig = half_evaluator(ring), trig_evaluator(ring)
-        for point in points:
-            for joint, value in self.pins.items():
-                cosine, sine = COS_SIN[value]
-                if (point[f"c{joint}"] - cosine) % P or (point[f"s{joint}"] - sine) % P:
-                    return False
-            far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
-            for f in self.equations:
-                g = ring.half_at(f, far)
-                if g != 0 and evaluate(g, point):
-                    return False
-            if any(trig(p, point) for p in self.also):
-                return False
-        return True
+        trig = trig_evaluator(self.ring)
+        return all(
+            all(stands(point, joint, value) for joint, value in self.pins.items())
+            and not any(half_value(self.ring, f, point) for f in self.equations)
+            and not any(trig(p, point) for p in self.also)
+            for point in points
+        )
 
     def satisfies(self, other: Variety) -> bool:
         """Whether every condition of another set holds on this one.

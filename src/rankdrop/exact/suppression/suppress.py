@@ -76,7 +76,6 @@ class Suppression:
         """The factors of that determinant which depend on the configuration."""
         return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
-
     def steps(self) -> tuple[Step, ...]:
         """The derivation step by step, as it is done by hand."""
         return steps(self)
@@ -125,14 +124,6 @@ def suppress(
         raise OptionError("no such link frame", where="frame", got=str(frame), allowed=f"1 … {chain.n - 1}")
     check_basic(chain, basic)
     return _Derivation(chain, frame, basic, Work(seconds, seed), progress).run()
-
-
-def closed_pieces(suppression: Suppression) -> list[tuple[Polynomial, ...]]:
-    """Per family the trigonometric polynomials whose common zeros, irreducible part by part, close the family up.
-
-    Parts that lie inside the zeros of one of the family's inequalities do not belong to it.
-    """
-    return [family.equalities for family in suppression.families]
 
 
 class _Derivation:

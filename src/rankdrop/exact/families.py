@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.solving import form
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work

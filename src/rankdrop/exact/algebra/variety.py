@@ -27,23 +27,10 @@ from rankdrop.exact.algebra.field import (
 )
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import TANGENT, Ring, used
+from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
 _POINTS = 2  # random points on which something has to hold to be believed: one would do, to within 1e-15
-
-
-@dataclass(frozen=True)
-class Solved:
-    """t_k = numerator / denominator.
-
-    Attributes:
-        place: of the variable in the half-angle ring.
-        numerator, denominator: in variables that are neither pinned nor solved before.
-    """
-
-    place: int
-    numerator: Polynomial
-    denominator: Polynomial
 
 
 @dataclass(frozen=True, eq=False)

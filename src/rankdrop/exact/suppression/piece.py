@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from rankdrop.exact.algebra.decompose import plainly_positive
 from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, half_evaluator, holds, put_common_zero, roots
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, order, used
+from rankdrop.exact.algebra.solving import plainly_positive
 
 TRIES = 40
 """Random points tried before a piece counts as one without points: an equation has a root modulo P every other time."""

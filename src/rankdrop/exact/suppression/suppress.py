@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.decompose import plainly_positive
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.suppression.basic_screws import check_basic, choose, determinants

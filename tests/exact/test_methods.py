@@ -12,8 +12,9 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, holds, roots
-from rankdrop.exact.algebra.ring import SIMPLE, Ring
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within

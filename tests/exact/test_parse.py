@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import SIMPLE, Ring
+from rankdrop.exact.algebra.atom import SIMPLE
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.reading.parse import parse_condition, parse_conditions
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import pin_expression, pin_text

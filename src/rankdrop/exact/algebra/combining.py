@@ -7,7 +7,8 @@ from itertools import combinations, permutations
 from math import prod
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Ring, coefficients, used
+from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Form, form, unit
 
 _LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages

@@ -10,9 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.slice import binds_more
 from rankdrop.exact.algebra.solving import Form, Solved, at, factors, form, linear, put, unit
 from rankdrop.exact.algebra.variety import Variety, independent

@@ -13,8 +13,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom
 from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.ring import COS_SIN, TANGENT, Atom, Ring
+from rankdrop.exact.algebra.ring import Ring
 
 P = (1 << 61) - 1
 """A Mersenne prime, ≡ 3 mod 4."""
@@ -120,7 +121,7 @@ def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
 
 
 def stands(point: Point, joint: int, value: str) -> bool:
-    """Whether a revolute joint is at a simple angle (out of `ring.SIMPLE`) at a point."""
+    """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
     cosine, sine = COS_SIN[value]
     return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % P, sine % P)
 

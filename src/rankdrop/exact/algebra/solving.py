@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import TANGENT, Ring, coefficients, used
+from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 
 Form = tuple[Polynomial, tuple[int, ...]]

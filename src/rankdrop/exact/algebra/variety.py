@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.field import (
     Evaluator,
     P,
@@ -26,7 +27,8 @@ from rankdrop.exact.algebra.field import (
     trig_evaluator,
 )
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import TANGENT, Ring, used
+from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
@@ -39,7 +41,7 @@ class Variety:
 
     Attributes:
         ring: of its polynomials.
-        pins: simple angles (out of `ring.SIMPLE`) of pinned joints, by number.
+        pins: simple angles (out of `atom.SIMPLE`) of pinned joints, by number.
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
         rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
             `also` and `apart` tell which.

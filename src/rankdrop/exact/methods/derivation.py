@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.evaluate import Distances
 from rankdrop.robot.model import Array

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.robot.model import Array

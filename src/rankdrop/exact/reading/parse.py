@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.reading.grammar import mistake, read
 from rankdrop.exact.reading.meaning import Meaning
 from rankdrop.robot.model import Array

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs.signs import numeric_terms
 from rankdrop.exact.writing.pins import RADIANS

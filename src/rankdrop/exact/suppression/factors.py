@@ -12,9 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from rankdrop.exact.algebra.atom import TANGENT, Atom
 from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import TANGENT, Atom, Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
 

@@ -86,10 +86,19 @@ def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
     assert len(row.pieces) == 4
     assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
-    assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
+    rows = merge(pieces[:3])
+    assert sorted(len(row.pieces) for row in rows) == [1, 2]
     assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
+
+
+def test_every_family_has_a_witness_of_its_corank() -> None:
+    found = conditions(open_robot("anthropomorphic"), points=0)
+    assert all(family.witness for family in found.families)
+    for family in found.families:
+        sigma = singular_values(found.robot, np.array([family.witness]), found.task)[0]
+        assert int((sigma > 1e-9).sum()) == found.generic_rank - family.corank
 
 
 def test_a_sum_of_angles_and_the_same_plus_pi_make_one_row(chain: Chain) -> None:
@@ -102,11 +111,3 @@ def test_a_sum_of_angles_and_the_same_plus_pi_make_one_row(chain: Chain) -> None
     assert row.equations == (same * opposite,)
     assert len(merge([pieces[0], replace(pieces[1], pins={3: "0"})])) == 2
     assert len(merge([pieces[0], replace(pieces[1], equations=(ring.t[2] * ring.t[4] - 1,))])) == 2
-
-
-def test_every_family_has_a_witness_of_its_corank() -> None:
-    found = conditions(open_robot("anthropomorphic"), points=0)
-    assert all(family.witness for family in found.families)
-    for family in found.families:
-        sigma = singular_values(found.robot, np.array([family.witness]), found.task)[0]
-        assert int((sigma > 1e-9).sum()) == found.generic_rank - family.corank

@@ -146,6 +146,7 @@ class _Derivation:
         self.done, self.known = 0, 1
 
     def run(self) -> Suppression:
+        """The derivation from step 1."""
         whole = Stratum.whole(self.ring, self.work.assumed)
         everything = tuple(range(1, self.chain.n + 1))
         if max(Sampled(self.columns, whole, self.work.rng).ranks(everything)) < 6:

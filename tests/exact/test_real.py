@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -86,11 +87,21 @@ def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
     assert len(row.pieces) == 4
     assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
-    rows = merge(pieces[:3])
-    assert sorted(len(row.pieces) for row in rows) == [1, 2]
+    assert sorted(len(row.pieces) for row in merge(pieces[:3])) == [1, 2]
     assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
+
+
+def test_a_sum_of_angles_at_0_and_at_pi_is_one_row_and_at_half_pi_is_not() -> None:
+    ring = Ring([3, 5])
+    t3, t5 = ring.t[3], ring.t[5]
+    polynomials = (t3 - t5, t3 * t5 + 1, t3 * t5 + t3 - t5 + 1)  # θ3 − θ5 is 0, π, −π/2
+    same, opposite, quarter = (Variety(ring, {}, rest=(f,), equations=(f,)) for f in polynomials)
+    (row,) = merge([same, opposite])
+    assert row.texts == ("s(θ3 − θ5) = 0",)
+    assert row.pieces == (same, opposite)
+    assert len(merge([same, quarter])) == 2
 
 
 def test_every_family_has_a_witness_of_its_corank() -> None:
@@ -99,15 +110,3 @@ def test_every_family_has_a_witness_of_its_corank() -> None:
     for family in found.families:
         sigma = singular_values(found.robot, np.array([family.witness]), found.task)[0]
         assert int((sigma > 1e-9).sum()) == found.generic_rank - family.corank
-
-
-def test_a_sum_of_angles_and_the_same_plus_pi_make_one_row(chain: Chain) -> None:
-    """θ2 = θ4 and θ2 = θ4 + π; not where another angle differs, too."""
-    ring = chain.ring
-    same, opposite = ring.t[2] - ring.t[4], ring.t[2] * ring.t[4] + 1
-    pieces = [Variety(ring, {}, rest=(f,), equations=(f,)) for f in (same, opposite)]
-    (row,) = merge(pieces)
-    assert row.pieces == tuple(pieces)
-    assert row.equations == (same * opposite,)
-    assert len(merge([pieces[0], replace(pieces[1], pins={3: "0"})])) == 2
-    assert len(merge([pieces[0], replace(pieces[1], equations=(ring.t[2] * ring.t[4] - 1,))])) == 2

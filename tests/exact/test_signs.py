@@ -46,8 +46,9 @@ def _evaluated(text, theta):
     for j in (1, 2):
         x = theta[j - 1]
         names |= {f"s{j}": sin(x), f"c{j}": cos(x), f"θ{j}": x, f"t{j}": np.tan(x / 2)}
-    written = re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text)  # a space between factors
-    return eval(written.replace("·", "*").replace("−", "-"), {}, names)
+    python = re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text.replace("·", "*").replace("−", "-"))  # blanks: factors
+    python = re.sub(r"\b(\d+)(?=θ)", r"\1*", python)
+    return eval(python, {}, names)
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,12 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
-from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, roots
-from rankdrop.exact.algebra.ring import SIMPLE, Ring
+from rankdrop.exact.algebra.atom import SIMPLE
+from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, holds, roots
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
-from rankdrop.exact.methods.evaluate import Residues
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.verify import cloud, random_points, rank_check
 from rankdrop.local.block import singular_values
@@ -263,13 +263,12 @@ def test_reciprocity_refuses_an_arm_of_fewer_joints_than_rows() -> None:
 def test_a_polynomial_is_evaluated_with_its_own_degrees_where_joints_stand_at_pi() -> None:
     """t1 t2 + 1 stands for cos((θ1 − θ2)/2), and t1 + t2 for sin((θ1 + θ2)/2)."""
     ring = Ring([1, 2])
-    residues = Residues(ring)
     difference, total = ring.atom(ring.t[1] * ring.t[2] + 1), ring.atom(ring.t[1] + ring.t[2])
     one, both = complete(ring, {}, {1: "0", 2: "pi"}), complete(ring, {}, {1: "pi", 2: "pi"})
     assert one is not None
     assert both is not None
-    assert [residues.zero(difference, one), residues.zero(difference, both)] == [True, False]
-    assert [residues.zero(total, one), residues.zero(total, both)] == [False, True]
+    assert [holds(ring, difference, one), holds(ring, difference, both)] == [True, False]
+    assert [holds(ring, total, one), holds(ring, total, both)] == [False, True]
 
 
 def test_conditions_in_words() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import SIMPLE
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.writing.pins import RADIANS, pin_c_code, pin_equation, pin_expression, pin_latex, pin_text
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]

@@ -9,8 +9,10 @@ import pytest
 
 pytest.importorskip("flint")
 
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.algebra.field import P, complete, half_evaluator, trig_evaluator
-from rankdrop.exact.algebra.ring import SIMPLE, Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 
 
 @pytest.fixture(scope="module")

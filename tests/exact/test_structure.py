@@ -58,11 +58,6 @@ def test_wrist_shoulder_and_srs():
     assert (panda.srs, panda.wrist, panda.shoulder) == (False, (), (1, 2, 3))
 
 
-def test_parallel_runs_are_consecutive_joints():
-    assert structure_of(exact_chain(open_robot("scara"))).parallel_runs == ((1, 2),)
-    assert structure_of(exact_chain(open_robot("ur5"))).parallel_runs == ((2, 3, 4),)
-
-
 def test_a_slide_across_keeps_axes_parallel():
     robot = from_dh(
         [(0, "pi/2", 0, 0), (0, "-pi/2", 0.2, 0), (0.3, 0, 0, 0)], convention="standard", kinds="RPR", task="planar"

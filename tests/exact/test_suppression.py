@@ -13,7 +13,7 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.field import rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.suppress import closed_pieces, suppress
+from rankdrop.exact.suppression.suppress import suppress
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -143,11 +143,6 @@ def test_six_joints_have_the_factors_of_their_determinant():
 
 def test_assumptions_are_told_for_the_panda():
     assert [str(p) for p in derived("panda").assumptions] == ["d3 + d5", "d3 - d5"]
-
-
-def test_closed_pieces_are_the_equalities_family_by_family():
-    found = derived("canadarm2")
-    assert closed_pieces(found) == [family.equalities for family in found.families]
 
 
 def test_a_time_limit_holds_and_what_is_left_is_told():

@@ -9,9 +9,10 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.decompose import decompose, form, plainly_positive
+from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.field import half_evaluator
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.solving import form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import OutOfTime, Work

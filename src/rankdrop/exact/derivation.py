@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain

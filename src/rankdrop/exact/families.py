@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.solving import form
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -19,7 +20,7 @@ from rankdrop.exact.merge import Pins, Row, alone, merge
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
-from rankdrop.exact.verify import rank_modulo
+from rankdrop.exact.verify import rank_agreement
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
 
@@ -142,8 +143,7 @@ def families(
             realities = [seen[id(piece)] for piece in row.pieces]
             points = np.concatenate([one.points for one in realities])
             told = describe(corank, points, row.pins)
-            ranks = [rank_modulo(chain, point) for piece in row.pieces for point in piece.points(work.rng, _CHECKED)]
-            check = Check(len(ranks), sum(one == rank for one in ranks))
+            check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
             result.append(_family(chain, f"k{corank}.f{number}", corank, row, realities[0].condition, told, check))
     return result
 

@@ -14,10 +14,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.equation import Equation, normalised
+from rankdrop.atlas.equation import normalised
 from rankdrop.atlas.sampling import Setting
 from rankdrop.atlas.signature import HIGHER
 from rankdrop.atlas.system import REACHED, Mask, System
+from rankdrop.atlas.which import Condition
 from rankdrop.exact.check import Check
 from rankdrop.exact.verify import WITHIN, Cloud, explained
 from rankdrop.local.block import singular_values
@@ -29,34 +30,16 @@ STARTS = 256
 """Random starts for the points of each family: 32 combinations of values get eight each."""
 CONDITIONED = 1e-3
 """Points where a family's equations have a smaller slope are known too inexactly to be tried."""
-
-
 COMMON = 3
 """So many random points of a family on another one make them kin: a single one may be near where the two cross."""
 
 
-class Side(Protocol):
+class Side(Condition, Protocol):
     """What is read of a family of either side."""
 
     @property
     def id(self) -> str:
         """"k1.f1"."""
-
-    @property
-    def name(self) -> str:
-        """In words."""
-
-    @property
-    def corank(self) -> int:
-        """Rank lost."""
-
-    @property
-    def dimension(self) -> int:
-        """In joint space."""
-
-    @property
-    def equations(self) -> tuple[Equation, ...]:
-        """Every condition; empty where none is known."""
 
     @property
     def witness(self) -> tuple[float, ...]:

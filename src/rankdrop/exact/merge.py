@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from math import cos
 
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import SIMPLE
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import pin_text

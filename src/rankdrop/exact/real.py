@@ -8,7 +8,7 @@ import numpy as np
 
 from rankdrop.atlas.system import System
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import coefficients, used
+from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.letters import letters_text, sign_of

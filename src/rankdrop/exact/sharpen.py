@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import used
+from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain

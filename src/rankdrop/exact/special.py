@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rankdrop.exact.algebra.field import P
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import primitive
+from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain

@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations, islice
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom
 from rankdrop.exact.algebra.split import cut
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work

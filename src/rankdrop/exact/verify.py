@@ -19,7 +19,7 @@ from rankdrop.atlas.equation import Equation, normalised
 from rankdrop.atlas.search import search
 from rankdrop.atlas.system import System
 from rankdrop.atlas.which import families_at
-from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank, residue
+from rankdrop.exact.algebra.field import P, Point, complete, rank, residue, trig_evaluator
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.local.block import generic_rank
@@ -91,7 +91,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
     """
     if chain.task.m == 6:
         return rank(_twists(chain, point))
-    evaluate = Evaluator(tuple(str(g) for g in chain.ring.trig.gens()))
+    evaluate = trig_evaluator(chain.ring)
     return rank([[evaluate(entry, point) for entry in column] for column in chain.columns])
 
 

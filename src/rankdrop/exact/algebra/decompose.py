@@ -8,21 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations, permutations, product
-from math import prod
+from itertools import combinations, product
 
+from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.slice import binds_more
-from rankdrop.exact.algebra.variety import Solved, Variety, independent
+from rankdrop.exact.algebra.solving import Form, Solved, at, factors, form, linear, put, unit
+from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 
-_LARGE = 1500  # product of the numbers of terms beyond which a variable is not eliminated: the result would fill pages
-_DEGREE = 64  # product of two degrees beyond which their resultant takes seconds
-_POWERS = 200_000  # and so it does where its degrees allow for more terms than this
-
-Form = tuple[Polynomial, tuple[int, ...]]
-"""A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
 Done = frozenset[tuple[str, str, int]]
 """Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
 
@@ -66,31 +63,6 @@ def decompose(
         else:
             found += _irreducible(ring, dict(pins), polynomials, most, work, done)
     return independent(found)
-
-
-def form(f: Polynomial, ring: Ring) -> Form:
-    """A polynomial that counts for its own degrees."""
-    return f, tuple(int(d) for d in f.degrees()[: ring.angles])
-
-
-def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
-    """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
-    f, degree = one
-    pinned = {ring.index[f"t{joint}"] for joint in pins}
-    return ring.half_at(f, pins, degree), tuple(0 if place in pinned else d for place, d in enumerate(degree))
-
-
-def _put(ring: Ring, one: Form, solved: Solved) -> Form:
-    """A form with a solved variable put in."""
-    f, degree = one
-    turning = solved.place < ring.angles
-    power = degree[solved.place] if turning else int(f.degrees()[solved.place])
-    tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
-    left = [d + power * max(int(t), int(b)) for d, t, b in zip(degree, tops, bottoms, strict=False)]
-    if turning:
-        left[solved.place] = 0
-    missing = power - int(f.degrees()[solved.place])
-    return substituted(f, solved) * solved.denominator**missing, tuple(left)
 
 
 def _atoms(ring: Ring, pins: Mapping[int, str], one: Form, work: Work) -> list[Atom]:
@@ -155,14 +127,14 @@ def _eliminated(
     solvable = [(solved, f) for f in system if (solved := linear(ring, f)) is not None]
     if not solvable:
         return None
-    solved, f = min(solvable, key=lambda pair: (not _unit(ring, pair[0].denominator), len(pair[1])))
+    solved, f = min(solvable, key=lambda pair: (not unit(ring, pair[0].denominator), len(pair[1])))
     others = [g for g in system if g != f]
     found: list[Variety] = []
     factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
-    if not _unit(ring, solved.denominator):
+    if not unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
         found += decompose(ring, pins, [form(g, ring) for g in both], most, work, done)
-    values = [_put(ring, form(g, ring), solved) for g in others]
+    values = [put(ring, form(g, ring), solved) for g in others]
     for piece in decompose(ring, pins, values, most - 1, work, done):
         if not piece.half_vanishes(solved.denominator):
             found += _solved_on(piece, f, solved.place)
@@ -188,22 +160,22 @@ def _reduced(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[Variety]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
-    for f, g, k in _divisions(ring, system):
+    for f, g, k in divisions(ring, system):
         work.check()
         others = [form(h, ring) for h in system if h is not g]
-        return decompose(ring, pins, [*others, _remainder(ring, g, f, k)], most, work, done)
+        return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
     known = {str(f) for f in system}
-    for f, g, k in _pairs(ring, system):
+    for f, g, k in pairs(ring, system):
         work.check()
         one, two = sorted((str(f), str(g)))
         pair = (one, two, k)
-        if pair in done or not _eliminable(f, g, k):
+        if pair in done or not eliminable(f, g, k):
             continue
         done |= {pair}
-        combined = _combined(f, g, k) if f.degrees()[k] == g.degrees()[k] == 2 else f.resultant(g, ring.names[k])
-        if combined == 0:
+        both = combined(ring, f, g, k)
+        if both == 0:
             continue
-        parts = factors(ring, combined, work)
+        parts = factors(ring, both, work)
         if not parts:
             return []
         if any(str(h) in known for h in parts):
@@ -216,42 +188,6 @@ def _reduced(
     if len(system) <= 2:
         return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
     return _several(ring, pins, system, most, work)
-
-
-def _divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial, Polynomial, int]]:
-    """(divisor, condition, place): a condition whose degree in a variable falls when it is divided by another one.
-
-    The divisor has no joint of its own and a leading coefficient without joints, so that nothing is lost. What is left
-    may factor where the condition itself did not.
-    """
-    for f, g in permutations(system, 2):
-        joints = {place for place in used(f) if place < ring.moving}
-        if joints < {place for place in used(g) if place < ring.moving}:
-            for k in joints:
-                if f.degrees()[k] <= g.degrees()[k] and _unit(ring, coefficients(f, k)[-1]):
-                    yield f, g, k
-
-
-def _remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
-    """The pseudo-remainder of g divided by f in one variable; it counts for the degrees of g in the others."""
-    degree = list(form(g, ring)[1])
-    divisor = coefficients(f, k)
-    t = f.context().gens()[k]
-    while g != 0 and g.degrees()[k] >= len(divisor) - 1:
-        top = coefficients(g, k)[-1]
-        g = g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1)
-    if k < ring.angles:
-        degree[k] = int(g.degrees()[k]) if g != 0 else 0
-    return g, tuple(degree)
-
-
-def _eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:
-    """Whether the resultant is worth its time: it cannot be interrupted."""
-    one, two = f.degrees(), g.degrees()
-    if len(f) * len(g) > _LARGE or int(one[k]) * int(two[k]) > _DEGREE:
-        return False
-    powers = (1 + a * two[k] + b * one[k] for place, (a, b) in enumerate(zip(one, two, strict=True)) if place != k)
-    return prod(map(int, powers)) <= _POWERS
 
 
 def _several(
@@ -269,94 +205,6 @@ def _several(
             if found.samples:
                 return [found]
     return []
-
-
-def _pairs(ring: Ring, system: list[Polynomial]) -> list[tuple[Polynomial, Polynomial, int]]:
-    """Two conditions and a variable that both contain, low degrees first."""
-    found = [
-        (f, g, k)
-        for f, g in combinations(system, 2)
-        for k in range(ring.moving)
-        if f.degrees()[k] and g.degrees()[k]
-    ]
-    def cost(one: tuple[Polynomial, Polynomial, int]) -> tuple[int, int, int]:
-        f, g, k = one
-        return len({*used(f), *used(g)}), f.degrees()[k] * g.degrees()[k], len(f) * len(g)
-
-    return sorted(found, key=cost)
-
-
-def _combined(f: Polynomial, g: Polynomial, k: int) -> Polynomial:
-    """Two conditions of degree 2 in a variable, combined into one of degree 1."""
-    return f * coefficients(g, k)[2] - g * coefficients(f, k)[2]
-
-
-def substituted(f: Polynomial, solved: Solved) -> Polynomial:
-    """f(t_k = N / D) · D^degree."""
-    parts = coefficients(f, solved.place)
-    powers = [f.context().constant(1)]
-    for _ in parts[1:]:
-        powers.append(powers[-1] * solved.denominator)
-    total = f.context().constant(0)
-    top = f.context().constant(1)
-    for power, part in enumerate(parts):
-        if part != 0:
-            total += part * top * powers[len(parts) - 1 - power]
-        top = top * solved.numerator
-    return total
-
-
-def linear(ring: Ring, f: Polynomial) -> Solved | None:
-    """f solved for the variable in which it is linear with the shortest coefficients; None where there is none."""
-    best: tuple[tuple[bool, int], Solved] | None = None
-    for place, degree in enumerate(f.degrees()[: ring.moving]):
-        if degree == 1:
-            bottom, top = coefficients(f, place)
-            rank = (not _unit(ring, top), len(top) + len(bottom))
-            if best is None or rank < best[0]:
-                best = (rank, Solved(place, -bottom, top))
-    return None if best is None else best[1]
-
-
-def _unit(ring: Ring, f: Polynomial) -> bool:
-    """Whether f has no configuration in it, or no real zero for a plain reason."""
-    return all(place >= ring.moving for place in used(f)) or ring.is_unit(f)
-
-
-def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
-    """Irreducible factors that have real zeros, as far as that is plain; empty where there is none."""
-    _, letters, atoms = ring.split(f)
-    for one, _ in letters:
-        work.assume(one)
-    found = []
-    for atom, _ in atoms:
-        factor = atom.f
-        if factor is None:
-            root = {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
-            factor = ring.t[atom.joint] - root
-        if not plainly_positive(ring, factor):
-            found.append(factor)
-    return found
-
-
-def plainly_positive(ring: Ring, f: Polynomial) -> bool:
-    """Whether all powers are even and all coefficients of one sign, one of them without a joint: no real zero."""
-    sign = None
-    alone = False
-    for powers, value in f.terms():
-        if any(e % 2 for e in powers):
-            return False
-        positive = value > 0
-        if sign is not None and positive != sign:
-            return False
-        sign = positive
-        alone = alone or not any(powers[: ring.moving])
-    return alone
-
-
-def divides(h: Polynomial, f: Polynomial) -> bool:
-    """Whether the first polynomial divides the second one."""
-    return f != 0 and bool(divmod(f, h)[1] == 0)
 
 
 def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:

@@ -13,8 +13,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom
 from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.ring import COS_SIN, Ring
+from rankdrop.exact.algebra.ring import Ring
 
 P = (1 << 61) - 1
 """A Mersenne prime, ≡ 3 mod 4."""
@@ -112,6 +113,26 @@ def trig_evaluator(ring: Ring) -> Evaluator:
     return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))
 
 
+def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
+    """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
+    degrees = f.degrees()
+    far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
+    return half_evaluator(ring)(ring.half_at(f, far) if far else f, point)
+
+
+def stands(point: Point, joint: int, value: str) -> bool:
+    """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
+    cosine, sine = COS_SIN[value]
+    return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % P, sine % P)
+
+
+def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
+    """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
+    if not isinstance(f, Atom):
+        return trig_evaluator(ring)(f, point) == 0
+    return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
+
+
 def roots(values: Sequence[int]) -> list[int]:
     """Zeros modulo P of a polynomial in one variable, coefficients from power 0 up; none of the zero polynomial."""
     kept = list(values)
@@ -142,6 +163,21 @@ def common_zeros(f: Polynomial, g: Polynomial, rng: random.Random) -> tuple[int,
     return None
 
 
+def put_common_zero(
+    evaluate: Evaluator,
+    f: Polynomial,
+    g: Polynomial,
+    names: tuple[str, str],
+    values: dict[str, int],
+    rng: random.Random,
+) -> bool:
+    """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
+    zero = common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values), rng)
+    if zero is not None:
+        values.update(zip(names, zero, strict=True))
+    return zero is not None
+
+
 def dense(f: Polynomial, place: int) -> list[int]:
     """Coefficients from power 0 up of a polynomial modulo P (`flint.nmod_mpoly`) that contains one variable alone."""
     parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
@@ -168,7 +204,7 @@ def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -
         if j in pins:
             cosine, sine = COS_SIN[pins[j]]
             if pins[j] != "pi":
-                point[f"t{j}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[pins[j]]
+                point[f"t{j}"] = TANGENT[pins[j]] % P
             else:
                 point.pop(f"t{j}", None)
         else:

@@ -13,66 +13,13 @@ is a zero at t_j = ∞, that is at θ_j = π.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, lcm
 from typing import Any
 
+from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom, Factors, order
 from rankdrop.exact.algebra.flint import Polynomial, flint
-
-SIMPLE = ("0", "pi", "pi/2", "-pi/2")
-"""Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
-COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
-"""(cos, sin) there."""
-
-
-@dataclass(frozen=True)
-class Atom:
-    """One irreducible condition: joint `joint` stands at `value`, or the polynomial `f` vanishes.
-
-    Attributes:
-        joint: number of a revolute joint that is pinned; 0 where `f` holds the condition.
-        value: one of `SIMPLE`; "" where `f` holds the condition.
-        f: irreducible primitive polynomial of the half-angle ring; None for a pinned joint.
-        key: text that is the same for equal atoms; equality and hash are its.
-    """
-
-    joint: int
-    value: str
-    f: Polynomial
-    key: str
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Atom) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    @property
-    def pinned(self) -> bool:
-        """Whether the condition is one joint at a simple angle."""
-        return self.f is None
-
-    @property
-    def weight(self) -> int:
-        """How long the condition is: 1 for a pinned joint, else 2 + number of terms."""
-        return 1 if self.f is None else 2 + len(self.f)
-
-
-@dataclass(frozen=True)
-class Factors:
-    """A trigonometric polynomial on the torus, taken apart.
-
-    Attributes:
-        content: rational factor.
-        letters: factors in lengths alone, with multiplicities: they vanish for special arms only.
-        atoms: factors that depend on the configuration, with multiplicities.
-    """
-
-    content: Any
-    letters: tuple[tuple[Polynomial, int], ...]
-    atoms: tuple[tuple[Atom, int], ...]
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 
 
 class Ring:
@@ -195,7 +142,7 @@ class Ring:
             missing = 2 * degree[k] - degrees[k]
             if missing:
                 deficient.append((self.pin(j, "pi"), missing))
-        return Factors(content, letters, tuple(_ordered([*deficient, *atoms])))
+        return Factors(content, letters, tuple(sorted([*deficient, *atoms], key=lambda pair: order(pair[0]))))
 
     def split(self, f: Polynomial) -> tuple[Any, tuple[tuple[Polynomial, int], ...], tuple[tuple[Atom, int], ...]]:
         """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here."""
@@ -223,7 +170,7 @@ class Ring:
         places = used(f)
         if len(places) == 1 and places[0] < self.angles and f.total_degree() == 1:
             j = self.revolute[places[0]]
-            for value, root in (("0", 0), ("pi/2", 1), ("-pi/2", -1)):
+            for value, root in TANGENT.items():
                 if f == self.t[j] - root:
                     return self.pin(j, value)
         return Atom(0, "", f, str(f))
@@ -257,7 +204,7 @@ class Ring:
                 parts = coefficients(f, place)
                 f = parts[-1] if len(parts) > degrees[place] else f * 0
             else:
-                f = f.subs({f"t{joint}": {"0": 0, "pi/2": 1, "-pi/2": -1}[value]})
+                f = f.subs({f"t{joint}": TANGENT[value]})
         return f
 
     def to_trig(self, f: Polynomial) -> Polynomial | None:
@@ -318,42 +265,3 @@ class Ring:
 
         found = minor(tuple(range(n)))
         return -found if swaps % 2 else found
-
-
-def used(f: Polynomial) -> list[int]:
-    """Places of the variables that occur in f."""
-    return [place for place, degree in enumerate(f.degrees()) if degree > 0]
-
-
-def coefficients(f: Polynomial, place: int) -> list[Polynomial]:
-    """f as a polynomial in one variable: coefficients from power 0 up."""
-    context = f.context()
-    parts: dict[int, dict[tuple[int, ...], Any]] = {}
-    for e, value in f.terms():
-        parts.setdefault(e[place], {})[(*e[:place], 0, *e[place + 1 :])] = value
-    return [context.from_dict(parts.get(power, {})) for power in range(max(parts, default=0) + 1)]
-
-
-def primitive(f: Polynomial) -> Polynomial:
-    """f with whole coprime coefficients, the first one positive."""
-    values = f.coeffs()
-    if not values:
-        return f
-    top, bottom = 0, 1
-    for value in values:
-        top, bottom = gcd(top, int(value.p)), lcm(bottom, int(value.q))
-    if values[0] < 0:
-        top = -top
-    return f * flint().fmpq(bottom, top)
-
-
-def _ordered(atoms: list[tuple[Atom, int]]) -> list[tuple[Atom, int]]:
-    """Pinned joints first, by joint and value; then polynomials, short ones first."""
-    return sorted(atoms, key=lambda pair: order(pair[0]))
-
-
-def order(atom: Atom) -> tuple[Any, ...]:
-    """Sort key of atoms: pinned joints by number and value, then polynomials by length."""
-    if atom.pinned:
-        return (0, atom.joint, SIMPLE.index(atom.value), "")
-    return (1, len(atom.f), 0, atom.key)

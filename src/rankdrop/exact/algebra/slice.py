@@ -13,7 +13,7 @@ from functools import reduce
 
 from rankdrop.exact.algebra.field import P, dense, modulo, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.ring import used
+from rankdrop.exact.algebra.polynomial import used
 
 _SEED = 20
 _SLICES = 12  # an irreducible piece has no zero modulo P on a slice with a chance of 1/e: on all of them with 6e-6

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rankdrop.exact.algebra.decompose import at, decompose, divides, factors, form, linear, substituted
+from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.solving import at, divides, factors, form, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 

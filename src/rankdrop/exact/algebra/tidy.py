@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.decompose import decompose, form
+from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.field import P, Point
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Ring, primitive, used
+from rankdrop.exact.algebra.polynomial import primitive, used
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.solving import form
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 

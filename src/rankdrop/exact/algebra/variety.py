@@ -13,35 +13,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.field import (
     Evaluator,
     P,
     Point,
-    common_zeros,
     complete,
     half_evaluator,
+    half_value,
+    put_common_zero,
     roots,
+    stands,
     trig_evaluator,
 )
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import COS_SIN, Ring, used
+from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
 _POINTS = 2  # random points on which something has to hold to be believed: one would do, to within 1e-15
-
-
-@dataclass(frozen=True)
-class Solved:
-    """t_k = numerator / denominator.
-
-    Attributes:
-        place: of the variable in the half-angle ring.
-        numerator, denominator: in variables that are neither pinned nor solved before.
-    """
-
-    place: int
-    numerator: Polynomial
-    denominator: Polynomial
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +41,7 @@ class Variety:
 
     Attributes:
         ring: of its polynomials.
-        pins: simple angles (out of `ring.SIMPLE`) of pinned joints, by number.
+        pins: simple angles (out of `atom.SIMPLE`) of pinned joints, by number.
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
         rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
             `also` and `apart` tell which.
@@ -95,7 +86,7 @@ class Variety:
             values: dict[str, int] = {name: rng.randrange(2, P) for name in ring.names}
             for joint, value in self.pins.items():
                 if value != "pi":
-                    values[f"t{joint}"] = {"0": 0, "pi/2": 1, "-pi/2": P - 1}[value]
+                    values[f"t{joint}"] = TANGENT[value] % P
             if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
                 continue
             point = complete(ring, values, self.pins)
@@ -135,11 +126,7 @@ class Variety:
         if not pairs:
             return False
         a, b = (ring.names[p] for p in rng.choice(pairs))
-        zero = common_zeros(evaluate.in_two(f, a, b, values), evaluate.in_two(g, a, b, values), rng)
-        if zero is None:
-            return False
-        values[a], values[b] = zero
-        return True
+        return put_common_zero(evaluate, f, g, (a, b), values, rng)
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
         """Random points modulo P, fewer than `count` where they are not met."""
@@ -167,26 +154,17 @@ class Variety:
 
     def stands(self, joint: int, value: str) -> bool:
         """Whether a revolute joint is at a simple angle on the whole set."""
-        cosine, sine = (x % P for x in COS_SIN[value])
-        return bool(self.samples) and all(p[f"c{joint}"] == cosine and p[f"s{joint}"] == sine for p in self.samples)
+        return bool(self.samples) and all(stands(point, joint, value) for point in self.samples)
 
     def holds_at(self, points: Sequence[Point]) -> bool:
         """Whether every condition of this set holds at points modulo P that give values to all its variables."""
-        ring = self.ring
-        evaluate, trig = half_evaluator(ring), trig_evaluator(ring)
-        for point in points:
-            for joint, value in self.pins.items():
-                cosine, sine = COS_SIN[value]
-                if (point[f"c{joint}"] - cosine) % P or (point[f"s{joint}"] - sine) % P:
-                    return False
-            far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
-            for f in self.equations:
-                g = ring.half_at(f, far)
-                if g != 0 and evaluate(g, point):
-                    return False
-            if any(trig(p, point) for p in self.also):
-                return False
-        return True
+        trig = trig_evaluator(self.ring)
+        return all(
+            all(stands(point, joint, value) for joint, value in self.pins.items())
+            and not any(half_value(self.ring, f, point) for f in self.equations)
+            and not any(trig(p, point) for p in self.also)
+            for point in points
+        )
 
     def satisfies(self, other: Variety) -> bool:
         """Whether every condition of another set holds on this one.

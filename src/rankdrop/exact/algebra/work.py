@@ -9,7 +9,7 @@ from math import inf
 from time import monotonic
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import primitive
+from rankdrop.exact.algebra.polynomial import primitive
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)"""

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 
-from rankdrop.errors import OptionError, TaskError
+from rankdrop.errors import TaskError
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.arm.geometry import DIGITS, Section, first_and_last, sections
+from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, sections
+from rankdrop.exact.arm.naming import named_lengths
+from rankdrop.exact.arm.pose import Matrix, identity, inverse, joint_screw, moved, times
 from rankdrop.frames import BODY, WORLD_ALIGNED
-from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
-
-Matrix = list[list[Polynomial]]
-MANY = 8
-"""More different lengths than this stay numbers unless letters are asked for."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +105,7 @@ class Chain:
         """The n joint screws (v; ω) in the frame of link k (1 … n): z along axis k, x along the normal after it."""
         if k not in self._screws:
             self._screws[k] = [
-                _screw(self.ring, pose, s.kind) for pose, s in zip(self._poses(k), self.sections, strict=True)
+                joint_screw(self.ring, pose, s.kind) for pose, s in zip(self._poses(k), self.sections, strict=True)
             ]
         return self._screws[k]
 
@@ -118,8 +115,8 @@ class Chain:
             return self.screws(k)
         pose = self._poses(k)[m - 1]
         if m > k:  # the frame before joint m turns and slides
-            pose = _times(self.ring, pose, self._joint(m))
-        return [_moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
+            pose = times(self.ring, pose, self._joint(m))
+        return [moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
 
     def screws_at_tip(self, k: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the tip."""
@@ -133,17 +130,17 @@ class Chain:
         """Per joint a frame with z along its axis, seen from the frame of link k."""
         ring = self.ring
         found: dict[int, Matrix] = {}
-        pose = _identity(ring)
+        pose = identity(ring)
         for j in range(k + 1, self.n + 1):
-            pose = _times(ring, pose, self._link(j - 1))
+            pose = times(ring, pose, self._link(j - 1))
             found[j] = pose
-            pose = _times(ring, pose, self._joint(j))
-        pose = _identity(ring)
+            pose = times(ring, pose, self._joint(j))
+        pose = identity(ring)
         for j in range(k, 0, -1):
             found[j] = pose
-            pose = _times(ring, pose, _inverse(ring, self._joint(j)))
+            pose = times(ring, pose, inverse(ring, self._joint(j)))
             if j > 1:
-                pose = _times(ring, pose, _inverse(ring, self._link(j - 1)))
+                pose = times(ring, pose, inverse(ring, self._link(j - 1)))
         return [found[j] for j in range(1, self.n + 1)]
 
     def _joint(self, j: int) -> Matrix:
@@ -171,13 +168,13 @@ class Chain:
     def _at_tip(self, k: int) -> list[list[Polynomial]]:
         """Screws in the axes of link k with the reference point at the tip."""
         ring = self.ring
-        pose = _identity(ring)
+        pose = identity(ring)
         for j in range(k + 1, self.n + 1):
-            pose = _times(ring, _times(ring, pose, self._link(j - 1)), self._joint(j))
+            pose = times(ring, times(ring, pose, self._link(j - 1)), self._joint(j))
         x, y, z = _tip(self.robot)
         tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z)]
         point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
-        return [_moved(ring, screw, point) for screw in self.screws(k)]
+        return [moved(ring, screw, point) for screw in self.screws(k)]
 
     def _in_task_axes(self) -> list[list[Polynomial]]:
         """Screws at the tip along the axes of the task's frame."""
@@ -260,7 +257,7 @@ def exact_chain(
         )
     found, remarks = sections(robot, snap=snap)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
-    letters, written = _letters(robot, found, lengths, tip)
+    letters, written = named_lengths(robot, found, lengths, tip)
     if letters and isinstance(lengths, str):
         remarks += tuple(
             f"the letter {name} of the robot stands for no length that conditions depend on: none is {value:.12g} m"
@@ -270,99 +267,6 @@ def exact_chain(
     return Chain(robot, resolved, found, letters, written, remarks)
 
 
-def _letters(
-    robot: Robot, found: tuple[Section, ...], lengths: str | Mapping[str, float], tip: list[Fraction] | None
-) -> tuple[dict[str, Fraction], dict[tuple[int, str], tuple[int, str]]]:
-    if isinstance(lengths, str) and lengths not in ("auto", "letters", "numbers"):
-        raise OptionError(
-            "lengths are letters or numbers", got=repr(lengths), allowed="auto, letters, numbers, or letter = value"
-        )
-    given = {} if isinstance(lengths, str) else {name: Fraction(str(value)) for name, value in lengths.items()}
-    for name in given:
-        if not is_letter(name):
-            raise OptionError(
-                "a length cannot have this name", where="lengths", got=repr(name), allowed=LETTERS_ALLOWED
-            )
-    if lengths == "numbers":
-        return {}, {}
-    # neither the first nor the last offset moves a screw against another one
-    places = [
-        (i, which) for i in range(len(found)) for which in "da" if 0 < i < len(found) - 1 or (i, which) == (0, "a")
-    ]
-    values = {place: getattr(found[place[0]], place[1]) for place in places}
-    if tip is not None:
-        values |= {(len(found), "a"): tip[0], (len(found), "d"): tip[2]}
-    values = {place: value for place, value in values.items() if value != 0}
-    if lengths == "auto":
-        turns = [t for s in found for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
-        if len({abs(value) for value in values.values()}) > MANY or any(t.quarters is None for t in turns):
-            return {}, {}
-    own = dict(robot.lengths) if isinstance(lengths, str) else {}
-    named = given or dict(zip(own, _decimals(own.values()), strict=True))
-    letters = dict(named)
-    written: dict[tuple[int, str], tuple[int, str]] = {}
-    for (i, which), value in values.items():
-        # a distance along an axis and one across it may agree by chance: they keep letters of their own, unless named
-        same = [x for x, known in letters.items() if abs(known) == abs(value) and (x in named or x[0] == which)]
-        if given and not same:
-            continue
-        name = min(same, key=lambda x: x[0] != which) if same else _free(f"{which}{min(i + 1, len(found))}", letters)
-        letters.setdefault(name, value)
-        written[i, which] = (1 if letters[name] == value else -1, name)
-    unused = set(given) - {name for _, name in written.values()}
-    if unused:
-        raise OptionError(
-            "no length of the arm has this value",
-            where="lengths",
-            got=", ".join(f"{n} = {float(given[n])} m" for n in unused),
-            allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
-        )
-    used = {name for _, name in written.values()}
-    return {name: value for name, value in letters.items() if name in used}, written
-
-
-def _free(name: str, taken: Container[str]) -> str:
-    """The name, with as many _ behind it as make it a new one."""
-    while name in taken:
-        name += "_"
-    return name
-
-
-def _identity(ring: Ring) -> Matrix:
-    return [[ring.one if i == j else ring.zero for j in range(4)] for i in range(4)]
-
-
-def _times(ring: Ring, one: Matrix, two: Matrix) -> Matrix:
-    return [
-        [ring.reduce(sum((one[i][k] * two[k][j] for k in range(4) if one[i][k] != 0 and two[k][j] != 0), ring.zero))
-         for j in range(4)]
-        for i in range(4)
-    ]  # fmt: skip
-
-
-def _inverse(ring: Ring, pose: Matrix) -> Matrix:
-    turned = [[pose[j][i] for j in range(3)] for i in range(3)]
-    back = [ring.reduce(-sum((turned[i][k] * pose[k][3] for k in range(3)), ring.zero)) for i in range(3)]
-    return [[*turned[i], back[i]] for i in range(3)] + [[ring.zero, ring.zero, ring.zero, ring.one]]
-
-
-def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
-    return [ring.reduce(a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) for i in range(3)]
-
-
-def _screw(ring: Ring, pose: Matrix, kind: JointKind) -> list[Polynomial]:
-    axis, point = [pose[i][2] for i in range(3)], [pose[i][3] for i in range(3)]
-    if kind is JointKind.PRISMATIC:
-        return [*axis, ring.zero, ring.zero, ring.zero]
-    return [*_cross(ring, point, axis), *axis]
-
-
-def _moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[Polynomial]:
-    """The screw with its linear part taken at another point: v + ω × point."""
-    cross = _cross(ring, screw[3:], point)
-    return [*(ring.reduce(v + w) for v, w in zip(screw[:3], cross, strict=True)), *screw[3:]]
-
-
 def _home_in_last(robot: Robot) -> Array:
     """(4, 4) pose of the tip in the frame of link n."""
     return np.asarray(np.linalg.inv(first_and_last(robot)[1]) @ robot.home)
@@ -370,12 +274,8 @@ def _home_in_last(robot: Robot) -> Array:
 
 def _tip(robot: Robot) -> list[Fraction]:
     """Position of the tip in the frame of link n."""
-    return _decimals(_home_in_last(robot)[:3, 3])
+    return decimals(_home_in_last(robot)[:3, 3])
 
 
 def _exact(rotation: Array) -> list[list[Fraction]]:
-    return [_decimals(row) for row in rotation]
-
-
-def _decimals(values: Iterable[float]) -> list[Fraction]:
-    return [Fraction(f"{x:.{DIGITS}f}") for x in values]
+    return [decimals(row) for row in rotation]

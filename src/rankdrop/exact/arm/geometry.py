@@ -8,6 +8,7 @@ either of the two conventions, the normals are directed as theirs, so that the n
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, cos, pi, sin, tan
@@ -268,3 +269,8 @@ def _frame(x: Array, line: _Line, origin: Array) -> Array:
     frame[:3, 0], frame[:3, 1], frame[:3, 2] = x, np.cross(line.direction, x), line.direction
     frame[:3, 3] = origin
     return frame
+
+
+def decimals(values: Iterable[float]) -> list[Fraction]:
+    """Numbers as rationals of `DIGITS` decimals."""
+    return [Fraction(f"{x:.{DIGITS}f}") for x in values]

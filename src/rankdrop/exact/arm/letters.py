@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 
 _ZERO = 1e-12

@@ -70,11 +70,6 @@ class ExactStructure:
         return (1, 2, 3) if (1, 2, 3) in self.points else ()
 
     @property
-    def parallel_runs(self) -> tuple[tuple[int, ...], ...]:
-        """Two or more consecutive joints with parallel axes."""
-        return tuple(run for group in self.parallel for run in _runs(group) if len(run) > 1)
-
-    @property
     def srs(self) -> bool:
         """Seven joints, spherical shoulder and spherical wrist: S-R-S."""
         return self.joints == 7 and bool(self.wrist and self.shoulder)
@@ -181,14 +176,3 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[NearStructure]
 
 def _millimetres(length: float) -> str:
     return f"{length * 1000:.4g} mm"
-
-
-def _runs(group: tuple[int, ...]) -> list[tuple[int, ...]]:
-    """A sorted group cut where it skips a joint."""
-    runs: list[list[int]] = []
-    for joint in group:
-        if runs and joint == runs[-1][-1] + 1:
-            runs[-1].append(joint)
-        else:
-            runs.append([joint])
-    return [tuple(run) for run in runs]

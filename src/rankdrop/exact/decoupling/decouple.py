@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from rankdrop.exact.algebra.atom import Atom, Factors
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Factors
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
 from rankdrop.exact.decoupling.across import across_statement

@@ -9,7 +9,8 @@ import numpy as np
 
 from rankdrop.atlas.naming import name_family
 from rankdrop.errors import ConfigurationError
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs.signs import simple_pair
 from rankdrop.exact.signs.zeros import real_points

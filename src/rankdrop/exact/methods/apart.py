@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rankdrop.errors import RankdropError
+from rankdrop.exact.algebra.atom import Atom, Factors
 from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.ring import Atom, Factors, Ring
+from rankdrop.exact.algebra.ring import Ring
 
 SHORT = 300
 """Polynomials of so many terms are factored here: milliseconds, and a process takes 0.3 s to start."""

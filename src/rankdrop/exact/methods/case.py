@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from rankdrop.exact.algebra.atom import Atom, order
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, order
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Columns, Draft

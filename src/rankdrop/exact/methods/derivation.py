@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.exact.algebra.field import Point
+from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.methods.evaluate import Distances, Residues
+from rankdrop.exact.methods.evaluate import Distances
 from rankdrop.robot.model import Array
 
 ZERO = 1e-5
@@ -45,10 +46,10 @@ class Equality:
         parts = self.atoms if self.whole is None else (self.whole,)
         return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
 
-    def vanishes(self, residues: Residues, point: Point) -> bool:
+    def vanishes(self, ring: Ring, point: Point) -> bool:
         """Whether it holds at a point modulo P, exactly."""
         parts = self.atoms if self.whole is None else (self.whole,)
-        return any(residues.zero(part, point) for part in parts)
+        return any(holds(ring, part, point) for part in parts)
 
 
 @dataclass(frozen=True)
@@ -74,10 +75,10 @@ class Conjunction:
             met &= np.max([equality.distance(distances) for equality in group], axis=0) > CLEAR
         return met
 
-    def holds_modulo(self, residues: Residues, point: Point) -> bool:
+    def holds_modulo(self, ring: Ring, point: Point) -> bool:
         """Whether it holds at a point modulo P, exactly."""
-        return all(equality.vanishes(residues, point) for equality in self.equal) and all(
-            any(not equality.vanishes(residues, point) for equality in group) for group in self.unequal
+        return all(equality.vanishes(ring, point) for equality in self.equal) and all(
+            any(not equality.vanishes(ring, point) for equality in group) for group in self.unequal
         )
 
 
@@ -122,5 +123,4 @@ class Derivation:
 
     def holds_modulo(self, points: Iterable[Point]) -> tuple[bool, ...]:
         """Whether one of the conditions holds at each of the points modulo P, exactly."""
-        residues = Residues(self.chain.ring)
-        return tuple(any(c.holds_modulo(residues, point) for c in self.conditions) for point in points)
+        return tuple(any(c.holds_modulo(self.chain.ring, point) for c in self.conditions) for point in points)

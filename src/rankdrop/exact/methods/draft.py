@@ -7,8 +7,9 @@ from fractions import Fraction
 from itertools import combinations
 
 from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.atom import Atom, order
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, order
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.apart import factors_within

@@ -1,21 +1,18 @@
-"""Polynomials of both rings at configurations: how far off they vanish, and exactly, modulo a prime."""
+"""Polynomials of both rings at configurations: how far off they vanish."""
 
 from __future__ import annotations
-
-from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.exact.algebra.field import Evaluator, P, Point
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import COS_SIN, Atom, Ring
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.robot.model import Array
 
 STEP = 1e-5
 """Of central differences [rad, m]: rounding leaves 1e-11 of the gradient, the third derivative 1e-10."""
-_ANGLES = {"0": 0.0, "pi": pi, "pi/2": pi / 2, "-pi/2": -pi / 2}
 
 
 class Distances:
@@ -46,7 +43,7 @@ class Distances:
     def _computed(self, f: Polynomial | Atom) -> Array:
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
-            return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - _ANGLES[f.value]) / 2)))
+            return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2)))
         value, scale = _value(chain, f, theta)
         slope = np.zeros_like(theta)
         for j in range(chain.n):
@@ -54,47 +51,6 @@ class Distances:
             slope[:, j] = (_value(chain, f, theta + step)[0] - _value(chain, f, theta - step)[0]) / (2 * STEP)
         size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
         return np.asarray(np.minimum(size / np.maximum(steep, 1e-300), np.sqrt(size)))
-
-
-class Residues:
-    """Which polynomials of both rings are zero at points modulo P.
-
-    Args:
-        ring: of the polynomials.
-    """
-
-    def __init__(self, ring: Ring) -> None:
-        self._ring = ring
-        self._trig = Evaluator([str(g) for g in ring.trig.gens()])
-        self._half = Evaluator(ring.names)
-        self._highest: dict[tuple[Atom, tuple[int, ...]], Polynomial] = {}
-
-    def zero(self, f: Polynomial | Atom, point: Point) -> bool:
-        """Whether f, of the trigonometric ring or an atom, is zero at a point."""
-        if not isinstance(f, Atom):
-            return self._trig(f, point) == 0
-        if f.f is None:
-            cosine, sine = COS_SIN[f.value]
-            return (point[f"c{f.joint}"], point[f"s{f.joint}"]) == (cosine % P, sine % P)
-        return self._half(self._at_pi(f, point), point) == 0
-
-    def _at_pi(self, atom: Atom, point: Point) -> Polynomial:
-        """The terms of highest degree in every t_j with θ_j = π, those t_j left out: of the atom's own degrees, which
-        putting in one joint after the other would lose.
-        """
-        places = tuple(place for place, j in enumerate(self._ring.revolute) if f"t{j}" not in point)
-        if not places:
-            return atom.f
-        if (atom, places) not in self._highest:
-            degrees = atom.f.degrees()
-            self._highest[atom, places] = atom.f.context().from_dict(
-                {
-                    tuple(0 if place in places else e for place, e in enumerate(powers)): value
-                    for powers, value in atom.f.terms()
-                    if all(powers[place] == degrees[place] for place in places)
-                }
-            )
-        return self._highest[atom, places]
 
 
 def _value(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:

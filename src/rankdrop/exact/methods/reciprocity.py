@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.atom import order
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import order
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches, size
 from rankdrop.exact.methods.derivation import Equality

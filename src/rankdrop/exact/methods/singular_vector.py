@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rankdrop.exact.algebra.atom import order
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import order
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches
 from rankdrop.exact.methods.derivation import Equality

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import pin_text

@@ -134,6 +134,7 @@ class _Reader:
 
     @property
     def token(self) -> Token:
+        """The token looked at."""
         return self.tokens[self.at]
 
     def take(self, *texts: str) -> Token | None:
@@ -145,6 +146,7 @@ class _Reader:
         return None
 
     def statements(self) -> tuple[Statement, ...]:
+        """Statement { (; | , | and) Statement }, to the end; a Statement is a Sum [= Sum { or Sum }]."""
         found = []
         while True:
             start = self.token.place
@@ -163,10 +165,12 @@ class _Reader:
                 return tuple(found)
 
     def wrong(self, allowed: str) -> OptionError:
+        """What to raise where the token looked at does not belong."""
         what = "the condition ends too early" if self.token.kind == "end" else "this does not belong here"
         return mistake(self.text, self.token.place, what, allowed=allowed)
 
     def sum(self) -> Node:
+        """[±] Product { (+ | −) Product }."""
         first = self.take("-", "+")
         node = self.product()
         if first is not None and first.text == "-":
@@ -178,6 +182,7 @@ class _Reader:
         return parts[0] if len(parts) == 1 else Node("+", parts[0].place, tuple(parts))
 
     def product(self) -> Node:
+        """Power { [* | /] Power }: side by side is a product, too."""
         parts = [self.power()]
         while True:
             sign = self.take("*", "/")
@@ -188,6 +193,7 @@ class _Reader:
             parts.append(Node("/", part.place, (part,)) if inverted else part)
 
     def starts_primary(self) -> bool:
+        """Whether a factor without a sign may begin here."""
         token = self.token
         if token.kind == "name":
             return token.text not in ("and", "or")
@@ -200,6 +206,7 @@ class _Reader:
         return node if sign is None else Node("-", sign.place, (node,))
 
     def power(self) -> Node:
+        """Primary [** whole number]."""
         node = self.primary()
         raised = self.raised()
         return node if raised is None else Node("**", node.place, (node,), number=Fraction(raised))
@@ -219,11 +226,13 @@ class _Reader:
         return self.whole(token.text, token.place)
 
     def whole(self, digits: str, place: int) -> int:
+        """The exponent, which may not be too high."""
         if len(digits) > 4 or int(digits) > HIGHEST:
             raise mistake(self.text, place, "the power is too high", allowed=f"0 … {HIGHEST}")
         return int(digits)
 
     def primary(self) -> Node:
+        """A number, a name, a sine or cosine, ± a power, or a bracket."""
         token = self.token
         if token.kind == "number":
             self.at += 1
@@ -243,6 +252,7 @@ class _Reader:
         raise self.wrong("a number, a name, sin, cos, or a bracket")
 
     def wave(self, token: Token) -> Node:
+        """What follows sin or cos: an exponent, if there is one, and a bracket or a name."""
         raised = self.raised()
         if self.token.text == "(":
             inside = self.bracket()
@@ -255,6 +265,7 @@ class _Reader:
         return node if raised is None else Node("**", token.place, (node,), number=Fraction(raised))
 
     def bracket(self) -> Node:
+        """( Sum )."""
         opened = self.token
         self.at += 1
         self.depth += 1
@@ -267,6 +278,7 @@ class _Reader:
         return node
 
     def value(self, token: Token) -> Fraction:
+        """A number as it is written, exactly."""
         digits, _, power = token.text.lower().partition("e")
         if len(digits) > DIGITS or len(power) > 3:
             allowed = f"{DIGITS} digits, powers of ten up to 99"

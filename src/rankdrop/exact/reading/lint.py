@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.exact.algebra.field import rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.split import cut_half, pinned
 from rankdrop.exact.algebra.variety import Variety, independent
@@ -22,6 +21,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.reading.example import real_points, words
 from rankdrop.exact.reading.parse import Parsed, parse_conditions
 from rankdrop.exact.reading.record import Difference, Example, LintResult
+from rankdrop.exact.tree import rank_on
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, JointKind
 
@@ -162,11 +162,7 @@ class _Comparison:
 
     def rank(self, piece: Variety) -> int:
         """Rank of the Jacobian almost everywhere on a set."""
-        evaluate = trig_evaluator(self.ring)
-        return max(
-            (rank([[evaluate(x, point) if x != 0 else 0 for x in column] for column in self.columns])
-             for point in piece.samples), default=0,
-        )  # fmt: skip
+        return rank_on(self.columns, piece)
 
     def shown(self, pieces: Sequence[Variety], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""

@@ -10,9 +10,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring
-from rankdrop.exact.reading.grammar import mistake, read
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.reading.grammar import read
 from rankdrop.exact.reading.meaning import Meaning
 from rankdrop.robot.model import Array
 
@@ -112,15 +113,3 @@ def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = 
         value = meaning.statement(one)
         found.append(Parsed(one.text, ring, value.f, value.degrees, value.root))
     return tuple(found)
-
-
-def parse_condition(text: str, ring: Ring, *, shifts: Sequence[float] | None = None) -> Parsed:
-    """The condition of a text; as `parse_conditions` for a single one.
-
-    Raises:
-        OptionError: a mistake in the text, with its place, or several conditions.
-    """
-    found = parse_conditions(text, ring, shifts=shifts)
-    if len(found) > 1:
-        raise mistake(text, text.index(found[1].text), "only one condition is expected")
-    return found[0]

@@ -14,8 +14,9 @@ from itertools import combinations
 
 import numpy as np
 
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.text_of import text_of
 from rankdrop.robot.model import Array
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rankdrop.exact.algebra.ring import Atom
+from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs.signs import numeric_terms
+from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array
 
-_ANGLES = {"0": 0.0, "pi": np.pi, "pi/2": np.pi / 2, "-pi/2": -np.pi / 2}
 _TRIES = 8  # random settings of the other joints per point wanted
 _REAL = 1e-9  # imaginary part of a root below this: real
 
@@ -45,7 +45,7 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
     """θ with one joint of the atom, chosen at random, moved to a zero; None where it has no real one."""
     theta = theta.copy()
     if atom.pinned:
-        theta[atom.joint - 1] = _ANGLES[atom.value]
+        theta[atom.joint - 1] = RADIANS[atom.value]
         return theta
     ring = chain.ring
     moving = [*ring.revolute, *ring.prismatic]

@@ -12,9 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from rankdrop.exact.algebra.atom import TANGENT, Atom
 from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Atom, Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
 
@@ -189,7 +191,7 @@ def _shorter(ring: Ring, factor: Factor, pins: Sequence[Atom]) -> Factor:
 
 def _half_of(ring: Ring, atom: Atom) -> Polynomial:
     """The half-angle polynomial of an atom other than θ = π."""
-    return atom.f if atom.f is not None else ring.t[atom.joint] - {"0": 0, "pi/2": 1, "-pi/2": -1}[atom.value]
+    return atom.f if atom.f is not None else ring.t[atom.joint] - TANGENT[atom.value]
 
 
 def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:

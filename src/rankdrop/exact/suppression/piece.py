@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from rankdrop.exact.algebra.decompose import plainly_positive
-from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, half_evaluator, roots
+from rankdrop.exact.algebra.atom import Atom, order
+from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, half_evaluator, holds, put_common_zero, roots
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import COS_SIN, Atom, Ring, coefficients, order, used
+from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.solving import plainly_positive
 
 TRIES = 40
 """Random points tried before a piece counts as one without points: an equation has a root modulo P every other time."""
@@ -214,15 +216,9 @@ class Piece:
             if not _solve(self.ring, half, self.equations, values, rng):
                 continue
             point = complete(self.ring, values, self.pins)
-            if point is not None and all(self._misses(atom, point, half) for atom in self.excluded):
+            if point is not None and not any(holds(self.ring, atom, point) for atom in self.excluded):
                 return point
         return None
-
-    def _misses(self, atom: Atom, point: Point, half: Evaluator) -> bool:
-        if atom.pinned:
-            cosine, sine = COS_SIN[atom.value]
-            return (point[f"c{atom.joint}"], point[f"s{atom.joint}"]) != (cosine % P, sine % P)
-        return half(atom.f, point) != 0
 
 
 def _root(ring: Ring, f: Polynomial) -> tuple[int, tuple[Polynomial, Polynomial]] | None:
@@ -277,8 +273,4 @@ def _solve_two(
     if len(shared) < 2:
         return False
     x, y = rng.sample(shared, 2)
-    found = common_zeros(half.in_two(two[0], x, y, values), half.in_two(two[1], x, y, values), rng)
-    if found is None:
-        return False
-    values[x], values[y] = found
-    return True
+    return put_common_zero(half, two[0], two[1], (x, y), values, rng)

@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
+from rankdrop.exact.algebra.atom import COS_SIN, SIMPLE
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import COS_SIN, SIMPLE, Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.suppression.piece import Factor, Piece
 
 TOGETHER = (("0", "pi"), ("pi/2", "-pi/2"))

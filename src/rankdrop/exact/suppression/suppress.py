@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.decompose import plainly_positive
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.suppression.basic_screws import check_basic, choose, determinants
@@ -76,7 +76,6 @@ class Suppression:
         """The factors of that determinant which depend on the configuration."""
         return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
-
     def steps(self) -> tuple[Step, ...]:
         """The derivation step by step, as it is done by hand."""
         return steps(self)
@@ -127,14 +126,6 @@ def suppress(
     return _Derivation(chain, frame, basic, Work(seconds, seed), progress).run()
 
 
-def closed_pieces(suppression: Suppression) -> list[tuple[Polynomial, ...]]:
-    """Per family the trigonometric polynomials whose common zeros, irreducible part by part, close the family up.
-
-    Parts that lie inside the zeros of one of the family's inequalities do not belong to it.
-    """
-    return [family.equalities for family in suppression.families]
-
-
 class _Derivation:
     """The recursion, with what it gathers on the way."""
 
@@ -155,6 +146,7 @@ class _Derivation:
         self.done, self.known = 0, 1
 
     def run(self) -> Suppression:
+        """The derivation from step 1."""
         whole = Stratum.whole(self.ring, self.work.assumed)
         everything = tuple(range(1, self.chain.n + 1))
         if max(Sampled(self.columns, whole, self.work.rng).ranks(everything)) < 6:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.atlas.equation import Equation, Term, normalised
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.ring import SIMPLE
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.writing.programs import C, Python
 
 WORDS = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}

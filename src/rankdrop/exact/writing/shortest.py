@@ -14,7 +14,8 @@ from fractions import Fraction
 from weakref import WeakKeyDictionary
 
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import Ring, coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Factor, Product, Sum, Wave, half_of, number_of, product, total
 from rankdrop.exact.writing.fourier import fourier, symbols
 from rankdrop.exact.writing.notation import Text

@@ -5,8 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import lru_cache
 
+from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import SIMPLE, Ring, primitive
+from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.suppression.factors import Product, letters_polynomial, polynomial_of
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.writing.form import Factor, Wave, product, total

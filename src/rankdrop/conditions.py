@@ -18,7 +18,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
+from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
@@ -97,7 +97,9 @@ def conditions(
     _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
     work = Work(seconds, seed, progress)
-    chain, tree, work, remarks = _tree(exact_chain(robot, task, lengths=lengths, snap=snap), coranks, lengths, work)
+    asked = exact_chain(robot, task, lengths=lengths, snap=snap)
+    check_method(asked, method)
+    chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
     left = list(tree.left)
     with work.share(_SHARE):

@@ -14,7 +14,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import real_sets
-from rankdrop.exact.merge import alone, merge, row_texts
+from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.real import real_points, reality
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
@@ -82,13 +82,13 @@ def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
 def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     ring = chain.ring
     pieces = [Variety(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
-    ((pins, merged),) = merge(pieces)
-    assert pins == {3: ("0", "pi"), 5: ("0", "pi")}
-    assert len(merged) == 4
-    assert row_texts((pins, merged)) == ("θ3 = 0 or π", "θ5 = 0 or π")
+    (row,) = merge(pieces)
+    assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
+    assert len(row.pieces) == 4
+    assert row.texts == ("θ3 = 0 or π", "θ5 = 0 or π")
     rows = merge(pieces[:3])
-    assert sorted(len(row[1]) for row in rows) == [1, 2]
-    assert alone(pieces[0])[0] == {3: ("0",), 5: ("0",)}
+    assert sorted(len(row.pieces) for row in rows) == [1, 2]
+    assert alone(pieces[0]).pins == {3: ("0",), 5: ("0",)}
     f = ring.t[2] - ring.t[4]
     assert len(merge([pieces[0], replace(pieces[1], solved=(), equations=(f,))])) == 2
 

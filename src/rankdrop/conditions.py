@@ -22,6 +22,7 @@ from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_o
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.pointless import pointless
 from rankdrop.exact.settled import settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
@@ -105,7 +106,7 @@ def conditions(
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps)
-    left += [*first.left, *_unresolved(chain, tree, lowest, work)]
+    left += [*first.left, *_unresolved(chain, tree, lowest, work), *pointless(chain, tree, found, seed)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
     if left:  # what is left over belongs to what was not derived

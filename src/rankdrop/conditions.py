@@ -18,10 +18,11 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, CorankOne, corank_one
+from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.pointless import pointless
 from rankdrop.exact.settled import covered, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
@@ -97,13 +98,15 @@ def conditions(
     _check(method, coranks, seconds, points, snap, seed)
     begun = monotonic()
     work = Work(seconds, seed, progress)
-    chain, tree, work, remarks = _tree(exact_chain(robot, task, lengths=lengths, snap=snap), coranks, lengths, work)
+    asked = exact_chain(robot, task, lengths=lengths, snap=snap)
+    check_method(asked, method)
+    chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
     left = list(tree.left)
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps)
-    left += [*first.left, *_unresolved(chain, tree, lowest, work)]
+    left += [*first.left, *_unresolved(chain, tree, lowest, work), *pointless(chain, tree, found, seed)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
     if left:  # what is left over belongs to what was not derived

@@ -27,7 +27,8 @@ class ArmOptions:
         task: pose, position, orientation, planar, planar-position, scara, or rows (vx,vy,wz). Default: the arm's own.
         base: First link of the chain (robot files).
         tip: Last link of the chain (robot files).
-        length_scale: Translation rows are divided by this length [m], else by the reach. No family depends on it.
+        length_scale: Translation rows are divided by this length [m], else by the reach. No family, exact or not,
+            depends on it.
         package: NAME=PATH: where package://NAME and $(find NAME) are. May be given again.
     """
 

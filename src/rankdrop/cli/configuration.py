@@ -15,7 +15,7 @@ _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
 
 
-def parse_configuration(text: str, robot: Robot, *, deg: bool) -> list[float]:
+def parse_configuration(text: str, robot: Robot, *, deg: bool, option: str = "--q") -> list[float]:
     """The joint values that a text writes, one per joint, in rad and m.
 
     Numbers are separated by commas, semicolons or blanks; each is arithmetic with pi and sqrt, and may carry a unit
@@ -30,11 +30,11 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool) -> list[float]:
     joints = robot.variables
     if len(words) != len(joints):
         raise ConfigurationError(
-            f"{len(joints)} joint values are needed", where="--q", got=f"{len(words)} in {text!r}",
+            f"{len(joints)} joint values are needed", where=option, got=f"{len(words)} in {text!r}",
             allowed=", ".join(f"{joint.name} [{_unit(joint.unit, deg=deg)}]" for joint in joints),
-            mend='write them as --q="0,0.5,…"',
+            mend=f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
-    return [_value(word, joint.name, joint.unit, deg=deg) for word, joint in zip(words, joints, strict=True)]
+    return [_value(word, joint.name, joint.unit, option, deg=deg) for word, joint in zip(words, joints, strict=True)]
 
 
 def _without_brackets(text: str) -> str:
@@ -55,11 +55,11 @@ def _unit(unit: str, *, deg: bool) -> str:
     return "deg" if deg and unit == "rad" else unit
 
 
-def _value(word: str, name: str, unit: str, *, deg: bool) -> float:
+def _value(word: str, name: str, unit: str, option: str, *, deg: bool) -> float:
     from rankdrop.robot.quantity import quantity
 
     try:
-        value = quantity(word, "length" if unit == "m" else "angle", where=f"--q, joint {name}")
+        value = quantity(word, "length" if unit == "m" else "angle", where=f"{option}, joint {name}")
     except RobotError as error:
         raise ConfigurationError(
             error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend

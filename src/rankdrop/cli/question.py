@@ -63,9 +63,10 @@ class Question:
         if (self.start is None) != (self.end is None):
             missing, given = ("--from", "--to") if self.start is None else ("--to", "--from")
             raise OptionError(f"{given} needs {missing}", where=missing, mend="give both configurations")
-        typed = [one for one in (self.flags, self.start, self.end) if one is not None]
-        for one in typed:
-            self._q(one)
+        options = (("--flags", self.flags), ("--from", self.start), ("--to", self.end))
+        typed = [(option, one) for option, one in options if one is not None]
+        for option, one in typed:
+            self._q(one, option)
         if typed:
             signs_of(chain, names=False)
 
@@ -88,10 +89,10 @@ class Question:
             sections.append(_section("What parts them", between.sentences()))
         return Answer(tuple(sections), record, fine)
 
-    def _q(self, text: str) -> list[float]:
+    def _q(self, text: str, option: str = "") -> list[float]:
         from rankdrop.cli.configuration import parse_configuration
 
-        return parse_configuration(text, self.robot, deg=self.deg)
+        return parse_configuration(text, self.robot, deg=self.deg, option=option)
 
     def _flags(self, title: str, flags: Flags) -> Section:
         pairs = zip(flags.q, self.robot.variables, strict=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rankdrop.atlas.equation import pretty_angle
@@ -15,6 +15,7 @@ from rankdrop.sections import Section
 
 _TOGETHER = 64  # characters up to which all conditions of a family stand on one line
 _LONGEST = 600  # a longer condition is for programs
+_UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
 _ALIKE = 2  # sets that are not real for the same reason of which more are only counted
 _HANG = 4
 _LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
@@ -76,10 +77,11 @@ def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
 def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     r = found.generic_rank
     last = r - found.lowest
+    units = [joint.unit for joint in found.robot.variables]
     highest = max((family.corank for family in found.families), default=0)
     for corank in range(1, highest + 1):
         rows = found.of_corank(corank)
-        lines = [line for family in rows for line in _family(family, width)]
+        lines = [line for family in rows for line in _family(family, units, width)]
         count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
         if rows and not found.complete:
             count += " so far"
@@ -102,7 +104,7 @@ def _none(found: ConditionsData) -> str:
     return "no family" if found.complete else "no family so far; the derivation is not complete"
 
 
-def _family(family: ExactFamily, width: int | None) -> Iterator[str]:
+def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Iterator[str]:
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
     yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
@@ -112,7 +114,8 @@ def _family(family: ExactFamily, width: int | None) -> Iterator[str]:
     for words in family.lost_words:
         yield from sentence(f"{_INSET}lost: {words.removeprefix('cannot ')}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        values = ", ".join(_number(value, 4) for value in family.witness)
+        pairs = zip(family.witness, units, strict=True)
+        values = ", ".join(pretty_angle(value) if unit == "rad" else _number(value, 4) for value, unit in pairs)
         yield from sentence(f"{_INSET}witness: q = ({values}) [rad, m]", width, len("witness: "))
 
 
@@ -139,9 +142,10 @@ def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
     others = [one.text for one in found.assumptions if one.holds and not one.words]
     if others:
         lines += sentence("true here; what happens otherwise was not derived:", width)
-        lines += [piece for text in others if not _DIGITS.search(text) for piece in formula(f"    {text}", width)]
-        if count := sum(1 for text in others if _DIGITS.search(text)):
-            lines += sentence(f"    {count} more, polynomials with long decimals (with --json)", width)
+        short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
+        lines += [piece for text in short for piece in formula(f"    {text}", width)]
+        if count := len(others) - len(short):
+            lines += sentence(f"    and {count} more polynomials in the lengths (all of them with --json)", width)
     if lines:
         yield Section("Assumptions on the lengths", "", tuple(lines))
 
@@ -181,8 +185,10 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 1")
     if cloud.tested:
         lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
+    elif found.settings.points:
+        lines.append("the numeric search for singular configurations found none")
     else:
-        lines.append("no singular configuration was looked for numerically, or none was found")
+        lines.append("no singular configuration was looked for numerically")
     if found.method != "tree" and not found.disagreements and not found.left:
         lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(found.method, found.method)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in found.disagreements]

@@ -44,6 +44,18 @@ class CorankOne:
     disagreements: tuple[str, ...] = ()
 
 
+def check_method(chain: Chain, method: str) -> None:
+    """Refuse decoupling of an arm that does not decouple, before the rank tree is derived.
+
+    Raises:
+        OptionError: says why.
+    """
+    if method == "decoupling" and decouple(chain, names=False) is None:
+        raise OptionError(
+            "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
+        )
+
+
 def corank_one(
     chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work, *, steps: bool = False
 ) -> CorankOne:
@@ -61,14 +73,10 @@ def corank_one(
     Raises:
         OptionError: a method that is not for this arm; says why.
     """
-    if method in ("auto", "decoupling"):
-        found = decouple(chain, names=steps)
-        if found is not None:
-            return _decoupled(chain, found, tree, steps)
-        if method == "decoupling":
-            raise OptionError(
-                "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
-            )
+    check_method(chain, method)
+    found = decouple(chain, names=steps) if method in ("auto", "decoupling") else None
+    if found is not None:
+        return _decoupled(chain, found, tree, steps)
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)

@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import Pins, Row, alone, merge
+from rankdrop.exact.merge import Pins, Row, merge
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
@@ -46,7 +46,7 @@ def real_sets(
     them by the derivatives of its conditions. What time does not allow is told in `left`.
     """
     kept: list[RealSet] = []
-    left_out: list[str] = []
+    left_out: dict[str, list[Variety]] = {}
     known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
@@ -66,11 +66,14 @@ def real_sets(
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
         elif found.proof:
-            left_out.append(f"{_words(piece)}: not real, for {found.proof}")
+            left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
+        elif len(piece.equations) > 1 and len(found.points):  # of one condition `_thinner` has looked at the derivatives
+            left.append("a set has real points, but its conditions are dependent at all that were found")
         elif not thinner:
-            left_out.append(f"{_words(piece)}: no real point was found from {STARTS} random starts")
+            left_out.setdefault(f"no real point was found from {STARTS} random starts", []).append(piece)
     remaining = largest([Drop(one.piece, one.rank) for one in kept])
-    return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], left_out
+    sentences = [f"{', '.join(row.texts)}: {why}" for why, pieces in left_out.items() for row in merge(pieces)]
+    return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], sentences
 
 
 def _sharp(
@@ -88,10 +91,6 @@ def _sharp(
         known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
         piece, found = more, reality(chain, more, drop.rank, rng)
     return piece, found
-
-
-def _words(piece: Variety) -> str:
-    return ", ".join(alone(piece).texts)
 
 
 def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:

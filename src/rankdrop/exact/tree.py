@@ -15,7 +15,7 @@ from itertools import combinations, islice
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.split import cut
+from rankdrop.exact.algebra.split import cut, with_points
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
@@ -45,6 +45,8 @@ class Tree:
         complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
         visited: sets looked at.
+        pointless: sets without a point modulo P that may be real, the order of the minors that were zero on them, and
+            whether nothing was looked for inside them; their rank is not known, nor what lies in them.
     """
 
     generic_rank: int
@@ -52,6 +54,7 @@ class Tree:
     complete: bool = True
     left: list[str] = field(default_factory=list)
     visited: int = 0
+    pointless: list[tuple[Variety, int, bool]] = field(default_factory=list)
 
 
 def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
@@ -119,9 +122,7 @@ def _explore(
         minor = _minor(columns, piece, order, work)
         if minor is None:  # its random points lay on a part of higher rank before
             found.append(Drop(piece, rank_on(columns, piece)))
-        for part in cut(piece, minor, work) if minor is not None else ():
-            if not part.samples:
-                continue  # no point modulo P: no real one either
+        for part in with_points(cut(piece, minor, work), work) if minor is not None else ():
             dropped = _dropped(columns, part, order, work)
             for drop in dropped:
                 if not any(drop.piece.inside(other.piece) for other in found if other.rank == drop.rank):
@@ -132,6 +133,8 @@ def _explore(
             if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
                 seen.append(part)
                 waiting.append(part)
+        tree.pointless += [(part, order, part.codimension >= bound) for part in work.pointless.values()]
+        work.pointless.clear()
         waiting.remove(piece)
         tree.visited += 1
 

@@ -6,13 +6,20 @@ pieces of another dimension are dropped.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
 
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.solving import at, divides, factors, form, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
+
+_IMAGINARY = 1e-6  # a root with a larger imaginary part is not real
 
 
 def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
@@ -75,8 +82,32 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
     for edge in _edges(one, work):
         if edge.half_vanishes(f):
             pieces.append(edge)
-    wanted = one.codimension + 1
-    return independent([piece for piece in pieces if piece.codimension == wanted and piece.half_vanishes(f)])
+    pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
+    return independent([piece for piece in pieces if piece.half_vanishes(f)])
+
+
+def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
+    """The sets that have points modulo P. Those that may be real all the same are noted.
+
+    With numbers for lengths √2 may be real without being a number modulo P; with letters that is a matter of chance.
+    """
+    for piece in pieces:
+        if not piece.samples and not any(_without_real_root(f) for f in piece.equations):
+            work.pointless[piece.key] = piece
+    return [piece for piece in pieces if piece.samples]
+
+
+def _without_real_root(f: Polynomial) -> bool:
+    """Whether a polynomial in one variable has no real zero; False for others."""
+    places = used(f)
+    if len(places) != 1:
+        return False
+    exact = [Fraction(0)] * (int(f.degrees()[places[0]]) + 1)
+    for powers, value in f.terms():
+        exact[int(powers[places[0]])] = Fraction(int(value.p), int(value.q))
+    largest = max(map(abs, exact))
+    found = np.roots([float(x / largest) for x in reversed(exact)])
+    return bool((np.abs(found.imag) > _IMAGINARY).all())
 
 
 def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:

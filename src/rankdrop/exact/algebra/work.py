@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import inf
 from time import monotonic
+from typing import Any
 
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive
@@ -34,6 +35,7 @@ class Work:
         rng: source of random numbers.
         interrupted: the user has asked to stop; only what was found is put in order.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
+        pointless: sets (`Variety`, by their key) without a point modulo the prime, though they may be real.
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
     """
 
@@ -44,6 +46,7 @@ class Work:
         self.rng = random.Random(seed)
         self.assumed: dict[str, Polynomial] = {}
         self.unresolved: list[str] = []
+        self.pointless: dict[str, Any] = {}
         self.interrupted = False
 
     def check(self) -> None:

@@ -18,6 +18,7 @@ from rankdrop.exact.algebra.split import cut_half, pinned
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.merge import merge
 from rankdrop.exact.reading.example import real_points, words
 from rankdrop.exact.reading.parse import Parsed, parse_conditions
 from rankdrop.exact.reading.record import Difference, Example, LintResult
@@ -166,15 +167,18 @@ class _Comparison:
 
     def shown(self, pieces: Sequence[Variety], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""
-        shown, unreal = [], []
+        examples, unreal = {}, []
         for piece in pieces:
             self.work.check()
             example = self.example(piece, singular=singular)
             if example is None:
                 unreal.append(words(piece))
             else:
-                shown.append(Difference(words(piece), example))
-        return tuple(shown), unreal
+                examples[id(piece)] = example
+        rows = merge([piece for piece in pieces if id(piece) in examples])
+        return tuple(
+            Difference(", ".join(row.texts) or "every configuration", examples[id(row.pieces[0])]) for row in rows
+        ), unreal
 
     def example(self, piece: Variety, *, singular: bool) -> Example | None:
         """A real configuration of a set, singular where the condition does not hold, or regular where it does."""

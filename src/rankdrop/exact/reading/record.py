@@ -92,7 +92,7 @@ class LintResult:
 
 
 def _at(example: Example) -> str:
-    return f"q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, slides m]"
+    return f"q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, m]"
 
 
 def _number(value: float, digits: int = 4) -> str:

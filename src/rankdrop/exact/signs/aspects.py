@@ -171,7 +171,7 @@ def signs_of(chain: Chain, *, names: bool = True) -> Signs:
             "configuration flags are signs of a determinant, and the task Jacobian is not square",
             got=f"{chain.task.m} rows, {chain.n} joints",
             allowed="as many joints as rows",
-            mend="choose a task with as many rows as joints",
+            mend="choose a task with as many rows as joints" if chain.n <= 6 else "",
         )
     rows = [list(row) for row in zip(*chain.columns, strict=True)]
     determinant = chain.ring.determinant(rows)

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.notation import latex_name
+from rankdrop.exact.writing.notation import latex_angle, latex_name
 from rankdrop.exact.writing.pins import pin_c_code, pin_expression, pin_latex, pin_text
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
@@ -126,18 +126,22 @@ class Code:
         return [*lines, f"static inline void {head}", "{", *body, "}"]
 
     def latex(self) -> str:
-        """A table: family, corank, conditions; below it the lengths and, where there are any, the shifted angles."""
+        """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""
         rows = []
         for family in self.families:
             conditions = [pin_latex(joint, values) for joint, values in family.pins]
             conditions += [condition.latex() for condition in family.conditions]
             shown = r"; \newline ".join(f"${text}$" for text in conditions)
-            rows.append(rf"{_escaped(family.name)} & {family.corank} & {shown} \\")
-        head = [r"\begin{tabular}{lrp{0.6\linewidth}}", r"family & corank & conditions \\", r"\hline"]
+            rows.append(rf"{family.id} & {_escaped(family.name)} & {family.corank} & {shown} \\")
+        head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
+        if any(r"\tfrac" in row for row in rows):
+            head = [r"% \tfrac needs \usepackage{amsmath}", *head]
         below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
         for j, shift in self._shifted():
             sign = "-" if shift < 0 else "+"
-            below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {abs(shift):.12g}\,\mathrm{{rad}}")
+            below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {latex_angle(abs(shift))}")
+        if any(re.search(r"\b[sc]_", row) for row in rows):
+            below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
         tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
         return "\n".join([*head, *rows, r"\end{tabular}", *tail, ""])
 
@@ -199,5 +203,6 @@ def _comment(text: str) -> str:
 def _escaped(text: str) -> str:
     """Text as LaTeX."""
     special = {"\\": r"\textbackslash{}", "−": "$-$", "±": r"$\pm$", "θ": r"$\theta$", "π": r"$\pi$", "≠": r"$\neq$"}
+    special |= {"∥": r"$\parallel$", "⟂": r"$\perp$", "–": "--"}
     special |= {letter: f"\\{letter}" for letter in "&%$#_{}"} | {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     return "".join(special.get(letter, letter) for letter in text)

@@ -67,7 +67,7 @@ def real_sets(
             kept.append(RealSet(piece, drop.rank, found))
         elif found.proof:
             left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
-        elif len(piece.equations) > 1 and len(found.points):  # of one condition `_thinner` has looked at the derivatives
+        elif len(piece.equations) > 1 and len(found.points):
             left.append("a set has real points, but its conditions are dependent at all that were found")
         elif not thinner:
             left_out.setdefault(f"no real point was found from {STARTS} random starts", []).append(piece)

@@ -73,7 +73,7 @@ def _named(name: str, theta: Array, letters: Mapping[str, float]) -> Array:
     if name in letters:
         return np.float64(letters[name])  # type: ignore[return-value]  # a number of any shape
     if name in ("pi", "π"):
-        return np.float64(np.pi)  # type: ignore[return-value]
+        return np.float64(np.pi)  # type: ignore[return-value]  # a number of any shape
     wave, angle = _WAVE.fullmatch(name), _ANGLE.fullmatch(name)
     if wave:
         total = sum(theta[..., int(j) - 1] for j in wave.group(2))

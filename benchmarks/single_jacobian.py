@@ -42,7 +42,7 @@ def main() -> None:
             for q in sample:
                 jacobian(robot, q)
 
-        def theirs(model=model, data=data, tip=tip, frame=frame, sample=sample) -> None:  # type: ignore[no-untyped-def]
+        def theirs(model=model, data=data, tip=tip, frame=frame, sample=sample) -> None:  # type: ignore[no-untyped-def]  # Pinocchio has no types
             for q in sample:
                 pin.computeFrameJacobian(model, data, q, tip, frame)
 

@@ -208,7 +208,7 @@ class Session:
             return
         try:
             self.listener.failed(error)
-        except Exception:
+        except Exception:  # the page has gone, or cannot show it: the terminal still can
             traceback.print_exception(error)
 
 

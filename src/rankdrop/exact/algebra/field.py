@@ -8,7 +8,7 @@ over the reals. The primes up to 43 are squares: √2, √3, √5 … exist, as 
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -124,22 +124,18 @@ def roots(values: Sequence[int]) -> list[int]:
     return [int(root) for root, _ in flint().nmod_poly(kept, P).roots()]
 
 
-def common_zeros(f: Polynomial, g: Polynomial, rng: random.Random) -> tuple[int, int] | None:
-    """A common zero (x, y) of two polynomials from `Evaluator.in_two`, chosen at random; None where there is none."""
+def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
+    """All common zeros (x, y) of two polynomials from `Evaluator.in_two`; none where they have a common factor."""
     if f == 0 or g == 0:
-        return None
+        return
     eliminated = f.resultant(g, "x")
     if eliminated == 0:
-        return None
-    ys = roots(dense(eliminated, 1))
-    rng.shuffle(ys)
+        return
     module = flint()
-    for y in ys:
+    for y in roots(dense(eliminated, 1)):
         one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), P) for h in (f, g))
-        xs = roots([int(x) for x in one.gcd(two).coeffs()])
-        if xs:
-            return rng.choice(xs), y
-    return None
+        for x in roots([int(value) for value in one.gcd(two).coeffs()]):
+            yield x, y
 
 
 def put_common_zero(
@@ -151,10 +147,10 @@ def put_common_zero(
     rng: random.Random,
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zero = common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values), rng)
-    if zero is not None:
-        values.update(zip(names, zero, strict=True))
-    return zero is not None
+    zeros = list(common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values)))
+    if zeros:
+        values.update(zip(names, rng.choice(zeros), strict=True))
+    return bool(zeros)
 
 
 def dense(f: Polynomial, place: int) -> list[int]:

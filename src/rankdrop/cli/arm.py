@@ -29,6 +29,7 @@ class ArmOptions:
         tip: Last link of the chain (robot files).
         length_scale: Translation rows are divided by this length [m], else by the reach. No family, exact or not,
             depends on it.
+        as_written: Keep the file's numbers: 1.5708 is not a right angle then, nor noise of 2e-5 rad and 2 µm none.
         package: NAME=PATH: where package://NAME and $(find NAME) are, if not near the file. May be given again.
         arg: NAME:=VALUE: an argument of a xacro file. May be given again.
         xacro: Expand the file though it does not end in .xacro. Expanding can run any command: trust the file.
@@ -38,6 +39,7 @@ class ArmOptions:
     base: str | None = None
     tip: str | None = None
     length_scale: float | None = None
+    as_written: Annotated[bool, Parameter(negative=())] = False
     package: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
     arg: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
     xacro: Annotated[bool, Parameter(negative=(), show_default=False)] = False
@@ -57,7 +59,7 @@ def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
 
     robot = open_robot(
         name, tip=options.tip, base=options.base, packages=_packages(options.package), args=_arguments(options.arg),
-        xacro=options.xacro,
+        xacro=options.xacro, as_written=options.as_written,
     )  # fmt: skip
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -18,7 +19,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
+from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.robot.urdf_ends import choose_ends
@@ -46,15 +49,19 @@ class _Motion:
     upper: float
 
 
-def from_mjcf(path: str | PathLike[str], *, base: str | None = None, tip: str | None = None) -> Robot:
+def from_mjcf(
+    path: str | PathLike[str], *, base: str | None = None, tip: str | None = None, as_written: bool = False
+) -> Robot:
     """A robot from an MJCF file.
 
     Only the chain from `base` to `tip` is read: bodies, hinge and slide joints, their axes, anchors, limits and `ref`.
     Geoms, meshes and actuators are not looked at. Joint values are those of MuJoCo (qpos), in radians and metres.
+    Rounded euler angles and structure that holds but for noise are taken as exact, with a note, as in `from_urdf`.
 
     Args:
         path: the file; files that it includes are read by MuJoCo.
         base, tip: names of bodies or sites; chosen where not given, and `Robot.notes` says how.
+        as_written: take every number literally.
 
     Raises:
         MissingExtraError: mujoco is not installed.
@@ -67,7 +74,7 @@ def from_mjcf(path: str | PathLike[str], *, base: str | None = None, tip: str | 
         import mujoco
     except ImportError:
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
-    model, name, couplings = _compiled(mujoco, file)
+    model, name, couplings, changes = _compiled(mujoco, file, as_written)
     motions: dict[str, _Motion] = {}
     tree, floating = _tree(mujoco, model, name, str(file), motions)
     _refuse_floating(tree, floating, base, tip)
@@ -78,30 +85,54 @@ def from_mjcf(path: str | PathLike[str], *, base: str | None = None, tip: str | 
              for one, two in couplings if one in names and (two in names or not two)]  # fmt: skip
     if ends.base in floating:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
-    return Robot(
+    found = Robot(
         name or file.stem, joints, home, source=Source("mjcf", str(file)), base=ends.base, tip=ends.tip,
         notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
+    on_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
+    return as_meant(found, Angles(as_written, [x for link in on_chain for x in changes.get(link, ())]))
 
 
-def _compiled(mujoco: Any, file: Path) -> tuple[Any, str, list[tuple[str, str]]]:
-    """The compiled model of bodies, joints and sites; its name; pairs of joints that an equality couples."""
+def _compiled(
+    mujoco: Any, file: Path, as_written: bool
+) -> tuple[Any, str, list[tuple[str, str]], dict[str, list[float]]]:
+    """The compiled model of bodies, joints and sites; its name; pairs of joints that an equality couples; angles."""
     try:
         spec = mujoco.MjSpec.from_file(str(file))
         couplings = [(rule.name1, rule.name2) for rule in spec.equalities if rule.type == mujoco.mjtEq.mjEQ_JOINT]
         for kind in _UNREAD:
             for element in list(getattr(spec, kind)):
-                spec.delete(element)
+                (element.delete if hasattr(element, "delete") else partial(spec.delete, element))()  # as versions have it
         for site in spec.sites:
             site.material = ""
+        changes = _take_angles(mujoco, spec, as_written)
         spec.compiler.fusestatic = False  # bodies without joints keep their names
         for body in spec.bodies[1:]:  # without geoms a body has no mass of its own, and MuJoCo wants one
             body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0, 1.0, 1.0]
             body.fullinertia = [np.nan] * 6
-        return spec.compile(), str(spec.modelname), couplings
+        return spec.compile(), str(spec.modelname), couplings, changes
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
         raise RobotError(f"MuJoCo cannot compile the file: {reason[:300]}", where=str(file)) from None
+
+
+def _take_angles(mujoco: Any, spec: Any, as_written: bool) -> dict[str, list[float]]:
+    """Let rounded decimals in radians be the angles they stand for (see `digits`), in the euler angles of the file.
+
+    Returns:
+        what was added to each number that was changed [rad], by the name of the body or site; "" for frames.
+    """
+    changes: dict[str, list[float]] = {}
+    if spec.compiler.degree:
+        return changes
+    for elements, framed in ((spec.bodies, False), (spec.sites, False), (spec.frames, True)):
+        for element in elements:
+            if element.alt.type == mujoco.mjtOrientation.mjORIENTATION_EULER:
+                angles = Angles(as_written)
+                element.alt.euler = [angles.take(repr(float(x))) for x in element.alt.euler]  # the digits of the file
+                name = "" if framed else element.name
+                changes.setdefault(name, []).extend(angles.changes)
+    return changes
 
 
 def _refuse_floating(tree: Tree, floating: list[str], base: str | None, tip: str | None) -> None:

@@ -47,11 +47,15 @@ def open_robot(
     packages: Mapping[str, str | PathLike[str]] | None = None,
     args: Mapping[str, object] | None = None,
     xacro: bool = False,
+    as_written: bool = False,
 ) -> Robot:
     """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro, MJCF.
 
     A catalogue name wins over a file of the same name; write "./pa10" for the file. Capitals, blanks, - and _ make no
     difference to a name ("UR 5e"), but a file that is called exactly so comes first.
+
+    Numbers that are rounded decimals of multiples of 15°, and structure that holds to 2e-5 rad and 2 µm (axes parallel,
+    at right angles, meeting), are taken as exact; a note of the robot says how many and by how much.
 
     Expanding a xacro file can run any command, as xacro itself can: it is done for files that end in .xacro, or where
     `xacro` is true, and never for what a file holds.
@@ -62,6 +66,7 @@ def open_robot(
         packages: package name -> folder, for xacro files with $(find …); others are looked for near the file.
         args: values of the arguments of a xacro file, `<xacro:arg>`.
         xacro: expand the file whatever its ending.
+        as_written: keep the numbers of the file as they are.
 
     Raises:
         UnknownRobotError: neither a name of the catalogue nor a file; suggests names that are close.
@@ -83,11 +88,12 @@ def open_robot(
             raise _unknown(name)
         return open_robot(same[0], tip=tip, base=base)
     if xacro or path.suffix.lower() == ".xacro":
-        return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args))
+        return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
+                                         as_written=as_written))  # fmt: skip
     if args:
         raise RobotError("only a xacro file has arguments", where=str(path), got=", ".join(args),
                          mend="expand it with xacro=True", typed="expand it with --xacro")  # fmt: skip
-    return with_size_note(_from_file(path, tip, base))
+    return with_size_note(_from_file(path, tip, base, as_written))
 
 
 def robot_names() -> tuple[str, ...]:
@@ -113,7 +119,7 @@ def _from_catalog(name: str) -> Robot:
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
 
 
-def _from_file(path: Path, tip: str | None, base: str | None) -> Robot:
+def _from_file(path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
     text = read_text(path)
     if not text.strip("\ufeff \t\r\n"):
         raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
@@ -124,10 +130,10 @@ def _from_file(path: Path, tip: str | None, base: str | None) -> Robot:
                 mend=f"give a file in {_FORMATS}",
             )
         _refuse_links(str(path), tip, base)
-        return robot_from_toml(text, file=str(path), default_name=path.stem)
+        return robot_from_toml(text, file=str(path), default_name=path.stem, as_written=as_written)
     root = _root_tag(text)
     if root == "mujoco":
-        return from_mjcf(path, base=base, tip=tip)
+        return from_mjcf(path, base=base, tip=tip, as_written=as_written)
     if root == "sdf":
         raise RobotError(
             "SDF is not read", where=str(path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF,
@@ -137,7 +143,7 @@ def _from_file(path: Path, tip: str | None, base: str | None) -> Robot:
             "the file has xacro elements and does not end in .xacro; expanding it can run any command",
             where=str(path), mend="if you trust it: xacro=True", typed="if you trust it: --xacro",
         )  # fmt: skip
-    return from_urdf(text, base=base, tip=tip, file=str(path))
+    return from_urdf(text, base=base, tip=tip, file=str(path), as_written=as_written)
 
 
 def _root_tag(text: str) -> str:

@@ -43,12 +43,13 @@ def from_xacro(
     tip: str | None = None,
     packages: Mapping[str, str | PathLike[str]] | None = None,
     args: Mapping[str, object] | None = None,
+    as_written: bool = False,
 ) -> Robot:
     """A robot from a xacro file. Expanding it can run any command: see the note at the top of this module.
 
     Args:
         path: the file.
-        base, tip: as in `from_urdf`.
+        base, tip, as_written: as in `from_urdf`.
         packages: package name -> folder, for $(find name). Others are looked for (see `packages.find_package`), last
             in the ROS installation, where there is one. One that is not found and only names meshes is told in a note.
         args: values of <xacro:arg …>: text, numbers, true and false.
@@ -64,7 +65,7 @@ def from_xacro(
     arguments = _Arguments({key: _written(value) for key, value in (args or {}).items()}, root)
     finder = _Packages(file, packages or {})
     text = _expand(file, name if name and "$" not in name else file.name.partition(".")[0], finder, arguments)
-    robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)")
+    robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
     named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
     return replace(robot, name=named if named and "$" not in named else robot.name,
                    notes=(*robot.notes, *finder.notes()))  # fmt: skip

@@ -155,7 +155,7 @@ def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path
 def test_arguments_belong_to_xacro_files(tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text('convention = "standard"\n[[joints]]\na = 1\n', encoding="utf-8")
-    with pytest.raises(RobotError, match="only a xacro file has arguments; got name; mend: expand it with xacro=True"):
+    with pytest.raises(RobotError, match="only a xacro file has arguments; got name; mend: leave args out"):
         open_robot(path, args={"name": "x"})
     with pytest.raises(RobotError, match="only a xacro file has arguments"):
         open_robot("pa10", args={"name": "x"})

@@ -145,7 +145,8 @@ def lengths_of(text: str) -> str | dict[str, float]:
             found[name] = quantity(value, "length", where=f"--lengths, {name}")
         except RobotError as error:
             raise OptionError(
-                error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend
+                error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend,
+                typed=error.typed,
             ) from error
     return found
 

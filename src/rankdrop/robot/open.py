@@ -95,8 +95,9 @@ def open_robot(
     if xacro or path.suffix.lower() == ".xacro":
         return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
                                          as_written=as_written))  # fmt: skip
-    _refuse_arguments(str(path), args)
-    return with_size_note(_from_text(text, path, tip, base, as_written))
+    found = _from_text(text, path, tip, base, as_written)
+    _refuse_arguments(str(path), args)  # last: the file may be xacro under another name, which is told first
+    return with_size_note(found)
 
 
 def robot_names() -> tuple[str, ...]:
@@ -171,7 +172,7 @@ def _refuse_links(name: str, tip: str | None, base: str | None) -> None:
 def _refuse_arguments(name: str, args: Mapping[str, object] | None) -> None:
     if args:
         raise RobotError("only a xacro file has arguments", where=name, got=", ".join(args),
-                         mend="expand it with xacro=True", typed="expand it with --xacro")  # fmt: skip
+                         mend="leave args out", typed="leave --arg out")  # fmt: skip
 
 
 def _exists(path: Path) -> bool:

@@ -56,12 +56,14 @@ def test_includes_are_relative_to_the_file(tmp_path: Path, macros: Path) -> None
 
 
 def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
+    xacrodoc = pytest.importorskip("xacrodoc")
+    before = xacrodoc.packages._finder
     path = write(tmp_path, "$(find given_pack)/urdf/macro.xacro")
     assert open_robot(path, packages={"given_pack": macros}).n == 2
     with pytest.raises(RobotError, match=r"not found; got 'given_pack'; .*mend: give its folder: packages=") as caught:
         open_robot(path)  # the map of the first call is not kept
     assert caught.value.on_command_line().endswith("mend: give its folder: --package given_pack=FOLDER")
+    assert xacrodoc.packages._finder is before
     with pytest.raises(RobotError, match="package 'pack': the folder of a package is not there"):
         open_robot(path, packages={"pack": tmp_path / "nowhere"})
 
@@ -150,6 +152,7 @@ def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path
     path = needs(tmp_path, inside, "$(arg called)_arm")
     assert open_robot(path).name == "rizon_arm"
     assert open_robot(path, args={"called": "ur"}).name == "ur_arm"
+    assert open_robot(path, args={"called": True}).name == "true_arm"  # as xacro writes it
 
 
 def test_arguments_belong_to_xacro_files(tmp_path: Path) -> None:

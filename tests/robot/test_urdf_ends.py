@@ -42,8 +42,8 @@ def test_the_base_is_the_root_above_a_named_tip() -> None:
     [
         (["flange", "tool0", "camera"], "tool0"), (["ee_link", "tool0"], "tool0"), (["camera", "arm_tcp"], "arm_tcp"),
         (["link_eef"], "link_eef"), (["end_effector", "camera"], "end_effector"), (["camera", "flange"], "flange"),
-        
-        (["camera", "attachment_site"], "attachment_site"), (["panda_hand", "camera"], "panda_hand"), (["stick"], "stick"), (["camera", "light"], "l6"),
+        (["camera", "attachment_site"], "attachment_site"), (["panda_hand", "camera"], "panda_hand"),
+        (["stick"], "stick"), (["camera", "light"], "l6"),
     ],
 )  # fmt: skip
 def test_among_links_fixed_at_the_end_the_usual_name_decides(ends: list[str], tip: str) -> None:

@@ -11,18 +11,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import atan2, pi
 
 import numpy as np
 
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
+from rankdrop.robot.normals import Line, axis_lines, common_normals, frame_at
+from rankdrop.robot.numbers import Numbers, between, numbers_of, wrapped
 from rankdrop.robot.squaring import STEP, exact_angle, exact_direction, exact_rotation, tidy
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
 _SAME = 1e-13
 """Rebuilt numbers that differ by no more are the arm's own [1, m]: the rounding of a chain of products."""
+_PASSES = 5
+"""Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
 ORDINARY = (0.03, 30.0)
 """Sizes of arms [m] for which `MEETING` is meant; beyond them it goes with the arm, which then is in other units."""
 
@@ -49,22 +51,12 @@ class Change:
     def by(self) -> float:
         """How far it was moved [rad, m]; 180° and −180° are the same."""
         by = self.after - self.before
-        return abs(_wrapped(by) if self.turns else by)
+        return abs(wrapped(by) if self.turns else by)
 
     @property
     def turns(self) -> bool:
         """Whether it is an angle."""
         return self.kind not in ("distance", "offset")
-
-
-@dataclass(frozen=True, slots=True)
-class _Numbers:
-    """Denavit and Hartenberg's numbers of one joint and the link after it."""
-
-    phase: float  # [rad]
-    d: float  # [m]
-    a: float  # [m]
-    twist: float  # [rad]
 
 
 def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
@@ -90,8 +82,12 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
         (array([ 0., -1.,  0.]), ['twist', 'offset'])
     """
     limit = meeting(robot) if length is None else length
-    framed = _frames_squared(robot, angle)
-    found = _sections_squared(framed, angle, limit)
+    found = robot
+    for _ in range(_PASSES):
+        before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
+        if _same(before, found):
+            found = before
+            break
     if _same(robot, found):
         return robot, ()
     return found, _changes(robot, found, angle, limit)
@@ -133,10 +129,11 @@ def _frames_squared(robot: Robot, angle: float) -> Robot:
     return replace(robot, joints=tuple(joints), home=home)
 
 
-def _pose_squared(pose: Array, angle: float) -> Array:
+def _pose_squared(pose: Array, angle: float, length: float = 0.0) -> Array:
+    """Pose of one frame in another, rotation exact; parts of the way up to `length` are zero."""
     found = np.eye(4)
     found[:3, :3] = exact_rotation(pose[:3, :3], angle)
-    found[:3, 3] = tidy(pose[:3, 3])
+    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3]))
     return found
 
 
@@ -177,49 +174,30 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     """Denavit and Hartenberg's numbers made exact, and the arm built of them again where that changes one."""
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    given = _numbers(lines, normals)
+    given = between(lines, normals)
     made = [_exact(one, angle, length) for one in given]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
     if all(_near(one, other) for one, other in zip(given, made, strict=True)):
         return robot
-    old = frame_at(normals[0].direction, lines[0].direction, normals[0].far)
-    pose = old.copy()
+    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
         after = frame_at(normals[i + 1].direction, lines[i].direction, normals[i + 1].near)
-        moved = pose @ np.linalg.inv(after)
+        frame = pose @ _pose_squared(np.linalg.inv(after) @ joint.frame, angle, length)
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
-        joints.append(replace(joint, screw=screw, frame=moved @ joint.frame))
+        joints.append(replace(joint, screw=screw, frame=frame))
         pose = pose @ translation(numbers.a, 0.0, 0.0) @ rotation("x", numbers.twist)
-    return replace(robot, joints=tuple(joints), home=moved @ robot.home)
+    home = joints[-1].frame @ _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, angle)
+    return replace(robot, joints=tuple(joints), home=home)
 
 
-def _numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[_Numbers]:
-    """Denavit and Hartenberg's numbers, the link after the last joint without length and twist."""
-    found = []
-    for i, line in enumerate(lines):
-        before, after, z = normals[i], normals[i + 1], line.direction
-        phase = _turn(before.direction, after.direction, z)
-        d = float((after.near - before.far) @ z)
-        a = twist = 0.0
-        if i + 1 < len(lines):
-            twist = _turn(z, lines[i + 1].direction, after.direction)
-            a = float((after.far - after.near) @ after.direction)
-        found.append(_Numbers(phase, d, a, twist))
-    return found
-
-
-def _turn(one: Array, two: Array, about: Array) -> float:
-    return atan2(float(np.cross(one, two) @ about), float(one @ two))
-
-
-def _exact(given: _Numbers, angle: float, length: float) -> _Numbers:
+def _exact(given: Numbers, angle: float, length: float) -> Numbers:
     d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x))) for x in (given.d, given.a))
-    return _Numbers(exact_angle(given.phase, angle), d, a, exact_angle(given.twist, angle))
+    return Numbers(exact_angle(given.phase, angle), d, a, exact_angle(given.twist, angle))
 
 
-def _cancelled(made: Sequence[_Numbers], slides: Sequence[bool], length: float) -> list[_Numbers]:
+def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
     found = list(made)
     for run in _parallel_runs(found):
@@ -236,7 +214,7 @@ def _cancelled(made: Sequence[_Numbers], slides: Sequence[bool], length: float) 
     return found
 
 
-def _parallel_runs(made: Sequence[_Numbers]) -> list[list[int]]:
+def _parallel_runs(made: Sequence[Numbers]) -> list[list[int]]:
     """Indices of axes, parted where two that follow each other are not exactly parallel."""
     runs = [[0]]
     for i, one in enumerate(made[:-1]):
@@ -251,13 +229,9 @@ def _parallel(twist: float) -> bool:
     return round(twist / STEP) % 12 == 0 and twist == round(twist / STEP) * STEP
 
 
-def _near(one: _Numbers, other: _Numbers) -> bool:
+def _near(one: Numbers, other: Numbers) -> bool:
     turns = one.phase - other.phase, one.twist - other.twist
-    return all(abs(x) <= _SAME for x in (*map(_wrapped, turns), one.d - other.d, one.a - other.a))
-
-
-def _wrapped(angle: float) -> float:
-    return (angle + pi) % (2 * pi) - pi
+    return all(abs(x) <= _SAME for x in (*map(wrapped, turns), one.d - other.d, one.a - other.a))
 
 
 def _same(one: Robot, two: Robot) -> bool:
@@ -269,15 +243,14 @@ def _same(one: Robot, two: Robot) -> bool:
 
 def _changes(old: Robot, new: Robot, angle: float, length: float) -> tuple[Change, ...]:
     """What the chain's numbers were and became. Both are told about normals chosen alike."""
-    lines, others = axis_lines(old, length=length), axis_lines(new, length=length)
-    before = _numbers(lines, common_normals(old, lines, angle=angle, length=length))
-    after = _numbers(others, common_normals(new, others, angle=angle, length=length))
-    first, last = (_apart(x, y) for x, y in zip(_ends(old, lines), _ends(new, others), strict=True))
-    ends = [Change("base", (1,), first, 0.0), Change("tip", (len(lines),), last, 0.0)]
+    before = numbers_of(old, angle=angle, length=length)
+    after = numbers_of(new, angle=angle, length=length)
+    first, last = (_apart(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
+    ends = [Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
     return (*_differences(before, after), *(change for change in ends if change.by > NOTHING))
 
 
-def _differences(before: Sequence[_Numbers], after: Sequence[_Numbers]) -> Iterable[Change]:
+def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterable[Change]:
     for number, (one, other) in enumerate(zip(before, after, strict=True), start=1):
         for kind, joints, x, y in (
             ("angle", (number,), one.phase, other.phase),
@@ -290,9 +263,11 @@ def _differences(before: Sequence[_Numbers], after: Sequence[_Numbers]) -> Itera
                 yield change
 
 
-def _ends(robot: Robot, lines: Sequence[Line]) -> tuple[Array, Array]:
+def _ends(robot: Robot) -> tuple[Array, Array]:
     """Direction of the first axis in the base, axes of the tip in the last link (its frame)."""
-    return lines[0].direction, robot.joints[-1].frame[:3, :3].T @ robot.home[:3, :3]
+    first = robot.joints[0]
+    direction = first.screw[:3] if first.kind is JointKind.PRISMATIC else first.screw[3:]
+    return direction, robot.joints[-1].frame[:3, :3].T @ robot.home[:3, :3]
 
 
 def _apart(one: Array, two: Array) -> float:

@@ -1,0 +1,65 @@
+"""Denavit and Hartenberg's numbers of a chain, in floating point, whatever its frames: what lies between its axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, pi
+
+import numpy as np
+
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """One joint and the link after it.
+
+    Attributes:
+        phase: angle about the axis from the normal before to the one after, at q = 0 [rad].
+        d: offset along the axis between these normals, at q = 0 [m].
+        a: distance from this axis to the next one along their normal [m].
+        twist: angle from this axis to the next one about their normal [rad].
+    """
+
+    phase: float
+    d: float
+    a: float
+    twist: float
+
+
+def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
+    """The numbers of all joints of a robot, mimic joints too; the link after the last has no length and no twist.
+
+    Args:
+        robot: joints of any kind.
+        angle: axes that are parallel to this have a normal where their frames stand [rad].
+        length: axes this near meet [m].
+    """
+    lines = axis_lines(robot, length=length)
+    return between(lines, common_normals(robot, lines, angle=angle, length=length))
+
+
+def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
+    """The numbers of n axes with their n + 1 normals."""
+    found = []
+    for i, line in enumerate(lines):
+        before, after, z = normals[i], normals[i + 1], line.direction
+        phase = _turn(before.direction, after.direction, z)
+        d = float((after.near - before.far) @ z)
+        a = twist = 0.0
+        if i + 1 < len(lines):
+            twist = _turn(z, lines[i + 1].direction, after.direction)
+            a = float((after.far - after.near) @ after.direction)
+        found.append(Numbers(phase, d, a, twist))
+    return found
+
+
+def wrapped(angle: float) -> float:
+    """The same angle in −π … π."""
+    return (angle + pi) % (2 * pi) - pi
+
+
+def _turn(one: Array, two: Array, about: Array) -> float:
+    return atan2(float(np.cross(one, two) @ about), float(one @ two))

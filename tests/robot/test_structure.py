@@ -12,7 +12,7 @@ from reference.kinematics import exponential, pose
 from rankdrop.exact.arm.geometry import sections
 from rankdrop.known import known_analysis
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array, JointKind, Mimic, Robot
+from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.normals import axis_lines
 from rankdrop.robot.numbers import Numbers, numbers_of
 from rankdrop.robot.open import open_robot, robot_names

@@ -13,10 +13,10 @@ from rankdrop.exact.arm.geometry import sections
 from rankdrop.known import known_analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Mimic, Robot
-from rankdrop.robot.normals import axis_lines
+from rankdrop.robot.normals import axis_lines, extent
 from rankdrop.robot.numbers import Numbers, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
-from rankdrop.robot.structure import Change, extent, meeting, squared
+from rankdrop.robot.structure import Change, meeting, squared
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import resolve_task

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, pi
+from math import asin, atan2, pi
 
 import numpy as np
 
@@ -21,12 +21,14 @@ class Numbers:
         d: offset along the axis between these normals, at q = 0 [m].
         a: distance from this axis to the next one along their normal [m].
         twist: angle from this axis to the next one about their normal [rad].
+        tilt: where the two count as parallel, how far the next one leans along the normal [rad]; else 0.
     """
 
     phase: float
     d: float
     a: float
     twist: float
+    tilt: float = 0.0
 
 
 def numbers_of(robot: Robot, *, angle: float, length: float) -> list[Numbers]:
@@ -48,11 +50,12 @@ def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
         before, after, z = normals[i], normals[i + 1], line.direction
         phase = _turn(before.direction, after.direction, z)
         d = float((after.near - before.far) @ z)
-        a = twist = 0.0
+        a = twist = tilt = 0.0
         if i + 1 < len(lines):
             twist = _turn(z, lines[i + 1].direction, after.direction)
+            tilt = asin(max(-1.0, min(1.0, float(lines[i + 1].direction @ after.direction))))
             a = float((after.far - after.near) @ after.direction)
-        found.append(Numbers(phase, d, a, twist))
+        found.append(Numbers(phase, d, a, twist, tilt))
     return found
 
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from math import degrees, floor, hypot, log10, pi
 
 import numpy as np
 
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.normals import Line, axis_lines, common_normals, frame_at
+from rankdrop.robot.normals import astray, axis_lines, common_normals, extent, frame_at
 from rankdrop.robot.numbers import Numbers, between, numbers_of, wrapped
-from rankdrop.robot.squaring import STEP, exact_angle, exact_direction, exact_rotation, tidy
+from rankdrop.robot.squaring import exact_angle, exact_direction, exact_rotation, tidy
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
@@ -54,6 +54,27 @@ class Change:
         return abs(wrapped(by) if self.turns else by)
 
     @property
+    def name(self) -> str:
+        """Denavit and Hartenberg's letter with the number of the joint: "α2", "d4"; else "base", "tip"."""
+        letter = {"twist": "α", "angle": "θ", "distance": "a", "offset": "d"}.get(self.kind)
+        return self.kind if letter is None else f"{letter}{self.joints[0]}"
+
+    @property
+    def text(self) -> str:
+        """In words: "d4 from 0.3 mm to 0", "α2 from 90.06° to 90°", "tip turned by 0.0006°"."""
+        if self.kind in ("base", "tip"):
+            return f"{self.kind} turned by {degrees(self.by):.2g}°"
+        return f"{self.name} from {self._written(self.before)} to {self._written(self.after)}"
+
+    def _written(self, value: float) -> str:
+        """With one digit more than it was moved by."""
+        factor, unit = (degrees(1.0), "°") if self.turns else (1e3, " mm")
+        places = max(0, 1 - floor(log10(self.by * factor)))
+        text = f"{round(value * factor, places):.{places}f}"
+        plain = text.rstrip("0").rstrip(".") if "." in text else text
+        return "0" if float(text) == 0.0 and not self.turns else f"{plain.replace('-0', '0') if float(text) == 0 else plain}{unit}".replace("-", "−")
+
+    @property
     def turns(self) -> bool:
         """Whether it is an angle."""
         return self.kind not in ("distance", "offset")
@@ -67,7 +88,7 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
 
     Args:
         robot: any arm.
-        angle: how exact an angle has to be [rad]. Every axis turns against the one before by no more.
+        angle: how exact an angle has to be [rad]; between the tip and the last link never less than 2e-5.
         length: how exact a length has to be [m]; None is 2 µm, for arms of 3 cm to 30 m.
 
     Returns:
@@ -100,32 +121,20 @@ def meeting(robot: Robot) -> float:
     return MEETING * (size / low if size < low else max(size / high, 1.0))
 
 
-def extent(robot: Robot) -> float:
-    """Sum of the distances between the points where consecutive links are joined, and to the tip [m]; 1 if zero."""
-    points = [line.point for line in _points(robot)] + [robot.home[:3, 3]]
-    total = float(sum(np.linalg.norm(two - one) for one, two in pairwise(points)))
-    return total if total > NOTHING**2 else 1.0
-
-
-def _points(robot: Robot) -> list[Line]:
-    lines = axis_lines(robot, length=0.0)
-    return [
-        Line(line.direction, line.point + line.direction * float((joint.frame[:3, 3] - line.point) @ line.direction))
-        for line, joint in zip(lines, robot.joints, strict=True)
-    ]
-
-
 def _frames_squared(robot: Robot, angle: float) -> Robot:
-    """Every link's pose in the one before, and every axis in its link, made exact."""
-    old, new = np.eye(4), np.eye(4)
+    """Every link's pose in the one before, and every axis in its link, made exact.
+
+    Frames far from the arm are carried along as they are: a small turn of them would be a long way of the axes.
+    """
+    old, new, stray = np.eye(4), np.eye(4), False
     joints = []
-    for joint in robot.joints:
+    for joint, far in zip(robot.joints, astray(robot), strict=True):
         after_old = np.asarray(joint.frame)
-        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, angle)
+        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, 0.0 if far or stray else angle)
         screw = _screw_squared(joint, (old, new), (after_old, after_new), angle)
         joints.append(replace(joint, screw=screw, frame=after_new))
-        old, new = after_old, after_new
-    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, angle)
+        old, new, stray = after_old, after_new, far
+    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, 0.0 if stray else min(angle, SQUARE))
     return replace(robot, joints=tuple(joints), home=home)
 
 
@@ -174,12 +183,9 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     """Denavit and Hartenberg's numbers made exact, and the arm built of them again where that changes one."""
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    given = between(lines, normals)
-    made = [_exact(one, angle, length) for one in given]
+    made = [_exact(one, angle, length) for one in between(lines, normals)]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
-    if all(_near(one, other) for one, other in zip(given, made, strict=True)):
-        return robot
-    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), angle)
+    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), min(angle, SQUARE))
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
@@ -188,8 +194,9 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
         joints.append(replace(joint, screw=screw, frame=frame))
         pose = pose @ translation(numbers.a, 0.0, 0.0) @ rotation("x", numbers.twist)
-    home = joints[-1].frame @ _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, angle)
-    return replace(robot, joints=tuple(joints), home=home)
+    home = joints[-1].frame @ _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, min(angle, SQUARE))
+    found = replace(robot, joints=tuple(joints), home=home)
+    return robot if _same(robot, found) else found
 
 
 def _exact(given: Numbers, angle: float, length: float) -> Numbers:
@@ -200,7 +207,7 @@ def _exact(given: Numbers, angle: float, length: float) -> Numbers:
 def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
     found = list(made)
-    for run in _parallel_runs(found):
+    for run in parallel_runs(found):
         if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable
         signs = [1.0]
@@ -214,8 +221,8 @@ def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -
     return found
 
 
-def _parallel_runs(made: Sequence[Numbers]) -> list[list[int]]:
-    """Indices of axes, parted where two that follow each other are not exactly parallel."""
+def parallel_runs(made: Sequence[Numbers]) -> list[list[int]]:
+    """Indices of axes, from 0, parted where two that follow each other are not exactly parallel."""
     runs = [[0]]
     for i, one in enumerate(made[:-1]):
         if _parallel(one.twist):
@@ -226,12 +233,7 @@ def _parallel_runs(made: Sequence[Numbers]) -> list[list[int]]:
 
 
 def _parallel(twist: float) -> bool:
-    return round(twist / STEP) % 12 == 0 and twist == round(twist / STEP) * STEP
-
-
-def _near(one: Numbers, other: Numbers) -> bool:
-    turns = one.phase - other.phase, one.twist - other.twist
-    return all(abs(x) <= _SAME for x in (*map(wrapped, turns), one.d - other.d, one.a - other.a))
+    return abs(twist - round(twist / pi) * pi) < NOTHING
 
 
 def _same(one: Robot, two: Robot) -> bool:
@@ -258,7 +260,8 @@ def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterabl
             ("distance", (number, number + 1), one.a, other.a),
             ("twist", (number, number + 1), one.twist, other.twist),
         ):
-            change = Change(kind, joints, x, y)
+            lean = one.tilt if kind == "twist" else 0.0
+            change = Change(kind, joints, y + hypot(wrapped(x - y), lean) if abs(lean) > NOTHING else x, y)
             if change.by > NOTHING:
                 yield change
 

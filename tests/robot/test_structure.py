@@ -16,7 +16,7 @@ from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.normals import axis_lines, extent
 from rankdrop.robot.numbers import Numbers, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
-from rankdrop.robot.structure import Change, meeting, squared
+from rankdrop.robot.structure import meeting, squared
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import resolve_task
@@ -179,9 +179,11 @@ def test_lengths_are_worked_out_about_the_axes_that_were_squared() -> None:
 def test_offsets_that_cancel_along_parallel_axes_cancel_exactly() -> None:
     rows = [(0, pi / 2, 0.3, 0), (0.4, 0, 0.1, 0), (0.3, 0, -0.0999995, 0), (0, pi / 2, 0, 0), (0, 0, 0.2, 0)]
     found, (change,) = squared(from_dh(rows, convention="standard"))
-    assert change == Change("offset", (3,), pytest.approx(-0.0999995), pytest.approx(-0.1))  # type: ignore[arg-type]
+    assert (change.kind, change.joints, change.name) == ("offset", (2, 3, 4), "d2 + d3 + d4")
+    assert (change.before, change.after) == (pytest.approx(5e-7), 0.0)
     given = numbers_of(found, angle=1e-6, length=1e-9)
     assert given[1].d + given[2].d == 0.0
+    assert given[1].d == pytest.approx(0.1)
 
 
 def test_lengths_lose_their_last_digits_of_noise() -> None:

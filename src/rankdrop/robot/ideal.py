@@ -5,21 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from math import ceil, degrees, floor, log10, pi, radians
 
 from rankdrop.errors import OptionError
+from rankdrop.robot.changes import Change
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.normals import extent
-from rankdrop.robot.numbers import Numbers, numbers_of
-from rankdrop.robot.structure import Change, meeting, parallel_runs, squared
+from rankdrop.robot.numbers import Numbers, along, numbers_of, parallel, parallel_runs
+from rankdrop.robot.structure import meeting, squared
 from rankdrop.tolerances import NOTHING, SQUARE
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}
 _TURNS = {"deg": radians(1.0), "°": radians(1.0), "rad": 1.0, "mrad": 1e-3}
 _ONE = re.compile(r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°]+)\s*")
+_Fact = tuple[str, tuple[int, ...]]  # what, of which joints
 _WIDEST = radians(5.0)  # angles are multiples of 15°: at half of that every angle would be one
 _LONGEST = 0.1  # of the arm's size: with more it is another arm
+_WIDER = (1.0, 1.5, 2.0, 3.0)  # a frame may have to turn by more than the axes in it do
 NEAR = 0.015
 """Structure is near where it is missed by this share of the arm's size, or this angle [rad]: Gen3's 12 mm of 1.2 m are,
 20 mm between the axes of an elbow are a design."""
@@ -107,7 +110,7 @@ def ideal(
     Axes that are parallel, or at a multiple of 15°, to `angle` are exactly so; those that come within `length` meet,
     three of them in one point where the offset between is as small; offsets along parallel axes that cancel to `length`
     cancel. It is `squared` with other tolerances: everything else is kept, and the result is `robot` itself where
-    nothing changes.
+    nothing changes. A length changes by more than `length` where an axis is turned about a frame that is far from it.
 
     Args:
         robot: any arm.
@@ -140,18 +143,26 @@ def near_ideal(robot: Robot) -> Near | None:
         max((change.by for change in changes if change.kind in kinds), default=0.0)
         for kinds in (("distance", "offset"), ("twist",), ("twist", "angle", "base", "tip"))
     )
-    far = _round_up(length, 1e-3) if length > meeting(robot) else None
-    tried = [Tolerance(far, _round_up(x, radians(1.0)) if x > SQUARE else None) for x in (0.0, twist, angle)]
-    for tolerance in tried:
+    far = length if length > meeting(robot) else None
+    for wider, turn in product(_WIDER, dict.fromkeys((0.0, twist, angle))):
+        tolerance = _wide(Tolerance(far, turn if turn > SQUARE else None), wider)
         near = _found_with(robot, tolerance, gained)
         if near is not None and near.length < (tolerance.length or 0.0) / 2:  # another number set it
-            near = _found_with(robot, replace(tolerance, length=_round_up(near.length, 1e-3)), gained) or near
+            near = _found_with(robot, _wide(replace(tolerance, length=near.length), 1.0), gained) or near
         if near is not None:
             return near
     return None
 
 
+def _wide(given: Tolerance, factor: float) -> Tolerance:
+    """A tolerance times a factor, rounded up to two digits."""
+    length = None if given.length is None else _round_up(given.length * factor, 1e-3)
+    return Tolerance(length, None if given.angle is None else _round_up(given.angle * factor, radians(1.0)))
+
+
 def _found_with(robot: Robot, tolerance: Tolerance, gained: tuple[str, ...]) -> Near | None:
+    if tolerance.angle is not None and tolerance.angle > _WIDEST:
+        return None
     made, moved = squared(robot, angle=tolerance.angle or SQUARE, length=tolerance.length)
     if structure_words(made, robot) != gained:
         return None
@@ -167,7 +178,14 @@ def structure_words(robot: Robot, less: Robot | None = None) -> tuple[str, ...]:
         less: what holds in this arm too is left out.
     """
     known = set(_holding(less)) if less is not None else set()
-    return tuple(_merged([one for one in _holding(robot) if one not in known], len(robot.joints)))
+    new = [one for one in _holding(robot) if one not in known and not _follows(one, known)]
+    return tuple(_merged(new, len(robot.joints)))
+
+
+def _follows(fact: _Fact, known: set[_Fact]) -> bool:
+    """Whether no offset along parallel axes is what each of them had without."""
+    what, joints = fact
+    return what == "flush" and len(joints) > 1 and all((what, (joint,)) in known for joint in joints)
 
 
 def _check(given: Tolerance, where: str) -> None:
@@ -188,9 +206,6 @@ def _round_up(value: float, unit: float) -> float:
     return float(f"{ceil(share / power) * power:.3g}") * unit
 
 
-_Fact = tuple[str, tuple[int, ...]]
-
-
 def _holding(robot: Robot) -> list[_Fact]:
     """Facts of exact structure: (what, joints from 1)."""
     numbers = numbers_of(robot, angle=NOTHING, length=NOTHING)
@@ -202,12 +217,12 @@ def _holding(robot: Robot) -> list[_Fact]:
     for run in parallel_runs(numbers):
         found += [("parallel", (i + 1, j + 1)) for i, j in pairwise(run)]
         inside = run[0] > 0 and run[-1] < len(numbers) - 1 and not any(slides[k] for k in run)
-        if inside and abs(_along(numbers, run)) < NOTHING:
+        if inside and abs(sum(along(numbers, run))) < NOTHING:
             found.append(("flush", tuple(k + 1 for k in run)))
     for i, (one, _) in enumerate(pairwise(numbers)):
         pair = (i + 1, i + 2)
         if abs(one.a) < NOTHING and not slides[i] and not slides[i + 1]:
-            found.append(("common", pair) if _flat(one.twist) else ("meeting", pair))
+            found.append(("common", pair) if parallel(one.twist) else ("meeting", pair))
         if abs(abs(one.twist) - pi / 2) < NOTHING:
             found.append(("square", pair))
     return found
@@ -216,19 +231,7 @@ def _holding(robot: Robot) -> list[_Fact]:
 def _point(numbers: Sequence[Numbers], i: int) -> bool:
     first, middle = numbers[i], numbers[i + 1]
     lengths = first.a, middle.d, middle.a
-    return all(abs(x) < NOTHING for x in lengths) and not _flat(first.twist) and not _flat(middle.twist)
-
-
-def _flat(twist: float) -> bool:
-    return abs(twist - round(twist / pi) * pi) < NOTHING
-
-
-def _along(numbers: Sequence[Numbers], run: Sequence[int]) -> float:
-    sign, total = 1.0, 0.0
-    for k in run:
-        total += sign * numbers[k].d
-        sign *= 1.0 if abs(numbers[k].twist) < 1.0 else -1.0
-    return total
+    return all(abs(x) < NOTHING for x in lengths) and not parallel(first.twist) and not parallel(middle.twist)
 
 
 def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
@@ -236,7 +239,8 @@ def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
     points = [joints for what, joints in facts if what == "point"]
     names: dict[tuple[int, ...], str] = {(1, 2, 3): "a spherical shoulder"} if n > 3 else {}
     names[n - 2, n - 1, n] = "a spherical wrist"
-    words = [names.get(joints, f"axes {_listed(joints)} in one point") for joints in sorted(points, reverse=True)]
+    points.sort(key=lambda joints: (joints not in names, -joints[0]))
+    words = [names.get(joints, f"axes {_listed(joints)} in one point") for joints in points]
     within = {pair for joints in points for pair in pairwise(joints)} | {(joints[1],) for joints in points}
     said = {"parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
             "square": "axes {} at right angles", "flush": "no offset along axes {}"}  # fmt: skip

@@ -14,8 +14,8 @@ import numpy as np
 
 from rankdrop.robot.model import Array, JointKind, Robot
 
-FAR = 10.0
-"""Points farther from the arm than this times its size are no part of it: no base stands so far off."""
+FAR = 2.0
+"""Frames farther from their axis's place in the arm than this times its size are no part of it."""
 _NOTHING = 1e-12  # share of the coordinates at which a length is rounding
 
 
@@ -48,15 +48,15 @@ class Normal:
 
 
 def anchors(robot: Robot) -> Array:
-    """(N, 3) a point of every axis near the arm, whatever its frames [m]: from the tip on, the one nearest to the next.
+    """(N, 3) a point of every axis near the arm [m]: from the tip on, the one nearest to the next.
 
-    A slide has its successor's.
+    It depends on frames where slides are: their lines go through their frames.
     """
     point = np.array(robot.home[:3, 3])
     found = np.zeros((len(robot.joints), 3))
-    for i in range(len(robot.joints) - 1, -1, -1):
-        if robot.joints[i].kind is not JointKind.PRISMATIC:
-            point = _nearest(_turning_line(robot.joints[i].screw), point)
+    for i, joint in reversed(list(enumerate(robot.joints))):
+        slides = joint.kind is JointKind.PRISMATIC
+        point = _nearest(Line(joint.screw[:3], joint.frame[:3, 3]) if slides else _turning_line(joint.screw), point)
         found[i] = point
     return found
 

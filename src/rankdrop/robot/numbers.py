@@ -10,6 +10,7 @@ import numpy as np
 
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals
+from rankdrop.tolerances import NOTHING
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,31 @@ def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
             a = float((after.far - after.near) @ after.direction)
         found.append(Numbers(phase, d, a, twist, tilt))
     return found
+
+
+def parallel_runs(numbers: Sequence[Numbers]) -> list[list[int]]:
+    """Indices of axes, from 0, parted where two that follow each other are not exactly parallel."""
+    runs = [[0]]
+    for i, one in enumerate(numbers[:-1]):
+        if parallel(one.twist):
+            runs[-1].append(i + 1)
+        else:
+            runs.append([i + 1])
+    return runs
+
+
+def along(numbers: Sequence[Numbers], run: Sequence[int]) -> list[float]:
+    """The offsets of axes that are parallel, all in the direction of the first [m]; only their sum moves axes."""
+    sign, found = 1.0, []
+    for k in run:
+        found.append(sign * numbers[k].d)
+        sign *= 1.0 if abs(numbers[k].twist) < 1.0 else -1.0
+    return found
+
+
+def parallel(twist: float) -> bool:
+    """Whether a twist is that of parallel axes, whichever way they point."""
+    return abs(twist - round(twist / pi) * pi) < NOTHING
 
 
 def wrapped(angle: float) -> float:

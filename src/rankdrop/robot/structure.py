@@ -8,16 +8,16 @@ Lengths are worked out about the axes that were squared, so that a twist that is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from math import degrees, floor, hypot, log10, pi
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from rankdrop.robot.changes import Change, changes_between
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.normals import astray, axis_lines, common_normals, extent, frame_at
-from rankdrop.robot.numbers import Numbers, between, numbers_of, wrapped
-from rankdrop.robot.squaring import exact_angle, exact_direction, exact_rotation, tidy
+from rankdrop.robot.numbers import Numbers, along, between, parallel_runs
+from rankdrop.robot.squaring import exact_angle, exact_direction, exact_rotation, step_for, tidy
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
@@ -29,61 +29,11 @@ ORDINARY = (0.03, 30.0)
 """Sizes of arms [m] for which `MEETING` is meant; beyond them it goes with the arm, which then is in other units."""
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """One number of the chain that was made exact.
-
-    Attributes:
-        kind: "twist" (angle from one axis to the next), "angle" (about an axis, from one common normal to the next),
-            "distance" (between two axes along their normal), "offset" (along an axis, between two normals), "base" and
-            "tip" (how far the first axis is turned in the base, the tip in the last link; 0 after).
-        joints: numbers from 1 in the chain, mimic joints counted: the two joints of a twist or a distance, the one of
-            all else.
-        before, after: its value [rad, m].
-    """
-
-    kind: str
-    joints: tuple[int, ...]
-    before: float
-    after: float
-
-    @property
-    def by(self) -> float:
-        """How far it was moved [rad, m]; 180° and −180° are the same."""
-        by = self.after - self.before
-        return abs(wrapped(by) if self.turns else by)
-
-    @property
-    def name(self) -> str:
-        """Denavit and Hartenberg's letter with the number of the joint: "α2", "d4"; else "base", "tip"."""
-        letter = {"twist": "α", "angle": "θ", "distance": "a", "offset": "d"}.get(self.kind)
-        return self.kind if letter is None else f"{letter}{self.joints[0]}"
-
-    @property
-    def text(self) -> str:
-        """In words: "d4 from 0.3 mm to 0", "α2 from 90.06° to 90°", "tip turned by 0.0006°"."""
-        if self.kind in ("base", "tip"):
-            return f"{self.kind} turned by {degrees(self.by):.2g}°"
-        return f"{self.name} from {self._written(self.before)} to {self._written(self.after)}"
-
-    def _written(self, value: float) -> str:
-        """With one digit more than it was moved by."""
-        factor, unit = (degrees(1.0), "°") if self.turns else (1e3, " mm")
-        places = max(0, 1 - floor(log10(self.by * factor)))
-        text = f"{round(value * factor, places):.{places}f}"
-        plain = text.rstrip("0").rstrip(".") if "." in text else text
-        return "0" if float(text) == 0.0 and not self.turns else f"{plain.replace('-0', '0') if float(text) == 0 else plain}{unit}".replace("-", "−")
-
-    @property
-    def turns(self) -> bool:
-        """Whether it is an angle."""
-        return self.kind not in ("distance", "offset")
-
-
 def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
     """The arm whose structure holds exactly where it holds to small tolerances.
 
-    Twists and the angles between common normals become multiples of 15°, distances and offsets zero, also those that
+    Twists and the angles between common normals become multiples of 15° (with a wider tolerance for angles than that of
+    noise: the latter of 90°, since more would be chance), distances and offsets zero, also those that
     cancel along parallel axes. What is left is kept; limits, names, velocities, mimic relations and notes are too.
 
     Args:
@@ -111,7 +61,7 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
             break
     if _same(robot, found):
         return robot, ()
-    return found, _changes(robot, found, angle, limit)
+    return found, changes_between(robot, found, angle=angle, length=limit)
 
 
 def meeting(robot: Robot) -> float:
@@ -119,6 +69,9 @@ def meeting(robot: Robot) -> float:
     size = extent(robot)
     low, high = ORDINARY
     return MEETING * (size / low if size < low else max(size / high, 1.0))
+
+
+_Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
 
 
 def _frames_squared(robot: Robot, angle: float) -> Robot:
@@ -131,7 +84,7 @@ def _frames_squared(robot: Robot, angle: float) -> Robot:
     for joint, far in zip(robot.joints, astray(robot), strict=True):
         after_old = np.asarray(joint.frame)
         after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, 0.0 if far or stray else angle)
-        screw = _screw_squared(joint, (old, new), (after_old, after_new), angle)
+        screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), angle)
         joints.append(replace(joint, screw=screw, frame=after_new))
         old, new, stray = after_old, after_new, far
     home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, 0.0 if stray else min(angle, SQUARE))
@@ -146,14 +99,14 @@ def _pose_squared(pose: Array, angle: float, length: float = 0.0) -> Array:
     return found
 
 
-def _screw_squared(joint: Joint, before: tuple[Array, Array], after: tuple[Array, Array], angle: float) -> Array:
+def _screw_squared(joint: Joint, before: _Frame, after: _Frame, angle: float) -> Array:
     """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
-    own = [_in_frame(joint.screw, old) for old, _ in (after, before)]
+    own = [_in_frame(joint.screw, old) for old, _, _ in (after, before)]
     use = 0 if joint.kind is JointKind.PRISMATIC or _miss(own[0]) <= _miss(own[1]) + NOTHING else 1
-    frame = (after, before)[use][1]
+    _, frame, far = (after, before)[use]
     direction, point, pitch = _line_of(own[use], joint.kind)
-    axis, point = frame[:3, :3] @ exact_direction(direction, angle), frame[:3, :3] @ tidy(point) + frame[:3, 3]
-    return _screw(joint.kind, axis, point, pitch)
+    axis = frame[:3, :3] @ exact_direction(direction, 0.0 if far else angle)
+    return _screw(joint.kind, axis, frame[:3, :3] @ tidy(point) + frame[:3, 3], pitch)
 
 
 def _in_frame(screw: Array, frame: Array) -> Array:
@@ -185,7 +138,7 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     normals = common_normals(robot, lines, angle=angle, length=length)
     made = [_exact(one, angle, length) for one in between(lines, normals)]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
-    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), min(angle, SQUARE))
+    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
@@ -201,7 +154,8 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
 
 def _exact(given: Numbers, angle: float, length: float) -> Numbers:
     d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x))) for x in (given.d, given.a))
-    return Numbers(exact_angle(given.phase, angle), d, a, exact_angle(given.twist, angle))
+    phase = exact_angle(given.phase, angle, step_for(angle))  # that of a joint that turns counts from anywhere
+    return Numbers(phase, d, a, exact_angle(given.twist, angle))
 
 
 def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
@@ -210,30 +164,13 @@ def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -
     for run in parallel_runs(found):
         if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable
-        signs = [1.0]
-        for k in run[:-1]:
-            signs.append(signs[-1] * (1.0 if abs(found[k].twist) < 1.0 else -1.0))
-        along = [sign * found[k].d for sign, k in zip(signs, run, strict=True)]
-        if 0.0 < abs(sum(along)) <= length:
-            last = max(i for i, d in enumerate(along) if d != 0.0)
-            rest = sum(along[:last])
-            found[run[last]] = replace(found[run[last]], d=-signs[last] * rest)
+        offsets = along(found, run)
+        if 0.0 < abs(sum(offsets)) <= length:
+            last = max(i for i, d in enumerate(offsets) if d != 0.0)
+            place = run[last]
+            same_way = offsets[last] == found[place].d
+            found[place] = replace(found[place], d=-sum(offsets[:last]) if same_way else sum(offsets[:last]))
     return found
-
-
-def parallel_runs(made: Sequence[Numbers]) -> list[list[int]]:
-    """Indices of axes, from 0, parted where two that follow each other are not exactly parallel."""
-    runs = [[0]]
-    for i, one in enumerate(made[:-1]):
-        if _parallel(one.twist):
-            runs[-1].append(i + 1)
-        else:
-            runs.append([i + 1])
-    return runs
-
-
-def _parallel(twist: float) -> bool:
-    return abs(twist - round(twist / pi) * pi) < NOTHING
 
 
 def _same(one: Robot, two: Robot) -> bool:
@@ -241,38 +178,3 @@ def _same(one: Robot, two: Robot) -> bool:
     for mine, other in zip(one.joints, two.joints, strict=True):
         pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]
     return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
-
-
-def _changes(old: Robot, new: Robot, angle: float, length: float) -> tuple[Change, ...]:
-    """What the chain's numbers were and became. Both are told about normals chosen alike."""
-    before = numbers_of(old, angle=angle, length=length)
-    after = numbers_of(new, angle=angle, length=length)
-    first, last = (_apart(x, y) for x, y in zip(_ends(old), _ends(new), strict=True))
-    ends = [Change("base", (1,), first, 0.0), Change("tip", (len(before),), last, 0.0)]
-    return (*_differences(before, after), *(change for change in ends if change.by > NOTHING))
-
-
-def _differences(before: Sequence[Numbers], after: Sequence[Numbers]) -> Iterable[Change]:
-    for number, (one, other) in enumerate(zip(before, after, strict=True), start=1):
-        for kind, joints, x, y in (
-            ("angle", (number,), one.phase, other.phase),
-            ("offset", (number,), one.d, other.d),
-            ("distance", (number, number + 1), one.a, other.a),
-            ("twist", (number, number + 1), one.twist, other.twist),
-        ):
-            lean = one.tilt if kind == "twist" else 0.0
-            change = Change(kind, joints, y + hypot(wrapped(x - y), lean) if abs(lean) > NOTHING else x, y)
-            if change.by > NOTHING:
-                yield change
-
-
-def _ends(robot: Robot) -> tuple[Array, Array]:
-    """Direction of the first axis in the base, axes of the tip in the last link (its frame)."""
-    first = robot.joints[0]
-    direction = first.screw[:3] if first.kind is JointKind.PRISMATIC else first.screw[3:]
-    return direction, robot.joints[-1].frame[:3, :3].T @ robot.home[:3, :3]
-
-
-def _apart(one: Array, two: Array) -> float:
-    """Angle between two directions or two rotations that are near [rad]."""
-    return float(np.linalg.norm(one - two)) / (np.sqrt(2.0) if one.ndim == 2 else 1.0)

@@ -1,0 +1,188 @@
+"""A proof that a set holds no configuration of lower rank: elimination modulo a prime.
+
+Where the rank is lower than r every minor of order r vanishes, so every resultant of two of them does, and every
+resultant of these, down to polynomials in one variable. If these have no common zero but t = ±i, where no configuration
+is, there is none. All is done modulo P with every angle turned by a random one, so that no solution stands at θ = π, where
+half-angle tangents are infinite, and with letters at random values: what is shown holds for almost all lengths.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, islice
+
+from rankdrop.exact.algebra.effort import tick
+from rankdrop.exact.algebra.field import P, reduced
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import Work
+
+_EACH = 6  # polynomials kept of those in the same variables
+_LENGTH = 1_000_000  # letters stand at random whole numbers up to this
+_MINORS = 400  # of all choices of rows and columns
+_TERMS = 6_000  # of a resultant that is kept
+_COST = {1: 10**6, 2: 60_000, 3: 4_000}  # product of the numbers of terms of two polynomials, by their variables
+_ROUNDS = 5  # eliminations behind one another: one for each joint but one
+_SEED = 61
+
+
+def barren(
+    ring: Ring,
+    columns: Sequence[Sequence[Polynomial]],
+    order: int,
+    pins: Mapping[int, str],
+    conditions: Sequence[Polynomial],
+    work: Work,
+) -> bool:
+    """Whether a set is proven to hold no configuration at which the rank is lower than `order`.
+
+    Args:
+        ring: of the polynomials.
+        columns: of the Jacobian, entries of `ring.trig`.
+        order: r.
+        pins: joints at simple angles on the set.
+        conditions: half-angle polynomials that vanish on it.
+        work: deadline.
+
+    Returns:
+        True with a proof modulo P; False where none was found.
+    """
+    rng = random.Random(_SEED)
+    turned = _Turned(ring, rng)
+    known = _Known(ring)
+    lengths = {name: rng.randrange(1, _LENGTH) for name in ring.letters}
+    for f in conditions:
+        known.add(turned.half(f.subs(lengths)))
+    here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
+    for minor in islice(_minors(ring, here, order), _MINORS):
+        work.check()
+        known.add(turned.half(ring.to_half(minor)[0]))
+        if known.barren:
+            return True
+    for _ in range(_ROUNDS):
+        fresh = list(known.eliminated(work))
+        if known.barren:
+            return True
+        if not fresh:
+            break
+    return False
+
+
+def _minors(ring: Ring, columns: Sequence[Sequence[Polynomial]], order: int) -> Iterator[Polynomial]:
+    """Minors that are not zero for a plain reason, neighbouring columns first: these depend on fewest joints."""
+    n, m = len(columns), len(columns[0])
+    for chosen in sorted(combinations(range(n), order), key=lambda c: c[-1] - c[0]):
+        for rows in combinations(range(m), order):
+            minor = ring.determinant([[columns[c][r] for c in chosen] for r in rows])
+            if minor != 0:
+                yield minor
+
+
+class _Turned:
+    """Half-angle polynomials modulo P with each angle turned at random."""
+
+    def __init__(self, ring: Ring, rng: random.Random) -> None:
+        module = flint()
+        self.context = module.nmod_mpoly_ctx.get(list(ring.names[: ring.moving]), P, module.Ordering.lex)
+        gens = self.context.gens()
+        self._angles = ring.angles
+        self._tops, self._bottoms = [], []
+        for k in range(ring.angles):  # tan((θ + φ) / 2) = (t + u) / (1 − u t)
+            u = rng.randrange(2, P)
+            self._tops.append(gens[k] + u)
+            self._bottoms.append(1 - gens[k] * u)
+        self._slides = gens[ring.angles :]
+
+    def half(self, f: Polynomial) -> Polynomial:
+        """f · Π (1 − u_j t_j)^degree at the turned angles."""
+        degrees = [int(d) for d in f.degrees()[: self._angles]]
+        powers: dict[tuple[int, int], Polynomial] = {}
+        one = self.context.constant(1)
+        total = self.context.constant(0)
+        g = reduced(f)
+        tick(20 + 40 * len(f))
+        for e, value in g.to_dict().items():
+            term = one * int(value)
+            for k, degree in enumerate(degrees):
+                power = int(e[k])
+                if degree:
+                    if (k, power) not in powers:
+                        powers[k, power] = self._tops[k] ** power * self._bottoms[k] ** (degree - power)
+                    term = term * powers[k, power]
+            for k, slide in enumerate(self._slides, self._angles):
+                if e[k]:
+                    term = term * slide ** int(e[k])
+            total += term
+        return total
+
+
+class _Known:
+    """Polynomials that vanish on a set, by the variables they are in."""
+
+    def __init__(self, ring: Ring) -> None:
+        self._angles, self._moving = ring.angles, ring.moving
+        self._by_variables: dict[tuple[int, ...], list[Polynomial]] = {}
+        self._single: dict[int, Polynomial] = {}  # gcd of those in one variable
+        self._tried: set[tuple[int, int, int]] = set()
+        self._kept: list[Polynomial] = []
+        self.barren = False
+
+    def add(self, f: Polynomial) -> bool:
+        """Keep one more; whether it tells anything new."""
+        if f == 0 or len(f) > _TERMS:
+            return False
+        degrees = f.degrees()
+        places = tuple(k for k in range(self._moving) if degrees[k])
+        if not places:
+            self.barren = True
+            return True
+        if len(places) == 1:
+            place = places[0]
+            before = self._single.get(place)
+            common = self._real(f, place) if before is None else before.gcd(f)
+            self._single[place] = common
+            self.barren = self.barren or common.total_degree() == 0
+            return before is None or common.total_degree() < before.total_degree()
+        same = self._by_variables.setdefault(places, [])
+        if len(same) >= _EACH:
+            return False
+        if len(places) == 2 and sum(f.gcd(other).total_degree() > 0 for other in same) > 1:
+            return False  # of those with a common factor two are enough
+        same.append(f)
+        self._kept.append(f)
+        return True
+
+    def _real(self, f: Polynomial, place: int) -> Polynomial:
+        """f without its factors 1 + t²: no configuration is there."""
+        if place < self._angles:
+            circle = 1 + f.context().gens()[place] ** 2
+            while f.total_degree() > 1:
+                quotient, rest = divmod(f, circle)
+                if rest != 0:
+                    break
+                f = quotient
+        return f
+
+    def eliminated(self, work: Work) -> Iterator[Polynomial]:
+        """Resultants of pairs in few variables together, which are kept as well."""
+        names = [str(g) for g in (self._kept[0].context().gens() if self._kept else ())]
+        singles = list(self._single.values())
+        pool = sorted([*singles, *self._kept], key=len)
+        pairs = []
+        for f, g in combinations(pool, 2):
+            one, two = ({k for k in range(self._moving) if h.degrees()[k]} for h in (f, g))
+            if one & two and len(f) * len(g) <= _COST.get(len(one | two), 0):
+                pairs += [(len(one | two), len(f) * len(g), f, g, k) for k in one & two]
+        for _, cost, f, g, k in sorted(pairs, key=lambda pair: pair[:2]):
+            key = (id(f), id(g), k)
+            if key in self._tried:
+                continue
+            self._tried.add(key)
+            work.check()
+            both = f.resultant(g, names[k])
+            tick(50 + 3 * cost + 5 * len(both))
+            if self.add(both):
+                yield both
+            if self.barren:
+                return

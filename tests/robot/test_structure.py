@@ -270,3 +270,48 @@ def test_the_exact_side_sees_the_same_arm(rng: np.random.Generator) -> None:
 def test_less_than_a_nanometre_is_no_length_of_the_exact_side_either() -> None:
     rows = [(0, "pi/2", 0.3, 0), (0, "-pi/2", -1e-12, 0), (0.2, 0, 0.4, 0), (0, 0, 0, 0)]
     assert sections(from_dh(rows, convention="standard"))[0][1].d == 0
+
+
+def test_frames_far_away_are_carried_along_as_they_are() -> None:
+    """300 m along axes that are 1e-5 rad from parallel, and back: squared about frames there, 3 mm would be lost."""
+    rows = [(0, pi / 2, 0.3, 0), (0.4, 1e-5, 300.0, 0), (0.3, 0, -300.0, 0), (0, pi / 2, 0, 0), (0, 0, 0.2, 0)]
+    arm = from_dh(rows, convention="standard")
+    found, changes = squared(arm)
+    assert max(change.by for change in changes if not change.turns) < 1e-6
+    assert [change.name for change in changes if change.turns] == ["α2"]
+    assert found.home[:3, 3] == pytest.approx(arm.home[:3, 3], abs=1e-4)
+    assert found.joints[4].screw == pytest.approx(arm.joints[4].screw, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "twists"),
+    [("RRPRR", (pi / 2, 0, 0, pi / 2)), ("RRRRR", (0, 0, 0, pi / 2)), ("RRRRR", (pi / 2, 0, 0, 0))],
+)
+def test_offsets_cancel_only_between_two_normals(kinds: str, twists: tuple[float, ...]) -> None:
+    """Not where a slide changes them, nor before the first axis or after the last, where no other axis is."""
+    lengths = (0.0, 0.4, 0.3, 0.1)
+    offsets = (0.0, 0.1, -0.0999995, 0.0)
+    rows = [(a, twist, d, 0) for a, twist, d in zip(lengths, twists, offsets, strict=True)]
+    arm = from_dh([*rows, (0.1, 0, 0, 0)], kinds=kinds, convention="standard")
+    assert squared(arm)[0] is arm
+
+
+def test_an_axis_that_leans_along_the_normal_is_told_as_a_twist() -> None:
+    inside = '<origin xyz="0.4 0 0" rpy="0 0.0000123 0"/><axis xyz="0 0 1"/>'
+    arm = from_urdf(robot([joint("j1", "a", "b"), joint("j2", "b", "c", "continuous", inside)]), as_written=True)
+    found, (change,) = squared(arm)
+    assert (change.name, change.by) == ("α1", pytest.approx(1.23e-5))
+    assert found.joints[1].screw[3:].tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize(("lean", "kept"), [(1e-5, False), (1e-3, True)])
+def test_the_tip_is_straightened_of_noise_alone(lean: float, kept: bool) -> None:
+    """Its axes are no structure: with a wider tolerance they stay what they are."""
+    tool = np.eye(4)
+    tool[:3, :3] = exponential(np.array([0, 0, 0, 1.0, 0, 0]), lean)[:3, :3]
+    arm = from_dh([(0, pi / 2, 0.3, 0), (0.4, 0, 0, 0)], convention="standard", tool=tool)
+    found, changes = squared(arm, angle=0.01)
+    assert (found is arm) is kept
+    assert [(change.kind, change.joints) for change in changes] == ([] if kept else [("tip", (2,))])
+    if not kept:
+        assert changes[0].text == "tip turned by 0.00057°"

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, handles_of, task_view
 from rankdrop.errors import OptionError
+from rankdrop.reach import reach, travel_limits
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
@@ -133,17 +134,22 @@ def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Arra
     """Lower and upper corner (n,) of the configurations worth sampling.
 
     A turning joint goes round the full circle unless `limits`. A sliding joint always keeps its limits. A limit that is
-    missing leaves room for one turn, or for two length scales.
+    missing, or so far away that it says nothing (`travel_limits`), leaves room for one turn, or for twice the reach.
     """
     low, high = np.empty(robot.n), np.empty(robot.n)
     for i, joint in enumerate(robot.variables):
         slides = joint.kind is JointKind.PRISMATIC
-        room = task.scale(robot) if slides else np.pi
+        room = reach(robot) if slides else np.pi
         lower, upper = (joint.lower, joint.upper) if limits or slides else (-np.inf, np.inf)
+        if slides:
+            lower, upper = travel_limits(robot, joint)
         if not np.isfinite(lower):
             lower = -room if not np.isfinite(upper) else min(-room, upper - 2 * room)
         if not np.isfinite(upper):
             upper = max(room, lower + 2 * room)
+        if slides:  # limits that are far from zero, too
+            lower = max(min(lower, joint.upper - (upper - lower)), joint.lower)
+            upper = min(max(upper, lower + 2 * room), joint.upper) if upper <= lower else min(upper, joint.upper)
         low[i], high[i] = lower, upper
     return low, high
 

@@ -23,6 +23,7 @@ from rankdrop.result import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import counted_length
 
 STARTS = 10_000
 """Random starts for each corank of the atlases that are shipped."""
@@ -102,7 +103,7 @@ def _named_after(found: Analysis, robot: Robot) -> Analysis:
 def _retold(family: Family, robot: Robot, task: Task) -> Family:
     """The family with its lost motions in words for other link frames than those of the file."""
     plain = lost_in_sparsest_frame(robot, family.witness, task, family.corank)
-    told = tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
+    told = tuple(f"{words(one, plain.name, counted_length(robot))} (at the witness)" for one in plain.directions)
     return replace(family, lost_words=told)
 
 

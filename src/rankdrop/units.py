@@ -86,6 +86,11 @@ def out_of_units(robot: Robot, q: ArrayLike) -> Array:
     return _slid(robot, q, 0 if isinstance(robot, UnitRobot) else exponent(robot))
 
 
+def as_given(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of a robot as the user's: for sentences written where only `in_units` is at hand."""
+    return _slid(robot, q, robot.exponent if isinstance(robot, UnitRobot) else 0)
+
+
 def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
     array = np.array(q, dtype=np.float64)
     slides = [i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC]

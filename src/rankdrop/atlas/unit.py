@@ -6,9 +6,10 @@ directions are told in `counted` lengths and stay, and sentences speak of the gi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from rankdrop.atlas.equation import Equation, Term
+from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.units import UnitRobot, exponent, into_units, out_of_units, shifted
@@ -25,18 +26,19 @@ def family_in_units(family: Family, robot: Robot) -> Family:
 
 
 def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Family:
-    if isinstance(robot, UnitRobot) or not power or not _slides(robot):
+    if isinstance(robot, UnitRobot) or not power or not slides_of(robot):
         return family
     return replace(
         family,
         pinned=tuple(_pinned(one, robot, power) for one in family.pinned),
-        equations=tuple(rescaled(one, power) for one in family.equations),
+        equations=tuple(rescaled(one, slides_of(robot), power) for one in family.equations),
         witness=tuple(witness),
     )
 
 
-def _slides(robot: Robot) -> bool:
-    return any(joint.kind is JointKind.PRISMATIC for joint in robot.variables)
+def slides_of(robot: Robot) -> tuple[int, ...]:
+    """Variables (from 0) that are lengths."""
+    return tuple(i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC)
 
 
 def _pinned(one: Pinned, robot: Robot, power: int) -> Pinned:
@@ -45,22 +47,24 @@ def _pinned(one: Pinned, robot: Robot, power: int) -> Pinned:
     return replace(one, values=tuple(shifted(value, power) for value in one.values))
 
 
-def rescaled(equation: Equation, power: int) -> Equation:
-    """The equation for slides that are 10 to a power times as large in numbers; its largest coefficient is 1 again.
+def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
+    """The equation where the numbers of slides are 10 to a power times as large; its largest coefficient is 1 again.
+
+    Args:
+        equation: of one arm.
+        slides: variables (from 0) that are lengths; powers of helical joints are powers of an angle.
+        power: of ten.
 
     Example:
-        >>> from rankdrop.atlas.equation import Term
         >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
-        >>> print(slide, "|", rescaled(slide, 3))
+        >>> print(slide, "|", rescaled(slide, [1], 3))
         q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1
     """
-    if not power or not any(any(term.powers) for term in equation.terms):
+    lengths = [sum(term.powers[i] for i in slides) for term in equation.terms]
+    if not power or not any(lengths):
         return equation
-    values = [shifted(term.coefficient, -power * sum(term.powers)) for term in equation.terms]
+    values = [shifted(term.coefficient, -power * n) for term, n in zip(equation.terms, lengths, strict=True)]
     largest = max(map(abs, values))
     return Equation(
-        tuple(
-            Term(value / largest, term.kind, term.harmonics, term.powers, term.shift)
-            for value, term in zip(values, equation.terms, strict=True)
-        )
+        tuple(replace(term, coefficient=value / largest) for value, term in zip(values, equation.terms, strict=True))
     )

@@ -1,0 +1,154 @@
+"""An arm in µm, mm, m or km is one arm: same rows, shares and verdict, to the last word."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rankdrop.analyze import analyze
+from rankdrop.conditions import conditions
+from rankdrop.known import known_names
+from rankdrop.reach import reach
+from rankdrop.record import family_to_dict
+from rankdrop.result import Analysis
+from rankdrop.robot.fingerprint import geometry
+from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.units import in_units, out_of_units, scaled
+
+UNITS = {"µm": 6, "mm": 3, "km": -3}
+"""Power of ten that numbers in metres are multiplied by."""
+FAST = ("stanford", "scara", "puma560", "planar3r")
+SLIDING = ("stanford", "scara", "fetch8", "rcrrrr")
+
+
+@cache
+def arm(name: str) -> Robot:
+    return open_robot(name)
+
+
+@cache
+def analysed(name: str, unit: str, starts: int) -> Analysis:
+    return analyze(scaled(arm(name), UNITS.get(unit, 0)), starts=starts)
+
+
+_LENGTH = re.compile(r"(\d[\d.e+-]*) (rad/m|m/rad|m)\b")
+
+
+def in_metres(sentence: str, power: int) -> str:
+    """A sentence with its lengths, pitches and rates of an arm scaled by 10^power as those of the arm."""
+
+    def moved(match: re.Match[str]) -> str:
+        value = float(match[1]) * 10.0 ** (power if match[2] == "rad/m" else -power)
+        return f"{value:.3g} {match[2]}"
+
+    return _LENGTH.sub(moved, sentence)
+
+
+def said(analysis: Analysis, power: int) -> dict[str, Any]:
+    """What an analysis says, without the numbers that carry a length; those are turned back into metres."""
+    slides = [joint.kind is JointKind.PRISMATIC for joint in analysis.robot.variables]
+    families = []
+    for family in analysis.families:
+        record = family_to_dict(family)
+        record["lost_words"] = [in_metres(one, power) for one in family.lost_words]
+        record["pinned"] = [
+            [one.number, [f"{v * 10.0 ** (-power * slides[one.number - 1]):.12g}" for v in one.values]]
+            for one in family.pinned
+        ]
+        record["witness"] = [
+            f"{v * 10.0 ** (-power * slide):.12g}" for v, slide in zip(family.witness, slides, strict=True)
+        ]
+        if any(slides):  # coefficients carry a length
+            record["equations"] = record["terms"] = [
+                [[term.kind, term.harmonics, term.powers, term.shift] for term in one.terms] for one in family.equations
+            ]
+        families.append(record)
+    record = analysis.to_dict()
+    exact = analysis.exact
+    assert exact is not None
+    return {
+        "coranks": record["coranks"],
+        "families": families,
+        "notes": record["notes"],
+        "verified": analysis.verified,
+        "exact": [
+            exact.status, exact.reason, [(one.id, one.name, one.corank, one.dimension) for one in exact.families],
+            exact.matches, exact.numeric, exact.exact, exact.wider, len(exact.disagreements),
+        ],
+    }  # fmt: skip
+
+
+def check_same(name: str, unit: str, starts: int) -> None:
+    metres, other = analysed(name, "m", starts), analysed(name, unit, starts)
+    mine, theirs = said(metres, 0), said(other, UNITS[unit])
+    for key in mine:
+        assert mine[key] == theirs[key], key
+    assert other.settings.length_scale == pytest.approx(metres.settings.length_scale * 10.0 ** UNITS[unit], rel=1e-12)
+    assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", FAST)
+def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None:
+    check_same(name, unit, 500)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", known_names())
+def test_the_whole_catalogue_does_not_depend_on_the_unit(name: str, unit: str) -> None:
+    check_same(name, unit, 10_000)
+
+
+def check_exact(name: str, unit: str) -> None:
+    power = UNITS[unit]
+    metres, other = (conditions(scaled(arm(name), p), points=100) for p in (0, power))
+    assert metres.verdict == other.verdict
+    assert [one.id for one in metres.families] == [one.id for one in other.families]
+    for mine, theirs in zip(metres.families, other.families, strict=True):
+        assert (mine.name, mine.dimension, mine.rank_check) == (theirs.name, theirs.dimension, theirs.rank_check)
+        assert mine.in_units(metres.chain).texts == theirs.in_units(other.chain).texts
+        assert mine.witness == pytest.approx(out_of_units(metres.robot, theirs.in_units(other.chain).witness), abs=1e-9)
+        assert list(mine.lost_words) == [in_metres(one, power) for one in theirs.lost_words]
+        if metres.letters:
+            assert mine.texts == theirs.texts
+    assert metres.explained == other.explained
+    assert metres.not_real == other.not_real
+    assert metres.assumptions == other.assumptions
+    assert list(metres.letters) == list(other.letters)
+    for letter, value in metres.letters.items():
+        assert other.letters[letter] == pytest.approx(value * 10.0**power, rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", FAST)
+def test_exact_conditions_do_not_depend_on_the_unit(name: str, unit: str) -> None:
+    pytest.importorskip("flint")
+    check_exact(name, unit)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", known_names())
+def test_exact_conditions_of_the_whole_catalogue_do_not_depend_on_the_unit(name: str, unit: str) -> None:
+    pytest.importorskip("flint")
+    check_exact(name, unit)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", known_names())
+def test_an_arm_in_its_own_unit_is_the_same_to_the_last_bit(name: str, unit: str) -> None:
+    """Everything else rests on this."""
+    one, other = in_units(arm(name)), in_units(scaled(arm(name), UNITS[unit]))
+    assert (geometry(one) == geometry(other)).all()
+    assert reach(one) == reach(other)
+    assert np.abs(geometry(one) - geometry(scaled(arm(name), -one.exponent))).max() < 1e-14
+    assert 10**-0.5 <= reach(one) <= 10**0.5
+    for mine, theirs in zip(one.joints, other.joints, strict=True):
+        assert (mine.lower, mine.upper) == (theirs.lower, theirs.upper)

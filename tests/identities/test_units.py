@@ -37,15 +37,15 @@ def analysed(name: str, unit: str, starts: int) -> Analysis:
     return analyze(scaled(arm(name), UNITS.get(unit, 0)), starts=starts)
 
 
-_LENGTH = re.compile(r"(\d[\d.e+-]*) (rad/m|m/rad|m)\b")
+_LENGTH = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad|m)\b")
 
 
 def in_metres(sentence: str, power: int) -> str:
     """A sentence with its lengths, pitches and rates of an arm scaled by 10^power as those of the arm."""
 
     def moved(match: re.Match[str]) -> str:
-        value = float(match[1]) * 10.0 ** (power if match[2] == "rad/m" else -power)
-        return f"{value:.3g} {match[2]}"
+        value = float(match[1].replace("−", "-")) * 10.0 ** (power if match[2] == "rad/m" else -power)
+        return f"{value:.3g} {match[2]}".replace("-", "−")
 
     return _LENGTH.sub(moved, sentence)
 

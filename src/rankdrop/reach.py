@@ -8,9 +8,9 @@ import numpy as np
 
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 
-FAR = 30.0
-"""Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: a mobile base
-has ±1e6 m, a gantry over a cell some ten times the reach of what hangs on it."""
+FAR = 10.0
+"""Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
+mobile base, a rail of 20 m under an arm of one. The Stanford arm has 6."""
 _NOTHING = 1e-12  # share of the coordinates that a length is made of at which it is rounding
 
 _reaches: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()  # a robot never changes, and every view asks

@@ -20,7 +20,7 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.atlas.overview import search_overview
 from rankdrop.errors import OptionError
-from rankdrop.local.block import generic_rank, joint_scale, sample, sampling_box, singular_values
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import html
 from rankdrop.task import Task, resolve_task
@@ -225,7 +225,7 @@ def refine(
             tolerances=tolerances,
         )
         return _out_of_units(found, robot, resolved)
-    box = np.stack(sampling_box(robot, resolved, limits=True)) if limits else None
+    box = np.stack(limit_box(robot, resolved)) if limits else None
     if box is not None:
         rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
     scale = joint_scale(robot, resolved)

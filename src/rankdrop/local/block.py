@@ -154,6 +154,14 @@ def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Arra
     return low, high
 
 
+def limit_box(robot: Robot, task: Task) -> tuple[Array, Array]:
+    """Lower and upper corner (n,) of where a motion may go within limits: `sampling_box`, slides up to their ends."""
+    low, high = sampling_box(robot, task, limits=True)
+    slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.variables])
+    low = np.where(slides & np.isfinite(robot.lower), robot.lower, low)
+    return low, np.where(slides & np.isfinite(robot.upper), robot.upper, high)
+
+
 def joint_scale(robot: Robot, task: Task) -> Array:
     """(n,) what one unit of joint motion is measured by: 1 for a turning joint [rad], the length scale for a slide [m].
 

@@ -41,6 +41,7 @@ class UnitRobot(Robot):
 
 
 _made: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()  # a robot never changes
+_in_metres: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()
 
 
 def in_units(robot: Robot) -> UnitRobot:
@@ -49,11 +50,13 @@ def in_units(robot: Robot) -> UnitRobot:
         return robot
     made = _made.get(robot)
     if made is None:
-        power = exponent(robot)
-        plain = _rounded(scaled(robot, -power))
-        made = UnitRobot(**{one.name: getattr(plain, one.name) for one in fields(Robot)}, exponent=power)
-        _made[robot] = made
+        made = _made[robot] = _with_exponent(robot, exponent(robot))
     return made
+
+
+def _with_exponent(robot: Robot, power: int) -> UnitRobot:
+    plain = _rounded(scaled(robot, -power))
+    return UnitRobot(**{one.name: getattr(plain, one.name) for one in fields(Robot)}, exponent=power)
 
 
 def exponent(robot: Robot) -> int:
@@ -88,7 +91,12 @@ def out_of_units(robot: Robot, q: ArrayLike) -> Array:
 
 def as_given(robot: Robot, q: ArrayLike) -> Array:
     """Configurations (..., n) of a robot as the user's: for sentences written where only `in_units` is at hand."""
-    return _slid(robot, q, robot.exponent if isinstance(robot, UnitRobot) else 0)
+    return _slid(robot, q, told_exponent(robot))
+
+
+def told_exponent(robot: Robot) -> int:
+    """Power of ten by which lengths of a robot are told larger than they stand there: that of `in_units`, else 0."""
+    return robot.exponent if isinstance(robot, UnitRobot) else 0
 
 
 def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
@@ -102,6 +110,50 @@ def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
 def shifted(length: _Length, power: int) -> _Length:
     """A length times 10 to a power, rounded once."""
     return length * 10.0**power if power >= 0 else length / 10.0**-power
+
+
+def metre_exponent(robot: Robot) -> int:
+    """Power of ten between an arm with slides and the same arm in metres; 0 for an arm that is in them, or has none.
+
+    At one configuration σ is that of joint rates in rad/s and m/s, as GR and AM have it: of an arm in mm, its slides'
+    rates would count a thousandfold. So such an arm is looked at as if its numbers were metres; the multiple of three
+    that `counted_length` has decides.
+    """
+    if isinstance(robot, UnitRobot) or all(joint.kind is not JointKind.PRISMATIC for joint in robot.joints):
+        return 0
+    return counted_exponent(robot)
+
+
+def in_metres(robot: Robot) -> Robot:
+    """The arm with its lengths divided by 10 to the power of `metre_exponent`; mostly itself."""
+    power = metre_exponent(robot)
+    if not power:
+        return robot
+    made = _in_metres.get(robot)
+    if made is None:
+        made = _in_metres[robot] = _with_exponent(robot, power)
+    return made
+
+
+def metres(robot: Robot) -> Robot:
+    """The arm, with slides or without, as if its numbers were metres; itself where its reach is that of an arm in m."""
+    power = 0 if isinstance(robot, UnitRobot) else counted_exponent(robot)
+    return _with_exponent(robot, power) if power else robot
+
+
+def task_in_metres(task: Task, robot: Robot) -> Task:
+    """The task of an arm for `in_metres(robot)`."""
+    return _moved_task(task, -metre_exponent(robot))
+
+
+def into_metres(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of an arm as those of `in_metres(robot)`."""
+    return _slid(robot, q, -metre_exponent(robot))
+
+
+def out_of_metres(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of `in_metres(robot)` as those of the arm itself."""
+    return _slid(robot, q, metre_exponent(robot))
 
 
 def counted(robot: Robot) -> float:

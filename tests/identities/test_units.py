@@ -12,8 +12,9 @@ import pytest
 
 from rankdrop.analyze import analyze
 from rankdrop.conditions import conditions
+from rankdrop.explain import explain
 from rankdrop.joined import NOT_DERIVED
-from rankdrop.known import known_names
+from rankdrop.known import known_names, shipped
 from rankdrop.reach import reach
 from rankdrop.record import family_to_dict
 from rankdrop.result import Analysis
@@ -191,7 +192,8 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     robot = scaled(replace(base, name="rail", joints=(rail, *base.joints)), UNITS.get(unit, 0))
     assert reach(robot) == pytest.approx(reach(base) * 10.0 ** UNITS.get(unit, 0))
     found = analyze(robot, starts=200, exact="on")
-    assert [(one.corank, one.dimension, [pin.number for pin in one.pinned]) for one in found.families] == [(1, 1, [2, 3])]
+    rows = [(one.corank, one.dimension, [pin.number for pin in one.pinned]) for one in found.families]
+    assert rows == [(1, 1, [2, 3])]
     assert found.verified
     assert found.exact is not None
     assert found.exact.status == "agrees"
@@ -209,3 +211,43 @@ def test_limits_far_beyond_the_arm_change_no_row(ends: tuple[float, float]) -> N
         (one.name, one.dimension) for one in analysed("stanford", "m", 500).families
     ]
     assert found.verified
+
+
+def asked(name: str) -> list[np.ndarray]:
+    """A regular configuration, a very singular one, and a witness of each kind of family."""
+    robot, rng = arm(name), np.random.default_rng(3)
+    return [rng.uniform(-1, 1, robot.n), np.zeros(robot.n), *(np.array(one.witness) for one in shipped(name).families)]
+
+
+def explained(robot: Robot, q: np.ndarray, power: int) -> list[Any]:
+    """What is said of a configuration, lengths and rates turned back into metres."""
+    found = explain(robot, q)
+    unit = np.where([joint.kind is JointKind.PRISMATIC for joint in robot.variables], 10.0**-power, 1.0)
+    nearest = found.far.nearest
+
+    def digits(values: Any) -> list[str]:
+        return [f"{value:.6f}" for value in np.atleast_1d(values) + 0.0]
+
+    return [
+        found.verdict, in_metres(found.reason, power), found.rank.rank, digits(found.rank.sigma),
+        [(met.family.name, met.source, digits(met.residual)) for met in found.met], digits(found.focus * unit),
+        [one.words for one in found.relations],
+        [in_metres(one, power) for one in found.lost.words], digits(found.lost.directions), digits(found.lost.weakest),
+        [one.words for one in found.blame.smallest], [one.numbers for one in found.blame.circuits],
+        [(one.number, one.gain, one.order, one.receptors, one.within_limits, digits(one.step * unit[one.number - 1]))
+         for one in found.escape.single],
+        digits(np.array(found.escape.best_direction.delta) * unit), found.escape.avoidable_words,
+        found.escape.boundary_words, [(one.family.name, digits(one.distance)) for one in found.far.families],
+        None if nearest is None else (digits(nearest.distance), digits(np.array(nearest.q) * unit)),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("name", ["stanford", "puma560", "scara"])
+def test_what_is_said_of_a_configuration_does_not_depend_on_the_unit(name: str, unit: str) -> None:
+    power = UNITS[unit]
+    robot = scaled(arm(name), power)
+    slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
+    for q in asked(name):
+        there = np.where(slides, q * 10.0**power, q)
+        assert explained(robot, there, power) == explained(arm(name), q, 0), q

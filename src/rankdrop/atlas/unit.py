@@ -6,13 +6,16 @@ directions are told in `counted` lengths and stay, and sentences speak of the gi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.robot.model import JointKind, Robot
-from rankdrop.units import UnitRobot, exponent, into_units, out_of_units, shifted
+from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
+
+_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad)")
 
 
 def family_out_of_units(family: Family, robot: Robot) -> Family:
@@ -23,6 +26,29 @@ def family_out_of_units(family: Family, robot: Robot) -> Family:
 def family_in_units(family: Family, robot: Robot) -> Family:
     """A family of an arm as one of `in_units(robot)`."""
     return _moved(family, robot, -exponent(robot), into_units(robot, family.witness).tolist())
+
+
+def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
+    """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
+    witness = [shifted(x, power) if i in slides_of(robot) else x for i, x in enumerate(family.witness)]
+    words = tuple(_retold(one, power) for one in family.lost_words)
+    return replace(_moved(family, robot, power, witness), lost_words=words)
+
+
+def _retold(sentence: str, power: int) -> str:
+    """A sentence on a lost motion with its rates in the other unit."""
+
+    def moved(match: re.Match[str]) -> str:
+        value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
+        return f"{value:.3g} {match[2]}".replace("-", "−")
+
+    return _RATE.sub(moved, sentence)
+
+
+def family_in_metres(family: Family, robot: Robot) -> Family:
+    """A family of an arm as one of `in_metres(robot)`: always another object."""
+    moved = _moved(family, robot, -metre_exponent(robot), into_metres(robot, family.witness).tolist())
+    return replace(moved) if moved is family else moved
 
 
 def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Family:

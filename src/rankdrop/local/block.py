@@ -22,6 +22,7 @@ from rankdrop.errors import OptionError
 from rankdrop.reach import reach, travel_limits
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
+from rankdrop.units import UnitRobot, in_units, task_in_units
 
 STRUCTURE_SEED = 20231
 """Of the configurations that tell what holds almost everywhere."""
@@ -188,6 +189,8 @@ def generic_rank(robot: Robot, task: Task) -> int:
 
     Below min(m, n) the arm is singular at every configuration for this task. Found once for each robot and task.
     """
+    if not isinstance(robot, UnitRobot):
+        return generic_rank(in_units(robot), task_in_units(task, robot))
     ranks = handles_of(robot).ranks
     key = (task.frame, task.rows, task.scale(robot))
     if key not in ranks:

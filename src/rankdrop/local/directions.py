@@ -18,7 +18,7 @@ from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, six_rows
 from rankdrop.tolerances import ENTRY
-from rankdrop.units import UnitRobot, counted, exponent, shifted
+from rankdrop.units import counted, in_metres, into_metres, shifted, task_in_metres, told_exponent
 
 _NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
 _STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
@@ -90,7 +90,7 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     see = Sight(link_poses(robot, configuration), task.frame, frames, counted(robot))
     found = _readable(see(blocked), see(always), corank)
     best = _sparsest(found)
-    return FramedDirections(found[best], frames[best], frame_name(frames[best], robot))
+    return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -129,7 +129,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     found = readable_bases(bases[0][still]).swapaxes(1, 2)
     best = _sparsest(found)
     frame = frames[still[best]]
-    return FramedDirections(found[best], frame, frame_name(frame, robot))
+    return FramedDirections(found[best], frame, frame_name(frame, told_exponent(robot)))
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -162,21 +162,22 @@ class Sight:
         return rewrite_wrench(wrenches, self.turns, self.offsets[:, None])
 
 
-def frame_name(frame: Frame, robot: Robot) -> str:
-    """A frame of an arm in words, to end a sentence with; a point in the unit that the arm was given in."""
+def frame_name(frame: Frame, power: int = 0) -> str:
+    """A frame in words, to end a sentence with; numbers of its point are told times 10 to a power."""
     axes = {BASE: "the base", TIP: "the end effector"}.get(frame.axes, f"link {frame.axes}")
     if frame.origin == TIP and not any(frame.point):
         return axes
     if frame.origin == frame.axes and not any(frame.point):
         return f"{axes} at its origin"
     carrier = {BASE: "the base", TIP: "the end effector"}.get(frame.origin, f"link {frame.origin}")
-    given = [shifted(x, exponent(robot)) if isinstance(robot, UnitRobot) else x for x in frame.point]
+    given = [shifted(x, power) for x in frame.point]
     where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in given)}) m"
     return f"{axes} at {where} of {carrier}"
 
 
 def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
+    robot, task, q = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")

@@ -24,7 +24,7 @@ from rankdrop.result import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-from rankdrop.units import counted, counted_exponent, metres, shifted
+from rankdrop.units import counted, in_metres, metre_exponent, shifted
 
 STARTS = 10_000
 """Random starts for each corank of the atlases that are shipped."""
@@ -59,7 +59,7 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
         >>> len(known_analysis(arm, resolve_task(None, arm)).families)
         9
     """
-    there = metres(robot)
+    there = in_metres(robot)
     mine = geometry(there)
     for name in _index().get(coarse_fingerprint(there), ()):
         found = shipped(name)
@@ -71,7 +71,7 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
 
 def _out_of_metres(found: Analysis, robot: Robot) -> Analysis:
     """An analysis in metres as one of an arm in another unit."""
-    power = counted_exponent(robot)
+    power = metre_exponent(robot)
     length = shifted(found.settings.length_scale, power)
     return replace(
         found, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in found.families),

@@ -42,6 +42,7 @@ class UnitRobot(Robot):
 
 _made: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()  # a robot never changes
 _in_metres: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()
+_counted: WeakKeyDictionary[Robot, int] = WeakKeyDictionary()
 
 
 def in_units(robot: Robot) -> UnitRobot:
@@ -101,8 +102,10 @@ def told_exponent(robot: Robot) -> int:
 
 def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
     array = np.array(q, dtype=np.float64)
+    if not power:
+        return array
     slides = [i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC]
-    if power and slides:
+    if slides:
         array[..., slides] = shifted(array[..., slides], power)
     return array
 
@@ -113,15 +116,12 @@ def shifted(length: _Length, power: int) -> _Length:
 
 
 def metre_exponent(robot: Robot) -> int:
-    """Power of ten between an arm with slides and the same arm in metres; 0 for an arm that is in them, or has none.
+    """Power of ten between an arm and the same arm in metres: that of `counted_length`; 0 for one that is in them.
 
     At one configuration σ is that of joint rates in rad/s and m/s, as GR and AM have it: of an arm in mm, its slides'
-    rates would count a thousandfold. So such an arm is looked at as if its numbers were metres; the multiple of three
-    that `counted_length` has decides.
+    rates would count a thousandfold. So it is looked at as if its numbers were metres.
     """
-    if isinstance(robot, UnitRobot) or all(joint.kind is not JointKind.PRISMATIC for joint in robot.joints):
-        return 0
-    return counted_exponent(robot)
+    return 0 if isinstance(robot, UnitRobot) else counted_exponent(robot)
 
 
 def in_metres(robot: Robot) -> Robot:
@@ -133,12 +133,6 @@ def in_metres(robot: Robot) -> Robot:
     if made is None:
         made = _in_metres[robot] = _with_exponent(robot, power)
     return made
-
-
-def metres(robot: Robot) -> Robot:
-    """The arm, with slides or without, as if its numbers were metres; itself where its reach is that of an arm in m."""
-    power = 0 if isinstance(robot, UnitRobot) else counted_exponent(robot)
-    return _with_exponent(robot, power) if power else robot
 
 
 def task_in_metres(task: Task, robot: Robot) -> Task:
@@ -173,8 +167,11 @@ def counted_length(robot: Robot) -> float:
 
 def counted_exponent(robot: Robot) -> int:
     """Power of ten of `counted_length`: a multiple of three."""
-    given = log10(reach(robot)) + (exponent(robot) if isinstance(robot, UnitRobot) else 0)
-    return 3 * floor(given / 3 + 0.5)
+    known = _counted.get(robot)
+    if known is None:
+        given = log10(reach(robot)) + told_exponent(robot)
+        known = _counted[robot] = 3 * floor(given / 3 + 0.5)
+    return known
 
 
 def scaled(robot: Robot, power: int) -> Robot:

@@ -11,7 +11,7 @@ from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.units import exponent, shifted
 
-MANY = 8
+MANY = 14
 """More different lengths than this stay numbers unless letters are asked for."""
 
 Place = tuple[int, str]

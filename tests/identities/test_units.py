@@ -11,16 +11,18 @@ import numpy as np
 import pytest
 
 from rankdrop.analyze import analyze
+from rankdrop.atlas.slices import telling_slices
 from rankdrop.conditions import conditions
 from rankdrop.explain import explain
 from rankdrop.joined import NOT_DERIVED
-from rankdrop.known import known_names, shipped
+from rankdrop.known import known_analysis, known_names, shipped
 from rankdrop.reach import reach
 from rankdrop.record import family_to_dict
 from rankdrop.result import Analysis
 from rankdrop.robot.fingerprint import geometry
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled
 
 UNITS = {"µm": 6, "mm": 3, "km": -3}
@@ -252,3 +254,22 @@ def test_what_is_said_of_a_configuration_does_not_depend_on_the_unit(name: str, 
         there = np.where(slides, q * 10.0**power, q)
         for mine, theirs in zip(explained(arm(name), q, 0), explained(robot, there, power), strict=True):
             assert mine == theirs, q
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_slices_of_joint_space_do_not_depend_on_the_unit(unit: str) -> None:
+    drawn = []
+    for power in (0, UNITS[unit]):
+        robot = scaled(arm("stanford"), power)
+        task = resolve_task(None, robot)
+        known = known_analysis(robot, task)
+        assert known is not None
+        slices = telling_slices(robot, task, known.families, most=2)
+        lengths = [np.where([number == 3 for number in one.joints], 10.0**-power, 1.0) for one in slices]
+        drawn.append([
+            (one.joints, one.filled, [(trace.family, len(trace.curves), len(trace.points)) for trace in one.traces],
+             [round(float((curve * length).sum()), 4) for trace in one.traces for curve in trace.curves])
+            for one, length in zip(slices, lengths, strict=True)
+        ])  # fmt: skip
+    assert drawn[0] == drawn[1]
+    assert any(traces for _, _, traces, _ in drawn[0])

@@ -13,6 +13,8 @@ import pytest
 from rankdrop.analyze import analyze
 from rankdrop.atlas.slices import telling_slices
 from rankdrop.conditions import conditions
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.letters import sign_of
 from rankdrop.explain import explain
 from rankdrop.joined import NOT_DERIVED
 from rankdrop.known import known_analysis, known_names, shipped
@@ -273,3 +275,14 @@ def test_slices_of_joint_space_do_not_depend_on_the_unit(unit: str) -> None:
         ])  # fmt: skip
     assert drawn[0] == drawn[1]
     assert any(traces for _, _, traces, _ in drawn[0])
+
+
+@pytest.mark.parametrize("power", [-6, -3, 0, 3, 6])
+def test_signs_of_lengths_do_not_depend_on_the_unit(power: int) -> None:
+    """a2² of an arm of 1 µm is 2e-13, and not zero."""
+    pytest.importorskip("flint")
+    chain = exact_chain(scaled(arm("puma560"), power))
+    letter = chain.ring.letter_half
+    assert sign_of(chain, letter["a2"] ** 2) == 1
+    assert sign_of(chain, letter["a3"] ** 2 - letter["d3"] ** 2) == -1
+    assert sign_of(chain, letter["a2"] - letter["d4"]) == 0

@@ -14,8 +14,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.letters import letters_text, sign_of
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import RADIANS
-from rankdrop.local.block import singular_values
-from rankdrop.reach import reach
+from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 
@@ -81,8 +80,9 @@ def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generato
     """
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
-    for j in chain.ring.prismatic:
-        theta[:, j - 1] *= reach(chain.own)
+    low, high = sampling_box(chain.own, chain.own_task, limits=False)
+    for j in chain.ring.prismatic:  # of their travel
+        theta[:, j - 1] = low[j - 1] + (high[j - 1] - low[j - 1]) * (theta[:, j - 1] + np.pi) / (2 * np.pi)
     pinned = list(piece.pins)
     for j, value in piece.pins.items():
         theta[:, j - 1] = RADIANS[value]

@@ -82,6 +82,7 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
         power: of ten.
 
     Example:
+        >>> from rankdrop.atlas.equation import Term
         >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
         >>> print(slide, "|", rescaled(slide, [1], 3))
         q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1

@@ -9,12 +9,14 @@ from rankdrop._handles import check_robot
 from rankdrop.atlas.families import families
 from rankdrop.atlas.family import CorankFamilies
 from rankdrop.atlas.search import check_numbers, search
+from rankdrop.atlas.unit import family_out_of_units
 from rankdrop.join import check_exact, join
 from rankdrop.local.block import generic_rank
 from rankdrop.result import Analysis, Settings
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task, task_names
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
 
 Progress = Callable[[str, int, int], None]
@@ -76,14 +78,14 @@ def analyze(
     check_exact(exact)
     starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot, length_scale=length_scale)
-    resolved = replace(resolved, length_scale=resolved.scale(robot))
-    rank = generic_rank(robot, resolved)
+    own, task_here = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
+    rank = generic_rank(own, task_here)
     found: list[CorankFamilies] = []
     unfinished: int | None = None
     for corank in range(1, rank + 1):
         try:
             cloud = search(
-                robot, corank, task=resolved, starts=starts, seed=seed, limits=limits, threads=threads,
+                own, corank, task=task_here, starts=starts, seed=seed, limits=limits, threads=threads,
                 progress=_labelled(progress, f"corank {corank}: search"), tolerances=tolerances,
             )  # fmt: skip
             if not cloud.complete:
@@ -99,20 +101,20 @@ def analyze(
             break
         if found[-1].summary.converged == 0:
             break
-    rows = tuple(family for one in found for family in one.families)
+    here = tuple(family for one in found for family in one.families)
     joined = None
     if unfinished is None:
         joined = join(
-            robot, resolved, rank, rows, exact=exact, limits=limits, seed=seed, tolerances=tolerances,
+            robot, resolved, rank, here, exact=exact, limits=limits, seed=seed, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
     return Analysis(
         robot=robot,
-        task=resolved,
+        task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
         settings=Settings(seed, starts, limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in found),
-        families=rows,
+        families=tuple(family_out_of_units(family, robot) for family in here),
         complete=unfinished is None,
         unfinished=unfinished,
         notes=_rank_notes(robot, resolved, rank),

@@ -29,6 +29,7 @@ from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import out_of_units
 from rankdrop.version import VERSION
 
 Progress = Callable[[str, int, int], None]
@@ -252,23 +253,25 @@ def _cloud(
     """Singular configurations found numerically, tried on the families, and sentences on those left over."""
     tested = agree = 0
     over = []
+    here = [family.in_units(chain) for family in found]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted or (corank > 1 and work.left_by_clock < 0):
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)
         try:
-            met = cloud(chain.robot, chain.task, corank, wanted, work.seed, work.left_by_clock)
+            met = cloud(chain.own, chain.own_task, corank, wanted, work.seed, work.left_by_clock)
             if not len(met.q):
                 break
             met = met.up_to(generic_rank - lowest)
-            check, remaining = explained(met, [family.equations for family in found if family.corank >= corank])
+            check, remaining = explained(met, [family.equations for family in here if family.corank >= corank])
         except KeyboardInterrupt:
             work.interrupt()
             break
         tested, agree = tested + check.tested, agree + check.agree
         if len(remaining):
-            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in met.q[remaining[0]])
+            one = out_of_units(chain.robot, met.q[remaining[0]])
+            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in one)
             over.append(
                 f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
                 f"family, q = ({q}) is one"

@@ -100,7 +100,6 @@ def explain(
             typed="to be told of small ones, raise --near",
         )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
-    resolved = replace(resolved, length_scale=resolved.scale(robot))
     families, source = known_families(robot, resolved, analysis, tolerances)
     settings = ExplainSettings(
         near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION
@@ -120,7 +119,7 @@ def _explained(asked: Asked) -> Explanation:
     way_out = escape(robot, q, task, tolerances=settings.tolerances, seed=settings.seed, step=settings.step)
     return Explanation(
         robot=robot,
-        task=task,
+        task=replace(task, length_scale=settings.length_scale),
         q=q,
         settings=settings,
         verdict=verdict,

@@ -16,6 +16,7 @@ from rankdrop.joined import AGREES, ASKED, DIFFERS, NOT_DERIVED, ExactRow, Joine
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_units, task_in_units
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
 """Time limits by the clock, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
@@ -47,7 +48,7 @@ def join(
 
     Args:
         robot, task, generic_rank: of the analysis.
-        rows: its families, of every corank that there is.
+        rows: its families, of every corank that there is, in the arm's own unit of length (`family_in_units`).
         exact: "auto", where python-flint is installed, the arm can be treated, and time allows; "on", required; "off".
         limits: the rows are those within the joint limits.
         seed: of every random choice.
@@ -80,7 +81,9 @@ def join(
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
         return Joined(NOT_DERIVED, exact, seconds, reason)
     agreement = match(
-        robot, task, generic_rank, rows, derived.families, limits=limits, seed=seed, tolerances=tolerances
+        in_units(robot), task_in_units(task, robot), generic_rank, rows,
+        [family.in_units(derived.chain) for family in derived.families], limits=limits, seed=seed,
+        tolerances=tolerances,
     )
     disagreements = (*_ranks(derived, generic_rank), *agreement.disagreements)
     return Joined(

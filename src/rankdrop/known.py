@@ -16,6 +16,7 @@ from importlib.resources.abc import Traversable
 import numpy as np
 
 from rankdrop.atlas.family import Family, Pinned
+from rankdrop.atlas.unit import family_from_metres
 from rankdrop.errors import ResultFileError
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.words import words
@@ -23,6 +24,7 @@ from rankdrop.result import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import counted, in_metres, metre_exponent, shifted
 
 STARTS = 10_000
 """Random starts for each corank of the atlases that are shipped."""
@@ -57,12 +59,24 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
         >>> len(known_analysis(arm, resolve_task(None, arm)).families)
         9
     """
-    mine = geometry(robot)
-    for name in _index().get(coarse_fingerprint(robot), ()):
+    there = in_metres(robot)
+    mine = geometry(there)
+    for name in _index().get(coarse_fingerprint(there), ()):
         found = shipped(name)
         if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
-            return _named_after(found, robot)
+            named = _named_after(found, there)
+            return named if there is robot else _out_of_metres(named, robot)
     return None
+
+
+def _out_of_metres(found: Analysis, robot: Robot) -> Analysis:
+    """An analysis in metres as one of an arm in another unit."""
+    power = metre_exponent(robot)
+    length = shifted(found.settings.length_scale, power)
+    return replace(
+        found, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in found.families),
+        task=replace(found.task, length_scale=length), settings=replace(found.settings, length_scale=length),
+    )  # fmt: skip
 
 
 def known_names() -> tuple[str, ...]:
@@ -102,7 +116,7 @@ def _named_after(found: Analysis, robot: Robot) -> Analysis:
 def _retold(family: Family, robot: Robot, task: Task) -> Family:
     """The family with its lost motions in words for other link frames than those of the file."""
     plain = lost_in_sparsest_frame(robot, family.witness, task, family.corank)
-    told = tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
+    told = tuple(f"{words(one, plain.name, counted(robot))} (at the witness)" for one in plain.directions)
     return replace(family, lost_words=told)
 
 

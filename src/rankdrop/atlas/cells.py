@@ -8,16 +8,23 @@ from math import degrees, floor, isclose
 
 from rankdrop.atlas.equation import Equation, pretty_angle
 from rankdrop.atlas.family import Family, Share
+from rankdrop.robot.model import Robot
+from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
-LEGEND = (
+_LEGEND = (
     "× any value; c coupled: see the condition under the table; dim: dimension of the family in joint space; "
     "sound: share of points solved from the row's conditions that are singular; share: share of fresh singular points "
-    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, 1 m counted "
-    "as 1 rad."
+    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, "
+    "{length} m counted as 1 rad."
 )
 _SAME = 1e-9
 _MOST_TERMS, _FIRST_TERMS = 30, 8  # a longer condition is for programs; its beginning is for people
+
+
+def legend(robot: Robot) -> str:
+    """What the marks and columns of a table of families mean."""
+    return _LEGEND.format(length=f"{counted_length(robot):g}")
 
 
 def joint_symbol(number: int, kind: str) -> str:

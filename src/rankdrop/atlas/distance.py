@@ -7,7 +7,7 @@ walked (`coupled`). A point counts where |f| ≤ 1e-9 and σ vanishes in the Jac
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,12 +15,14 @@ from numpy.typing import ArrayLike
 from rankdrop.atlas.coupled import Coupled, nearest_turns
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.atlas.system import REACHED, System
+from rankdrop.atlas.unit import family_in_metres
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 AGREE = 1e-6  # distances that differ by less are the same: σ that vanishes to second order leaves half the digits [rad]
 
@@ -94,6 +96,14 @@ def family_distances(
         ConfigurationError: q is not one configuration of this arm.
     """
     centre = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = [family_in_metres(family, robot) for family in families]
+        made = family_distances(
+            there, in_metres(robot), into_metres(robot, centre), task_in_metres(task, robot), limits=limits, seed=seed,
+            tolerances=tolerances,
+        )
+        given = dict(zip(map(id, there), families, strict=True))
+        return tuple(_out_of_metres(one, given[id(one.family)], robot) for one in made)
     scale = joint_scale(robot, task)
     box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
     full = generic_rank(robot, task)
@@ -107,6 +117,13 @@ def family_distances(
             points = Coupled(family, robot, centre, scale, box, seed).points()
         records.append(_record(family, points, robot, task, full - family.corank, centre, scale, exact, tolerances))
     return tuple(sorted(records, key=lambda record: record.distance))
+
+
+def _out_of_metres(found: FamilyDistance, family: Family, robot: Robot) -> FamilyDistance:
+    if not found.q:
+        return replace(found, family=family)
+    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
+    return replace(found, family=family, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 def agreement(distances: Sequence[FamilyDistance], nearest: Nearest | None) -> Agreement:

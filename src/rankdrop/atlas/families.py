@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +26,12 @@ from rankdrop.atlas.sampling import Setting
 from rankdrop.atlas.search import Outcome, Search, search
 from rankdrop.atlas.signature import Inspection
 from rankdrop.atlas.told import told
+from rankdrop.atlas.unit import family_out_of_units
 from rankdrop.atlas.unnamed import Leftover, leftovers
 from rankdrop.atlas.witness import witness
-from rankdrop.robot.model import Array
+from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import UnitRobot, in_units, into_units, task_in_units
 
 Progress = Callable[[int, int], None]
 
@@ -68,6 +71,12 @@ def families(
         >>> [(family.dimension, str(family.equations[0])) for family in found.families]
         [(3, 'sin θ2')]
     """
+    if not isinstance(cloud.robot, UnitRobot):
+        inner = families(
+            _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
+            threads=threads, progress=progress,
+        )
+        return families_out_of_units(inner, cloud.robot)
     report = progress or (lambda done, total: None)
     setting = Setting(cloud.robot, cloud.task, cloud.corank, cloud.rank, tolerances, cloud.limits)
     inspection = setting.inspect(setting.polished(cloud.converged))
@@ -102,6 +111,19 @@ def families(
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
     report(STEPS, STEPS)
     return CorankFamilies(_summary(cloud, share, int((~checked.exact).sum()), pieces), tuple(found))
+
+
+def _in_units(cloud: Search) -> Search:
+    """A search as one of the arm in its own unit of length."""
+    robot = cloud.robot
+    return replace(
+        cloud, robot=in_units(robot), task=task_in_units(cloud.task, robot), q=into_units(robot, cloud.q)
+    )
+
+
+def families_out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
+    """Families of `in_units(robot)` as those of the arm itself."""
+    return replace(found, families=tuple(family_out_of_units(family, robot) for family in found.families))
 
 
 def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:

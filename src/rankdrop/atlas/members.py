@@ -9,10 +9,12 @@ import numpy as np
 from rankdrop.atlas.family import Family
 from rankdrop.atlas.linear import wrap
 from rankdrop.atlas.system import Mask, System
+from rankdrop.atlas.unit import family_in_metres
 from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, metre_exponent, out_of_metres, task_in_metres
 
 EDGE = 1e-9  # a slide this far beyond its travel stands at its end [m]
 
@@ -35,6 +37,10 @@ def members(
     """
     if not family.named or not family.equations:
         return np.empty((0, robot.n))
+    if metre_exponent(robot):
+        there, own = in_metres(robot), family_in_metres(family, robot)
+        found = members(there, task_in_metres(task, robot), own, count, seed, tolerances=tolerances)
+        return out_of_metres(robot, found)
     points, solved = System(family.equations).solve(sample(robot, task, count, seed))
     points = wrapped(robot, points[solved])
     return points[lies(robot, task, points, family.corank, tolerances) & within_travel(robot, task, family, points)]
@@ -58,6 +64,10 @@ def general_member(
     """
     if not family.named or not family.equations:
         return np.array(family.witness)
+    if metre_exponent(robot):
+        there, own = in_metres(robot), family_in_metres(family, robot)
+        rest = [family_in_metres(other, robot) for other in others]
+        return out_of_metres(robot, general_member(there, task_in_metres(task, robot), own, moving, seed, rest))
     starts = np.round(sample(robot, task, 256, seed), 1)
     bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
     tied = sorted(set(moving) & set(bound)) or bound

@@ -27,12 +27,14 @@ from rankdrop.atlas.residual import circuit_equations
 from rankdrop.atlas.row import Row
 from rankdrop.atlas.sampling import Setting, Supply
 from rankdrop.atlas.signature import Inspection, Signature
+from rankdrop.atlas.unit import rescaled, slides_of
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, shifted, task_in_metres
 
 NAMED = 12  # points that a name is taken from
 SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
@@ -77,6 +79,12 @@ def name_on_the_spot(
         (6, ('θ4 = 0',))
     """
     configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = name_on_the_spot(
+            in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), corank, seed, fit=fit,
+            tolerances=tolerances,
+        )
+        return _out_of_metres(there, robot)
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
@@ -98,6 +106,21 @@ def name_on_the_spot(
     if not families:
         return _nameless(setting, configuration, at, around)
     return families[0] if len(families) == 1 else _met(families)
+
+
+def _out_of_metres(found: LocalFamily, robot: Robot) -> LocalFamily:
+    """A family of `in_metres(robot)` as one of the arm itself."""
+    power, slides = metre_exponent(robot), slides_of(robot)
+    pinned = tuple(
+        replace(one, values=tuple(shifted(v, power) for v in one.values)) if one.number - 1 in slides else one
+        for one in found.pinned
+    )
+    equations = tuple(rescaled(one, slides, power) for one in found.equations)
+    bound = found.coupled if len(found.words) > len(pinned) + len(found.relations) else ()
+    return replace(
+        found, pinned=pinned, equations=equations, parts=tuple(_out_of_metres(one, robot) for one in found.parts),
+        words=condition_words(robot, pinned, found.relations, bound, equations) if not found.parts else found.words,
+    )  # fmt: skip
 
 
 def _described(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TypeVar
 
@@ -20,11 +20,12 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.atlas.overview import search_overview
 from rankdrop.errors import OptionError
-from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, singular_values
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import html
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
 
 Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
@@ -180,11 +181,12 @@ def search(
     check_robot(robot)
     starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot)
-    q0 = sample(robot, resolved, starts, seed, limits=limits)
-    return refine(
-        robot, q0, corank, task=resolved, seed=seed, limits=limits, method=method, iterations=iterations,
-        history=history, threads=threads, progress=progress, tolerances=tolerances,
+    q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
+    found = refine(
+        in_units(robot), q0, corank, task=task_in_units(resolved, robot), seed=seed, limits=limits, method=method,
+        iterations=iterations, history=history, threads=threads, progress=progress, tolerances=tolerances,
     )
+    return _out_of_units(found, robot, resolved)
 
 
 def refine(
@@ -216,11 +218,17 @@ def refine(
     rank = generic_rank(robot, resolved) - corank
     _check(method, corank, rank + corank)
     rows, _ = configurations(robot, q0)
-    box = np.stack(sampling_box(robot, resolved, limits=True)) if limits else None
+    if not isinstance(robot, UnitRobot):
+        found = refine(
+            in_units(robot), into_units(robot, rows), corank, task=task_in_units(resolved, robot), seed=seed,
+            limits=limits, method=method, iterations=iterations, history=history, threads=threads, progress=progress,
+            tolerances=tolerances,
+        )
+        return _out_of_units(found, robot, resolved)
+    box = np.stack(limit_box(robot, resolved)) if limits else None
     if box is not None:
         rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
-    length = resolved.scale(robot)
-    scale = np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
+    scale = joint_scale(robot, resolved)
     most = _ITERATIONS[method] if iterations is None else iterations
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
@@ -232,6 +240,11 @@ def refine(
 
     parts = _in_parts(run, rows, progress)
     return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+
+
+def _out_of_units(found: Search, robot: Robot, task: Task) -> Search:
+    """A search made in the arm's own unit of length, told in that of `robot`."""
+    return replace(found, robot=robot, task=task, q=_frozen(out_of_units(robot, found.q)))
 
 
 def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> list[_Part]:

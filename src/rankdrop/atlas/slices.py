@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,10 +11,12 @@ from rankdrop.atlas.contour import curves
 from rankdrop.atlas.family import Family
 from rankdrop.atlas.members import general_member, lies, wrapped
 from rankdrop.atlas.system import System
+from rankdrop.atlas.unit import family_in_metres
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 NODES = 161
 """Grid nodes along each side of a slice."""
@@ -129,6 +131,13 @@ def slice_through(
         nodes: along each side.
         tolerances: `singular`.
     """
+    if metre_exponent(robot):
+        there = [family_in_metres(one, robot) for one in families]
+        found = slice_through(
+            in_metres(robot), task_in_metres(task, robot), there, into_metres(robot, q), joints, family=family,
+            nodes=nodes, tolerances=tolerances,
+        )
+        return _out_of_metres(found, robot)
     x, y = (_values(robot, task, number - 1, q[number - 1], nodes) for number in joints)
     plane = _Plane(robot, task, np.array(q), (joints[0] - 1, joints[1] - 1), x, y, tolerances)
     traces, filled = [], []
@@ -141,6 +150,17 @@ def slice_through(
         elif trace.curves or len(trace.points):
             traces.append(trace)
     return Slice(joints, np.array(q), family, x, y, plane.sigma(), tuple(traces), tuple(filled))
+
+
+def _out_of_metres(found: Slice, robot: Robot) -> Slice:
+    """A slice of `in_metres(robot)` as one of the arm itself."""
+    units = out_of_metres(robot, np.ones(robot.n))[[number - 1 for number in found.joints]]
+    traces = tuple(
+        replace(one, curves=tuple(curve * units for curve in one.curves), points=one.points * units)
+        for one in found.traces
+    )
+    q = out_of_metres(robot, found.q)
+    return replace(found, q=q, x=found.x * units[0], y=found.y * units[1], traces=traces)
 
 
 def _values(robot: Robot, task: Task, j: int, at: float, nodes: int) -> Array:

@@ -8,6 +8,7 @@ from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, l
 from rankdrop.local.words import words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.units import counted_length
 
 
 def told(robot: Robot, at: Array, points: Array, task: Task, corank: int) -> tuple[Array, tuple[str, ...]]:
@@ -24,8 +25,9 @@ def told(robot: Robot, at: Array, points: Array, task: Task, corank: int) -> tup
         corank: of the family.
     """
     directions = lost_directions(robot, at, task, corank)
+    length = counted_length(robot)
     steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)
     if steady is not None:
-        return directions, tuple(words(direction, steady.name) for direction in steady.directions)
+        return directions, tuple(words(direction, steady.name, length) for direction in steady.directions)
     plain = lost_in_sparsest_frame(robot, at, task, corank)
-    return directions, tuple(f"{words(one, plain.name)} (at the witness)" for one in plain.directions)
+    return directions, tuple(f"{words(one, plain.name, length)} (at the witness)" for one in plain.directions)

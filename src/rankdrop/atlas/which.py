@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Protocol
 
@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike
 
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.system import System, shortest
+from rankdrop.atlas.unit import rescaled, slides_of
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
 
 SOLVED = 1e-9  # |f|/|∇f| and √|f| of every equation below this: on the family, no way to walk [rad]
 WITHIN = 1e-2  # longest way to a family that is walked [rad]
@@ -99,6 +101,12 @@ def families_at(
         [3]
     """
     configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = [_Moved(family, robot) for family in families]
+        found = families_at(
+            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), tolerances, source
+        )
+        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
     sigma = singular_values(robot, configuration, task)
     generic = generic_rank(robot, task)
     corank = generic - int((sigma[:generic] > tolerances.singular).sum())
@@ -124,6 +132,12 @@ def families_near(
     Args, Raises: as `families_at`.
     """
     configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = [_Moved(family, robot) for family in families]
+        found = families_near(
+            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), source
+        )
+        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
     scale = joint_scale(robot, task)
     met = [
         Met(family, _first_step(System(family.equations), configuration, scale), source)
@@ -131,6 +145,15 @@ def families_near(
         if family.equations
     ]
     return tuple(sorted(met, key=lambda one: (round(one.residual, 9), -one.family.corank, one.family.dimension)))
+
+
+class _Moved:
+    """A family of an arm as one of `in_metres(robot)`."""
+
+    def __init__(self, given: Condition, robot: Robot) -> None:
+        self.given, self.name, self.corank, self.dimension = given, given.name, given.corank, given.dimension
+        power = -metre_exponent(robot)
+        self.equations = tuple(rescaled(one, slides_of(robot), power) for one in given.equations)
 
 
 def place_words(met: Sequence[Met], corank: int) -> str:

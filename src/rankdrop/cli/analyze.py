@@ -79,7 +79,7 @@ def analyze(
 def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     from rich.text import Text
 
-    from rankdrop.atlas.cells import LEGEND
+    from rankdrop.atlas.cells import legend
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.closing import closing_text
     from rankdrop.cli.exact_text import exact_section
@@ -93,9 +93,9 @@ def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary))
-    legend = [Text(f"\n{LEGEND}", style="dim")] if analysis.families else []
+    key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
-    show(console, [*legend, *([""] if told else []), *told, "", closing_text(analysis, seconds)])
+    show(console, [*key, *([""] if told else []), *told, "", closing_text(analysis, seconds)])
 
 
 def _exit_code(analysis: Analysis) -> int:

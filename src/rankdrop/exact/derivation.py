@@ -19,6 +19,7 @@ from rankdrop.exact.methods.words import Words
 from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
+from rankdrop.units import out_of_units
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
 """What can be asked for."""
@@ -150,7 +151,7 @@ def _compared(
     for family in families:
         if not found.left and not found.holds(family.witness).all():
             different.append(f"the witness of {family.id} does not satisfy the conditions of the method {method}")
-    q = sample(chain.robot, chain.task, _REGULAR, 0)
+    q = out_of_units(chain.robot, sample(chain.own, chain.own_task, _REGULAR, 0))
     sigma = singular_values(chain.robot, q, chain.task)[:, min(chain.task.m, chain.n) - 1]
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from rankdrop.atlas.equation import Equation
 from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import pin_equation, pin_latex, pin_text
+from rankdrop.units import into_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,15 @@ class ExactFamily:
     numbers: dict[str, float]
     shifts: tuple[float, ...]
     pieces: tuple[Variety, ...]
+
+    def in_units(self, chain: Chain) -> ExactFamily:
+        """The family in the arm's own unit of length: its equations and its witness are those of `chain.own`."""
+        return replace(
+            self,
+            conditions=tuple(Condition(one.ring, chain.own_polynomial(one.polynomial)) for one in self.conditions),
+            witness=tuple(float(x) for x in into_units(chain.robot, self.witness)),
+            numbers=chain.own_numbers,
+        )
 
     @cached_property
     def texts(self) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import as_given
 
 STARTS = 256
 """Random starts for the points of each family: 32 combinations of values get eight each."""
@@ -236,7 +237,7 @@ def _tried(setting: Setting, one: Side, points: _Points, others: Sequence[Side])
         agree=len(q) - len(left),
         kin=tuple(others[k].id for k in kin),
         around=tuple(others[k].id for k in kin if generic[k].all()),
-        over=q[left[0]] if len(left) else None,
+        over=as_given(setting.robot, q[left[0]]) if len(left) else None,
         dimensions=None if kin or not met else (one.dimension, tuple(sorted({others[k].dimension for k in met}))),
     )
 

@@ -18,6 +18,7 @@ from rankdrop.exact.tree import Tree
 from rankdrop.exact.verify import Cloud, explained
 from rankdrop.local.block import singular_values
 from rankdrop.tolerances import DEFAULT
+from rankdrop.units import into_units
 
 _POINTS = 24  # real points looked at on each
 
@@ -47,16 +48,16 @@ def _settled(
     theta = [point for point, _ in zip(real_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
     if not theta:
         return True
-    q = np.array(theta) - chain.shifts
-    rank = (singular_values(chain.robot, q, chain.task) > DEFAULT.singular).sum(axis=1)
+    q = into_units(chain.robot, np.array(theta) - chain.shifts)
+    rank = (singular_values(chain.own, q, chain.own_task) > DEFAULT.singular).sum(axis=1)
     low = rank < order
     if not low.any():
         return last
     corank = tree.generic_rank - rank
     for k in sorted(set(corank[low].tolist())):
         here = q[low & (corank == k)]
-        known = [family.equations for family in families if family.corank >= k]
-        _, over = explained(Cloud(chain.robot, chain.task, here, np.full(len(here), k)), known)
+        known = [family.in_units(chain).equations for family in families if family.corank >= k]
+        _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
         if len(over):
             return False
     return bool(low.all()) or last

@@ -14,7 +14,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.letters import letters_text, sign_of
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import RADIANS
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 
@@ -29,7 +29,7 @@ class Reality:
     """Real points of an irreducible set.
 
     Attributes:
-        points: (k, n) real configurations q on it, of the rank claimed; none where it is not real [rad, m].
+        points: (k, n) real configurations of `Chain.own` on it, of the rank claimed; none where it is not real.
         smooth: at one of them the gradients have full rank: near it the real set has the dimension claimed.
         proof: why it is not real, where that is proven; "" where none was found only.
         condition: when it is real, in words; "" where that is plain.
@@ -75,25 +75,28 @@ def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -
 
 
 def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
-    """(k, n) real configurations on a set with exactly its rank, whether the set is smooth at one of them, and those of
-    higher rank that satisfy its conditions.
+    """(k, n) real configurations of `Chain.own` on a set with exactly its rank, whether the set is smooth at one of
+    them, and those of higher rank that satisfy its conditions.
     """
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
-    for j in chain.ring.prismatic:
-        theta[:, j - 1] *= _span(chain)
+    low, high = sampling_box(chain.own, chain.own_task, limits=False)
+    for j in chain.ring.prismatic:  # of their travel
+        theta[:, j - 1] = low[j - 1] + (high[j - 1] - low[j - 1]) * (theta[:, j - 1] + np.pi) / (2 * np.pi)
     pinned = list(piece.pins)
     for j, value in piece.pins.items():
         theta[:, j - 1] = RADIANS[value]
     q = theta - chain.shifts
     shifts = chain.shifts.tolist()
-    equations = tuple(Condition(chain.ring, f).equation(chain.numbers, n, shifts) for f in piece.equations)
+    equations = tuple(
+        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, n, shifts) for f in piece.equations
+    )
     system = System(equations)
     moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
     good = np.ones(STARTS, dtype=np.bool_)
     if equations:
         q, good = system.solve(q, along=moving, iterations=60)
-    sigma = singular_values(chain.robot, q, chain.task)
+    sigma = singular_values(chain.own, q, chain.own_task)
     full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(STARTS)
     strays = q[good & (full > _HIGHER)]
     good &= full <= DEFAULT.singular
@@ -105,10 +108,6 @@ def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generato
     wanted = piece.codimension - len(pinned)
     smooth = (gradients > _SMOOTH).sum(axis=1) >= wanted
     return (q[smooth], True, strays) if smooth.any() else (q, False, strays)
-
-
-def _span(chain: Chain) -> float:
-    return max((abs(value) for value in chain.numbers.values()), default=1.0)
 
 
 def _discriminant(piece: Variety, f: Polynomial) -> Polynomial | None:

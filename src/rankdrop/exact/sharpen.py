@@ -36,7 +36,7 @@ def sharpened(
         chain: the arm.
         piece: irreducible set.
         rank: of the task Jacobian almost everywhere on it.
-        strays: (k, n) configurations of higher rank at which all its conditions hold; k ≥ 1.
+        strays: (k, n) configurations of `Chain.own`, of higher rank, at which all its conditions hold; k ≥ 1.
         known: conditions that served other sets: tried first, so that sets alike get the same words.
         work: deadline.
 
@@ -55,7 +55,8 @@ def sharpened(
 
 def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
     """At how many configurations a condition does not hold."""
-    equation = Condition(chain.ring, f).equation(chain.numbers, chain.n, chain.shifts.tolist())
+    condition = Condition(chain.ring, chain.own_polynomial(f))
+    equation = condition.equation(chain.own_numbers, chain.n, chain.shifts.tolist())
     return int((np.abs(equation(strays)) > _FAR).sum())
 
 

@@ -64,7 +64,7 @@ class Asked:
     """A question in full: the configuration and all that is known before any part is worked out.
 
     Attributes:
-        robot, q, task: what is asked about; the task with its length scale.
+        robot, q, task: what is asked about.
         rank: of the task Jacobian at q.
         families: known families of all coranks; empty where there are none.
         source: where they come from: "catalogue", "analysis" or "on the spot".

@@ -13,6 +13,7 @@ from rankdrop.local.verdict import Rank
 from rankdrop.local.words import blocked_words, words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.units import counted, counted_length
 
 
 def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
@@ -23,15 +24,16 @@ def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
     weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
     if not corank:
         return Lost(empty, weakest, (), (), None, (), (), never)
+    length = counted_length(robot)
     framed = lost_in_sparsest_frame(robot, focus, task, corank)
     return Lost(
         directions=lost_directions(robot, focus, task, corank),
         weakest=weakest,
-        words=tuple(words(one, framed.name) for one in framed.directions),
-        blocked_words=tuple(blocked_words(one, framed.name) for one in framed.directions),
+        words=tuple(words(one, framed.name, length) for one in framed.directions),
+        blocked_words=tuple(blocked_words(one, framed.name, length) for one in framed.directions),
         framed=framed,
-        twist_screws=tuple(screw_of(one) for one in framed.directions),
-        wrench_screws=tuple(screw_of(np.roll(one, 3)) for one in framed.directions),
+        twist_screws=tuple(screw_of(one).in_lengths(length) for one in framed.directions),
+        wrench_screws=tuple(screw_of(np.roll(one, 3)).in_lengths(length) for one in framed.directions),
         never=never,
     )
 
@@ -44,5 +46,5 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
     away = q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) if rank.corank else q
     rows = np.zeros((beyond, 6))
     rows[:, list(task.rows)] = decompose(robot, away, task).u[:, rank.generic_rank :].T
-    rows[:, :3] /= task.scale(robot)
+    rows[:, :3] *= counted(robot) / task.scale(robot)
     return readable_basis(rows.T).T

@@ -19,8 +19,10 @@ from numpy.typing import ArrayLike
 from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, handles_of, task_view
 from rankdrop.errors import OptionError
+from rankdrop.reach import reach, travel_limits
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
+from rankdrop.units import UnitRobot, in_units, task_in_units
 
 STRUCTURE_SEED = 20231
 """Of the configurations that tell what holds almost everywhere."""
@@ -133,19 +135,32 @@ def sampling_box(robot: Robot, task: Task, *, limits: bool) -> tuple[Array, Arra
     """Lower and upper corner (n,) of the configurations worth sampling.
 
     A turning joint goes round the full circle unless `limits`. A sliding joint always keeps its limits. A limit that is
-    missing leaves room for one turn, or for two length scales.
+    missing, or so far away that it says nothing (`travel_limits`), leaves room for one turn, or for twice the reach.
     """
     low, high = np.empty(robot.n), np.empty(robot.n)
     for i, joint in enumerate(robot.variables):
         slides = joint.kind is JointKind.PRISMATIC
-        room = task.scale(robot) if slides else np.pi
+        room = reach(robot) if slides else np.pi
         lower, upper = (joint.lower, joint.upper) if limits or slides else (-np.inf, np.inf)
+        if slides:
+            lower, upper = travel_limits(robot, joint)
         if not np.isfinite(lower):
             lower = -room if not np.isfinite(upper) else min(-room, upper - 2 * room)
         if not np.isfinite(upper):
             upper = max(room, lower + 2 * room)
+        if slides:  # limits that are far from zero, too
+            lower = max(min(lower, joint.upper - (upper - lower)), joint.lower)
+            upper = min(max(upper, lower + 2 * room), joint.upper) if upper <= lower else min(upper, joint.upper)
         low[i], high[i] = lower, upper
     return low, high
+
+
+def limit_box(robot: Robot, task: Task) -> tuple[Array, Array]:
+    """Lower and upper corner (n,) of where a motion may go within limits: `sampling_box`, slides up to their ends."""
+    low, high = sampling_box(robot, task, limits=True)
+    slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.variables])
+    low = np.where(slides & np.isfinite(robot.lower), robot.lower, low)
+    return low, np.where(slides & np.isfinite(robot.upper), robot.upper, high)
 
 
 def joint_scale(robot: Robot, task: Task) -> Array:
@@ -174,6 +189,8 @@ def generic_rank(robot: Robot, task: Task) -> int:
 
     Below min(m, n) the arm is singular at every configuration for this task. Found once for each robot and task.
     """
+    if not isinstance(robot, UnitRobot):
+        return generic_rank(in_units(robot), task_in_units(task, robot))
     ranks = handles_of(robot).ranks
     key = (task.frame, task.rows, task.scale(robot))
     if key not in ranks:

@@ -14,13 +14,15 @@ from rankdrop.local.block import decompose, generic_rank
 from rankdrop.local.readable import readable_bases
 from rankdrop.local.screws import rewrite_wrench
 from rankdrop.local.verdict import one_configuration
-from rankdrop.robot.model import Array, Robot
+from rankdrop.reach import reach
+from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, six_rows
 from rankdrop.tolerances import ENTRY
+from rankdrop.units import counted, in_metres, into_metres, shifted, task_in_metres, told_exponent
 
 _NEIGHBOURS = 16  # regular configurations around q that tell what is always lost from what is lost at q
 _STILL = 1e-6  # projectors on a lost subspace that differ by less are the same
-_STEP = 0.1  # how far away they are [rad, m]
+_STEP = 0.1  # how far away they are [rad; slides per reach]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,9 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
 
     whatever the length scale of the task: with Ĵ = S J, S = diag(1/ℓ, 1), and ûᵀĴ = 0 it is u ∝ Sû. It can be read in
     two ways. As a twist (vx vy vz wx wy wz) [m/s, rad/s]: no attainable motion has a component along u; this reading
-    takes 1 m and 1 rad as equal, as AM do. As a wrench (f; τ) [N, N m]: the structure carries it with no joint torque;
+    takes 1 m and 1 rad as equal, as AM do. (An arm given in another unit, with a reach above 31.6 or below 0.032, has
+    `units.counted_length` in the place of 1 m, and the rows are in it: they do not depend on the unit.) As a wrench
+    (f; τ) [N, N m]: the structure carries it with no joint torque;
     this needs no such choice. The rows are orthonormal and span a space that depends on q and the task's frame only.
 
     Where the arm never reaches the rank m of the task (SCARA with all six rows), what is lost everywhere is left out:
@@ -83,10 +87,10 @@ def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) 
     configuration = one_configuration(robot, q)
     blocked, always = _blocked(robot, configuration, task, corank)
     frames = _candidates(task.frame, len(robot.joints))
-    see = Sight(link_poses(robot, configuration), task.frame, frames)
+    see = Sight(link_poses(robot, configuration), task.frame, frames, counted(robot))
     found = _readable(see(blocked), see(always), corank)
     best = _sparsest(found)
-    return FramedDirections(found[best], frames[best], frame_name(frames[best]))
+    return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -115,7 +119,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
         own = _readable(blocked[None], always[None], corank)[0]
-        bases.append(_orthonormal(Sight(link_poses(robot, q), task.frame, frames)(own)))
+        bases.append(_orthonormal(Sight(link_poses(robot, q), task.frame, frames, counted(robot))(own)))
     if not bases:
         return None
     projectors = np.stack([basis @ basis.swapaxes(1, 2) for basis in bases])  # (P, F, 6, 6)
@@ -125,7 +129,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     found = readable_bases(bases[0][still]).swapaxes(1, 2)
     best = _sparsest(found)
     frame = frames[still[best]]
-    return FramedDirections(found[best], frame, frame_name(frame))
+    return FramedDirections(found[best], frame, frame_name(frame, told_exponent(robot)))
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -142,35 +146,38 @@ class Sight:
         links: (N + 2, 4, 4) from `link_poses`.
         own: the frame they are written in.
         frames: the F frames they are wanted in.
+        length: what the wrenches are written with for a unit of length [m].
     """
 
-    def __init__(self, links: Array, own: Frame, frames: list[Frame]) -> None:
+    def __init__(self, links: Array, own: Frame, frames: list[Frame], length: float = 1.0) -> None:
         joints = len(links) - 2
         axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
         old = links[link_index(own.axes, joints, "axes"), :3, :3]
         points = np.stack([_point(links, frame, joints) for frame in frames]) - _point(links, own, joints)
         self.turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
-        self.offsets = points @ old  # (F, 3) the new points seen from the old one
+        self.offsets = points @ old / length  # (F, 3) the new points seen from the old one
 
     def __call__(self, wrenches: Array) -> Array:
         """(k, 6) -> (F, k, 6)."""
         return rewrite_wrench(wrenches, self.turns, self.offsets[:, None])
 
 
-def frame_name(frame: Frame) -> str:
-    """A frame in words, to end a sentence with."""
+def frame_name(frame: Frame, power: int = 0) -> str:
+    """A frame in words, to end a sentence with; numbers of its point are told times 10 to a power."""
     axes = {BASE: "the base", TIP: "the end effector"}.get(frame.axes, f"link {frame.axes}")
     if frame.origin == TIP and not any(frame.point):
         return axes
     if frame.origin == frame.axes and not any(frame.point):
         return f"{axes} at its origin"
     carrier = {BASE: "the base", TIP: "the end effector"}.get(frame.origin, f"link {frame.origin}")
-    where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in frame.point)}) m"
+    given = [shifted(x, power) for x in frame.point]
+    where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in given)}) m"
     return f"{axes} at {where} of {carrier}"
 
 
 def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
+    robot, task, q = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
@@ -178,14 +185,17 @@ def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Ar
     if generic == task.m:
         return blocked, np.zeros((0, 6))
     steps = np.random.default_rng(0).uniform(-_STEP, _STEP, (_NEIGHBOURS, robot.n))
+    steps *= [reach(robot) if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables]
     around = decompose(robot, q + steps, task).u[..., generic:]
     return blocked, np.concatenate([_wrenches(u, robot, task) for u in around])
 
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:
-    """Left singular vectors (m, p) of the scaled task Jacobian as (p, 6) wrenches: u = Sû, in all six rows."""
+    """Left singular vectors (m, p) of the scaled task Jacobian as (p, 6) wrenches: u = Sû, in all six rows; lengths in
+    `counted` ones.
+    """
     rows = six_rows(u.T, task)
-    rows[:, :3] /= task.scale(robot)
+    rows[:, :3] *= counted(robot) / task.scale(robot)
     return rows
 
 

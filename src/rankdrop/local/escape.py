@@ -8,7 +8,7 @@ translation rows over the length scale, so rates depend on that scale, while ran
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,11 @@ from rankdrop.local.receptors import receptors
 from rankdrop.local.second_order import LostMotion, boundary, lost_motions, null_basis
 from rankdrop.local.still import Stillness, find_still
 from rankdrop.local.taylor import taylor
+from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 _NEARBY = "q is only near a singularity; if it were one"
 
@@ -163,6 +165,10 @@ def escape(
         >>> [(joint.number, joint.order, round(joint.rate, 4)) for joint in out.single if joint.gain]
         [(4, 1, 2.0713), (3, 1, 0.7036)]
     """
+    if metre_exponent(robot):
+        q, task = into_metres(robot, one_configuration(robot, q)), task_in_metres(resolve_task(task, robot), robot)
+        found = escape(in_metres(robot), q, task, tolerances=tolerances, seed=seed, step=step, corank=corank)
+        return _out_of_metres(found, robot)
     place = place_at(robot, q, resolve_task(task, robot), tolerances, corank)
     if not 1e-3 <= step <= 1.0:
         raise OptionError("the step is outside the range", got=step, allowed="1e-3 … 1 (rad, or length scales)")
@@ -190,6 +196,26 @@ def escape(
         boundary_words=edge_words,
         floor=place.floor,
     )
+
+
+def _out_of_metres(found: Escape, robot: Robot) -> Escape:
+    """Motions of `in_metres(robot)` as those of the arm itself."""
+    unit = out_of_metres(robot, np.ones(robot.n))  # of slides
+
+    def several(one: Direction | None) -> Direction | None:
+        return None if one is None else replace(one, delta=tuple((unit * one.delta).tolist()))
+
+    def alone(one: JointEscape) -> JointEscape:
+        own = float(unit[one.number - 1])
+        first = tuple(value / own for value in one.first_order)
+        return replace(one, rate=one.rate / own ** (one.order or 0), first_order=first, step=one.step * own)
+
+    best = several(found.best_direction)
+    assert best is not None
+    return replace(
+        found, single=tuple(alone(one) for one in found.single), best_pair=several(found.best_pair),
+        best_direction=best, still=several(found.still),
+    )  # fmt: skip
 
 
 def _single(place: Place, step: float) -> tuple[JointEscape, ...]:

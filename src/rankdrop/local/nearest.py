@@ -30,6 +30,7 @@ from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 STARTS = (128, 512)  # for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
 SAME = 1e-6  # starts whose distances differ by less have found the same [rad]
@@ -115,6 +116,13 @@ def nearest_singularity(
     """
     centre = one_configuration(robot, q)
     resolved = resolve_task(task, robot)
+    if metre_exponent(robot):
+        there = nearest_singularity(
+            in_metres(robot), into_metres(robot, centre), task_in_metres(resolved, robot), corank=corank, limits=limits,
+            starts=starts, seed=seed, seeds=[into_metres(robot, one_configuration(robot, one)) for one in seeds],
+            tolerances=tolerances,
+        )
+        return None if there is None else _out_of_metres(there, robot)
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     if starts is None:
         starts = STARTS[0] if corank == 1 else STARTS[1]
@@ -145,6 +153,12 @@ def nearest_singularity(
         agreeing=int((found.distance <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
+
+
+def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
+    """A configuration of `in_metres(robot)` as one of the arm itself."""
+    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
+    return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 def idle_joints(robot: Robot, task: Task) -> NDArray[np.bool_]:

@@ -25,6 +25,7 @@ from rankdrop.local.verdict import one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import counted
 
 _AXES = ("along X", "along Y", "along Z", "about X", "about Y", "about Z")
 
@@ -120,7 +121,7 @@ def joint_rates(
     if verdict.corank:
         lost = lost_directions(robot, configuration, resolved, verdict.corank)
         names += [f"lost direction {i}" for i in range(1, len(lost) + 1)]
-        twists += list(lost)
+        twists += list(lost * np.repeat([counted(robot), 1.0], 3))
     found = _along(robot, parts, np.array(twists)[:, list(resolved.rows)], limits, verdict.rank, tolerances)
     every = [_named(robot, name, twist, part) for name, twist, part in zip(names, twists, found, strict=True)]
     m = resolved.m

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isinf
 
 import numpy as np
@@ -39,6 +39,13 @@ class Screw:
             return self.magnitude * np.concatenate([direction, np.zeros(3)])
         linear = np.cross(self.point, direction) + self.pitch * direction
         return self.magnitude * np.concatenate([linear, direction])
+
+
+    def in_lengths(self, length: float) -> Screw:
+        """The same screw where `length` [m] was its unit of length: point and pitch in metres."""
+        x, y, z = self.point
+        return replace(self, point=(x * length, y * length, z * length), pitch=self.pitch * length,
+                       magnitude=self.magnitude * (length if isinf(self.pitch) else 1.0))  # fmt: skip
 
 
 def screw_of(twist: ArrayLike) -> Screw:

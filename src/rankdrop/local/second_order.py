@@ -23,6 +23,7 @@ from rankdrop.local.taylor import taylor
 from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
+from rankdrop.units import counted
 
 FLAT = DEFAULT.block_rank
 """A form with entries below this is zero: the cut of D, for the same reason [1/rad]."""
@@ -72,7 +73,7 @@ def lost_motions(place: Place, basis: Array) -> tuple[LostMotion, ...]:
         return ()
     rows = lost_directions(place.robot, place.q, place.task, place.corank)
     scaled = rows.copy()
-    scaled[:, :3] *= place.task.scale(place.robot)
+    scaled[:, :3] *= place.task.scale(place.robot) / counted(place.robot)
     u = scaled[:, list(place.task.rows)]
     each = _symmetric(np.einsum("pm,amb->pab", unit(u), null_derivative(place, basis)))
     return tuple(_lost_motion(row, form) for row, form in zip(rows, each, strict=True))

@@ -12,6 +12,7 @@ from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, task_in_metres
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,8 @@ def rank_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEF
         (3, 3, 4)
     """
     configuration = one_configuration(robot, q)
-    sigma = singular_values(robot, configuration, task)
+    configuration = into_metres(robot, configuration)
+    sigma = singular_values(in_metres(robot), configuration, task_in_metres(task, robot))
     sigma.flags.writeable = False
     generic = generic_rank(robot, task)
     rank = min(generic, int((sigma > tolerances.singular).sum()))

@@ -13,7 +13,7 @@ _ZERO = 1e-6  # a part below this share of the direction is not there
 _AXIS = 1e-6  # an axis is X, Y or Z when its other components are below this
 
 
-def words(direction: ArrayLike, frame_name: str = "the base") -> str:
+def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
     """One lost direction as a sentence about motion, as AM write theirs.
 
     A direction u = (v; ω) is lost when u · twist = 0 for every twist the joints can make, so u itself is a twist that
@@ -23,6 +23,7 @@ def words(direction: ArrayLike, frame_name: str = "the base") -> str:
     Args:
         direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
         frame_name: whose axes: "the base", "the end effector", "link 4".
+        length: the direction's own unit of length, `units.counted_length` [m].
 
     Raises:
         OptionError: not six finite numbers, or all of them zero.
@@ -43,13 +44,13 @@ def words(direction: ArrayLike, frame_name: str = "the base") -> str:
     about, positive = _axis(w)
     sign = "−" if forward != positive else ""
     if slide >= turn:
-        rate = _number(turn / slide)
+        rate = _number(turn / slide / length)
         return f"cannot translate along {along} while rotating {sign}{rate} rad/m about {about} of {frame_name}"
-    rate = _number(slide / turn)
+    rate = _number(slide / turn * length)
     return f"cannot rotate about {about} while translating {sign}{rate} m/rad along {along} of {frame_name}"
 
 
-def blocked_words(direction: ArrayLike, frame_name: str = "the base") -> str:
+def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
     """The same direction read as the wrench (f; τ) that the structure carries with no joint torque.
 
     With f ≠ 0 it is a force along the line p + s f, p = f × τ/|f|², and a moment h f, h = f·τ/|f|²: power zero means
@@ -69,11 +70,11 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base") -> str:
     line = screw_of(np.concatenate([m, f]))
     point = np.array(line.point)
     near = float(np.linalg.norm(point)) <= _ZERO
-    where = "the reference point" if near else f"the point {_triple(point)} m from the reference point"
+    where = "the reference point" if near else f"the point {_triple(point, length)} m from the reference point"
     along = _axis(f)[0]
     if abs(line.pitch) <= _ZERO:
         return f"{where} cannot move along {along} of {frame_name}"
-    rate = _number(abs(line.pitch))
+    rate = _number(abs(line.pitch) * length)
     sign = "−" if line.pitch > 0.0 else ""
     return f"{where} moves along {along} of {frame_name} only by {sign}{rate} m for every rad of rotation about it"
 
@@ -96,12 +97,12 @@ def _axis(vector: Array) -> tuple[str, bool]:
     return _triple(unit if forward else -unit), forward
 
 
-def _triple(vector: Array) -> str:
-    return f"({', '.join(_component(float(x)) for x in vector)})"
+def _triple(vector: Array, length: float = 1.0) -> str:
+    return f"({', '.join(_component(float(x), length) for x in vector)})"
 
 
-def _component(value: float) -> str:
-    return "0" if abs(value) <= _AXIS else _number(value)
+def _component(value: float, length: float) -> str:
+    return "0" if abs(value) <= _AXIS else _number(value * length)
 
 
 def _number(value: float) -> str:

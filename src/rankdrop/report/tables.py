@@ -8,11 +8,11 @@ from html import escape
 from rankdrop.atlas.cells import (
     COUPLED,
     FREE,
-    LEGEND,
     NOTHING,
     coupled_conditions,
     joint_cell,
     joint_symbol,
+    legend,
     rounded_share,
     share_text,
 )
@@ -23,8 +23,8 @@ from rankdrop.robot.model import Robot
 
 def corank_tables(analysis: Analysis) -> str:
     """All tables, each with its title and what its starts did."""
-    legend = f'<p class="small">{escape(LEGEND)}</p>' if analysis.families else ""
-    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + legend
+    key = f'<p class="small">{escape(legend(analysis.robot))}</p>' if analysis.families else ""
+    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key
 
 
 def _corank(analysis: Analysis, summary: CorankSummary) -> str:

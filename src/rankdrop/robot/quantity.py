@@ -14,8 +14,8 @@ _UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
     "number": {},
 }
-LARGEST_LENGTH = 1e6
-"""[m]; no arm is longer, and squares of lengths beyond the doubles are far away."""
+LARGEST_LENGTH = 1e12
+"""[m]; no arm is longer, one given in µm has no larger number, and squares beyond the doubles are far away."""
 LARGEST_NUMBER = 1e100
 """Of an entry of an axis or a screw: its square is still a double."""
 _LARGEST = {"angle": inf, "length": LARGEST_LENGTH, "number": LARGEST_NUMBER}

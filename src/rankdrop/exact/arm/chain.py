@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from rankdrop.errors import TaskError
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, sections
 from rankdrop.exact.arm.naming import named_lengths
@@ -18,6 +19,7 @@ from rankdrop.exact.arm.pose import Matrix, identity, inverse, joint_screw, move
 from rankdrop.frames import BODY, WORLD_ALIGNED
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.units import UnitRobot, exponent, in_units, shifted, task_in_units
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,9 @@ class Chain:
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
             Index n is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
         remarks: what was rounded or snapped on the way.
+
+    Conditions are written in the unit of length that the arm was given in. Whatever is computed with floating-point
+    numbers is computed in the arm's own one (`units`): `own`, `own_task`, `own_numbers` and `own_polynomial`.
     """
 
     robot: Robot
@@ -61,6 +66,37 @@ class Chain:
     def numbers(self) -> dict[str, float]:
         """The letters' values as floats [m]."""
         return {name: float(value) for name, value in self.letters.items()}
+
+    @property
+    def power(self) -> int:
+        """Power of ten of the arm's own unit of length."""
+        return exponent(self.robot)
+
+    @property
+    def own(self) -> UnitRobot:
+        """The robot in its own unit."""
+        return in_units(self.robot)
+
+    @cached_property
+    def own_task(self) -> Task:
+        """The task for `own`."""
+        return task_in_units(self.task, self.robot)
+
+    @cached_property
+    def own_numbers(self) -> dict[str, float]:
+        """The letters' values in the arm's own unit."""
+        unit = Fraction(10) ** self.power
+        return {name: float(value / unit) for name, value in self.letters.items()}
+
+    def own_polynomial(self, f: Polynomial) -> Polynomial:
+        """A polynomial of either ring, in lengths and slides of the arm's own unit."""
+        names = f.context().names()
+        lengths = [i for i, name in enumerate(names) if name in self.letters or name[0] == "q"]
+        if not self.power or f == 0 or not any(f.degrees()[i] for i in lengths):
+            return f
+        ten, made = flint().fmpq(10), f.context()
+        moved = {e: c * ten ** (self.power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
+        return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
 
     def length(self, place: int, which: str) -> Polynomial:
         """Length "a" or "d" of section `place` (from 0) as an element of the trigonometric ring."""
@@ -204,12 +240,12 @@ class Chain:
     @cached_property
     def _start(self) -> list[list[Fraction]]:
         """Rotation from the frame before joint 1 (z its axis, x the first normal) to the base."""
-        return _exact(first_and_last(self.robot)[0][:3, :3])
+        return _exact(first_and_last(self.own)[0][:3, :3])
 
     @cached_property
     def _end(self) -> list[list[Fraction]]:
         """Rotation from the frame of link n to the tip's axes."""
-        return _exact(_home_in_last(self.robot)[:3, :3].T)
+        return _exact(_home_in_last(self.own)[:3, :3].T)
 
     def with_letters(self, changed: Mapping[str, tuple[int, str]]) -> Chain:
         """The chain of a special arm: some letters replaced, each by (sign, another letter)."""
@@ -255,7 +291,10 @@ def exact_chain(
             got=resolved.frame,
             allowed="WORLD_ALIGNED, BODY",
         )
-    found, remarks = sections(robot, snap=snap)
+    power = exponent(robot)
+    unit = Fraction(10) ** power
+    found, remarks = sections(in_units(robot), snap=shifted(snap, -power))
+    found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
     letters, written = named_lengths(robot, found, lengths, tip)
     if letters and isinstance(lengths, str):
@@ -274,7 +313,8 @@ def _home_in_last(robot: Robot) -> Array:
 
 def _tip(robot: Robot) -> list[Fraction]:
     """Position of the tip in the frame of link n."""
-    return decimals(_home_in_last(robot)[:3, 3])
+    unit = Fraction(10) ** exponent(robot)
+    return [length * unit for length in decimals(_home_in_last(in_units(robot))[:3, 3])]
 
 
 def _exact(rotation: Array) -> list[list[Fraction]]:

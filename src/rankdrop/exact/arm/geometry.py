@@ -20,9 +20,10 @@ from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
 from rankdrop.tolerances import ALIGNED, NOTHING
+from rankdrop.units import UnitRobot, shifted
 
 DIGITS = 12
-"""Lengths are read as decimals of so many places [m]: far below any drawing, far above rounding."""
+"""Lengths are read as decimals of so many places of the arm's own unit: far below any drawing, far above rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +82,7 @@ def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], t
         RobotError: a helical or a mimic joint.
     """
     _check(robot)
+    power = robot.exponent if isinstance(robot, UnitRobot) else 0
     lines, normals = _lines_and_normals(robot)
     remarks: list[str] = []
     found = []
@@ -97,8 +99,8 @@ def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], t
         if i + 1 < len(robot.joints):
             next_z = lines[i + 1].direction
             twist = turn(atan2(float(np.cross(z, next_z) @ after.direction), float(z @ next_z)))
-            a = _length(float((after.far - after.near) @ after.direction), snap, f"a{i + 1}", remarks)
-        d = _length(float((after.near - before.far) @ z), snap, f"d{i + 1}", remarks)
+            a = _length(float((after.far - after.near) @ after.direction), snap, f"a{i + 1}", remarks, power)
+        d = _length(float((after.near - before.far) @ z), snap, f"d{i + 1}", remarks, power)
         remarks += _rounded(phase, f"angle of slide {joint.name}") + _rounded(twist, f"twist after {joint.name}")
         found.append(Section(joint.kind, phase, shift, d, a, twist))
     return tuple(found), tuple(remarks)
@@ -130,11 +132,11 @@ def _rounded(given: Turn, what: str) -> list[str]:
     return [f"{what} taken as {degrees:.10g}°, {abs(given.error):.1e} rad from the one given"]
 
 
-def _length(value: float, snap: float, what: str, remarks: list[str]) -> Fraction:
+def _length(value: float, snap: float, what: str, remarks: list[str], power: int) -> Fraction:
     if abs(value) < NOTHING:  # below the grid a file's zero is read to
         return Fraction(0)
     if 10.0**-DIGITS < abs(value) <= snap:
-        remarks.append(f"length {what} = {value:.6g} m taken as 0")
+        remarks.append(f"length {what} = {shifted(value, power):.6g} m taken as 0")
         return Fraction(0)
     return Fraction(f"{round(value, DIGITS):.{DIGITS}f}")
 

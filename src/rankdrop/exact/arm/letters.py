@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 
-_ZERO = 1e-12
+_ZERO = Fraction(1, 10**12)  # share of the terms' sizes below which their sum is rounding of the lengths given
 
 
 def value_of(chain: Chain, f: Polynomial) -> float:
     """f at the arm's own lengths, a float; f is of the half-angle ring and contains no joint."""
-    names = chain.ring.names
-    total = 0.0
-    for powers, value in f.terms():
-        part = float(int(value.p)) / float(int(value.q))
-        for name, power in zip(names, powers, strict=True):
-            if power:
-                part *= chain.numbers[name] ** int(power)
-        total += part
-    return total
+    return float(sum(_terms(chain, f)))
 
 
 def sign_of(chain: Chain, f: Polynomial) -> int:
     """Sign of f at the arm's own lengths: −1, 0 or 1."""
-    value = value_of(chain, f)
-    size = max((abs(float(int(c.p)) / float(int(c.q))) for c in f.coeffs()), default=1.0)
+    parts = _terms(chain, f)
+    value, size = sum(parts, Fraction(0)), sum(map(abs, parts), Fraction(0))
     return 0 if abs(value) <= _ZERO * size else (1 if value > 0 else -1)
+
+
+def _terms(chain: Chain, f: Polynomial) -> list[Fraction]:
+    """Values of the terms at the arm's own lengths, exactly."""
+    parts = []
+    for powers, value in f.terms():
+        part = Fraction(int(value.p), int(value.q))
+        for name, power in zip(chain.ring.names, powers, strict=True):
+            if power:
+                part *= chain.letters[name] ** int(power)
+        parts.append(part)
+    return parts
 
 
 def never_zero(chain: Chain, f: Polynomial) -> bool:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.geometry import Section, decimals
 from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import JointKind, Robot
+from rankdrop.units import exponent, shifted
 
 MANY = 14
 """More different lengths than this stay numbers unless letters are asked for."""
@@ -39,7 +40,7 @@ def named_lengths(
     if lengths == "numbers" or (lengths == "auto" and _without_structure(found, values)):
         return {}, {}
     own = dict(robot.lengths) if isinstance(lengths, str) else {}
-    named = given or dict(zip(own, decimals(own.values()), strict=True))
+    named = given or dict(zip(own, _decimals(own.values(), exponent(robot)), strict=True))
     letters = dict(named)
     written: dict[Place, tuple[int, str]] = {}
     for (i, which), value in values.items():
@@ -59,6 +60,11 @@ def named_lengths(
             allowed=", ".join(f"{which}{i + 1} = {float(v)} m" for (i, which), v in values.items()),
         )
     return {name: value for name, value in letters.items() if name in used}, written
+
+
+def _decimals(values: Iterable[float], power: int) -> list[Fraction]:
+    """Lengths as decimals of 10 to a power."""
+    return [one * Fraction(10) ** power for one in decimals(shifted(value, -power) for value in values)]
 
 
 def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:

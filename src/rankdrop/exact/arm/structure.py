@@ -16,6 +16,7 @@ from rankdrop.exact.arm.geometry import Section
 from rankdrop.reach import reach
 from rankdrop.robot.model import JointKind
 from rankdrop.tolerances import ALIGNED
+from rankdrop.units import counted_length
 
 SMALL = 0.02
 """Lengths up to this share of the reach, and angles up to this [rad], are called small: 12 mm of a 1.2 m arm are."""
@@ -158,7 +159,8 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[Ne
         miss = max(abs(float(x)) for x in (before.a, own.d, own.a))
         if 0 < miss <= SMALL * reach(chain.robot):
             joints = (first, middle, last)
-            text = f"the axes of joints {listed(joints)} miss a common point by {_millimetres(miss)}"
+            by = _in_words(miss, counted_length(chain.robot))
+            text = f"the axes of joints {listed(joints)} miss a common point by {by}"
             found.append(NearStructure("point", joints, miss, text))
     return found
 
@@ -174,5 +176,6 @@ def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[NearStructure]
     return found
 
 
-def _millimetres(length: float) -> str:
-    return f"{length * 1000:.4g} mm"
+def _in_words(length: float, unit: float) -> str:
+    """In thousandths of the unit that was given; of an arm given in metres, in mm."""
+    return f"{length * 1000:.4g} mm" if unit == 1.0 else f"{length:.4g} m"

@@ -23,6 +23,7 @@ from rankdrop.exact.decoupling.centre import centre_statement
 from rankdrop.exact.decoupling.parts import UNSEEN, condition_text, look, merged
 from rankdrop.robot.model import Array
 from rankdrop.task import ROWS
+from rankdrop.units import out_of_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +251,7 @@ def _part(
         atoms=atoms,
         multiplicity=max(int(times[atom]) for atom in atoms),
         text=condition_text(chain.ring, atoms),
-        witness=tuple(float(x) for x in seen.points[0]) if len(seen.points) else None,
+        witness=tuple(float(x) for x in out_of_units(chain.robot, seen.points[0])) if len(seen.points) else None,
         lost=seen.lost,
         statement=_statement(chain, form, joints, seen.points) if len(seen.points) else "",
     )
@@ -259,9 +260,9 @@ def _part(
 def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: Array) -> str:
     """What is lost, by the lines of the arm."""
     if form.kind == "point":
-        return centre_statement(chain.robot, points, form.group, joints, form.names[0])
+        return centre_statement(chain.own, points, form.group, joints, form.names[0])
     if form.kind == "plane" and chain.task.rows == POSE and not chain.ring.prismatic:
-        return across_statement(chain.robot, points, form.group, joints)
+        return across_statement(chain.own, points, form.group, joints)
     return ""
 
 

@@ -20,6 +20,7 @@ from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.words import words
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
+from rankdrop.units import counted_length, out_of_units
 
 POINTS = 8
 """Real configurations at which the geometry of a part is looked at."""
@@ -35,7 +36,7 @@ class Place:
         name: as `analyze` names such a family; "" where no configuration is real, or singular (of corank 1) for the
             arm as it was given: then lengths were snapped.
         roles: out of "shoulder", "elbow", "wrist", as the name says.
-        points: (N, n) real configurations on the part, those of corank 1 where there are such [rad, m].
+        points: (N, n) real configurations on the part, those of corank 1 where there are such; of `Chain.own`.
         lost: one sentence on each direction lost, in a frame where it stands still or at the first point.
     """
 
@@ -73,7 +74,7 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
 
     Names and lost directions are seen at `POINTS` random configurations; they are not proofs.
     """
-    robot, task = chain.robot, chain.task
+    robot, task = chain.own, chain.own_task
     points = real_points(chain, atoms, POINTS)
     if not len(points):
         return UNSEEN
@@ -93,8 +94,10 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
 
 
 def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
-    robot, task = chain.robot, chain.task
+    robot, task = chain.own, chain.own_task
     still = lost_over_family(robot, points, task, 1)
     found = still or lost_in_sparsest_frame(robot, points[0], task, 1)
-    where = "" if still else f" at q = ({', '.join(f'{x:.4g}' for x in points[0])})"
-    return tuple(words(direction, found.name) + where for direction in np.asarray(found.directions))
+    at = out_of_units(chain.robot, points[0])
+    where = "" if still else f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
+    length = counted_length(robot)
+    return tuple(words(direction, found.name, length) + where for direction in np.asarray(found.directions))

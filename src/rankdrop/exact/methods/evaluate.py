@@ -10,6 +10,7 @@ from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.robot.model import Array
+from rankdrop.units import into_units
 
 STEP = 1e-5
 """Of central differences [rad, m]: rounding leaves 1e-11 of the gradient, the third derivative 1e-10."""
@@ -27,14 +28,16 @@ class Distances:
 
     def __init__(self, chain: Chain, q: ArrayLike) -> None:
         self._chain = chain
-        self._theta = np.atleast_2d(np.asarray(q, dtype=np.float64)) + chain.shifts
+        self._theta = into_units(chain.robot, np.atleast_2d(np.asarray(q, dtype=np.float64))) + chain.shifts
         self._known: dict[str, Array] = {}
 
     def __len__(self) -> int:
         return len(self._theta)
 
     def of(self, f: Polynomial | Atom) -> Array:
-        """(N,) [rad, m] of a trigonometric polynomial or an atom; f is divided by the size of its coefficients."""
+        """(N,) [rad; slides in the arm's own unit] of a trigonometric polynomial or an atom; f is divided by the size
+        of its coefficients.
+        """
         key = f.key if isinstance(f, Atom) else str(f)
         if key not in self._known:
             self._known[key] = self._computed(f)
@@ -64,13 +67,14 @@ def _value(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Arr
             (np.sin(angle / 2), np.cos(angle / 2), int(degree))
             for angle, degree in zip(angles, f.f.degrees(), strict=False)
         ]
-        return _sum(chain, f.f, theta, [[s**e * c ** (d - e) for e in range(d + 1)] for s, c, d in factors])
+        powers = [[s**e * c ** (d - e) for e in range(d + 1)] for s, c, d in factors]
+        return _sum(chain, chain.own_polynomial(f.f), theta, powers)
     tables = []
     for angle, j in zip(angles, ring.revolute, strict=True):
         place = 2 * ring.revolute.index(j)
         for wave, degree in zip((np.sin(angle), np.cos(angle)), f.degrees()[place : place + 2], strict=True):
             tables.append([wave**e for e in range(int(degree) + 1)])
-    return _sum(chain, f, theta, tables)
+    return _sum(chain, chain.own_polynomial(f), theta, tables)
 
 
 def _sum(chain: Chain, f: Polynomial, theta: Array, angles: list[list[Array]]) -> tuple[Array, Array]:
@@ -79,7 +83,7 @@ def _sum(chain: Chain, f: Polynomial, theta: Array, angles: list[list[Array]]) -
     Angles enter sizes as 1, slides as 1 at least.
     """
     slides = [theta[:, j - 1] for j in chain.ring.prismatic]
-    lengths = [chain.numbers[name] for name in chain.ring.letters]
+    lengths = [chain.own_numbers[name] for name in chain.ring.letters]
     one = np.ones(len(theta))
     total, scale = 0 * one, 0 * one
     for powers, coefficient in f.terms():

@@ -14,6 +14,7 @@ from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import RADIANS, pin_text
 from rankdrop.local.block import sampling_box
 from rankdrop.robot.model import Array
+from rankdrop.units import out_of_units
 
 STARTS = 60
 """Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
@@ -40,10 +41,10 @@ def real_points(piece: Variety, chain: Chain, *, seed: int = 0) -> Iterator[Arra
         (n,) angles θ [rad], variables of slides [m].
     """
     rng = np.random.default_rng(seed)
-    conditions = [Condition(piece.ring, f) for f in piece.equations]
-    equations = [condition.equation(chain.numbers, chain.n) for condition in conditions]
+    conditions = [Condition(piece.ring, chain.own_polynomial(f)) for f in piece.equations]
+    equations = [condition.equation(chain.own_numbers, chain.n) for condition in conditions]
     moving = sorted({j for condition in conditions for j in condition.joints} - set(piece.pins))
-    low, high = sampling_box(chain.robot, chain.task, limits=False)
+    low, high = sampling_box(chain.own, chain.own_task, limits=False)
     for _ in range(STARTS):
         theta = np.where([j in piece.ring.revolute for j in range(1, chain.n + 1)],
                          np.round(rng.uniform(-np.pi, np.pi, chain.n) / _ROUND) * _ROUND,
@@ -56,7 +57,7 @@ def real_points(piece: Variety, chain: Chain, *, seed: int = 0) -> Iterator[Arra
                 continue
             turning = [j - 1 for j in piece.ring.revolute]
             theta[turning] = np.pi - np.remainder(np.pi - theta[turning], 2 * np.pi)
-        yield theta
+        yield out_of_units(chain.robot, theta)
 
 
 def _solve(equations: list[Equation], theta: Array, chosen: Array) -> bool:

@@ -25,6 +25,7 @@ from rankdrop.exact.reading.record import Difference, Example, LintResult
 from rankdrop.exact.tree import rank_on
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, JointKind
+from rankdrop.units import into_units
 
 ZERO = 1e-9
 """σ and values of conditions at or below this, beside the largest σ or the largest value, are zero."""
@@ -204,7 +205,7 @@ class _Comparison:
         turning = [j - 1 for j in self.ring.revolute]
         q[turning] = np.pi - np.remainder(np.pi - q[turning], 2 * np.pi) + 0.0
         values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
-        sigma = singular_values(robot, q, task)
+        sigma = singular_values(self.chain.own, into_units(robot, q), self.chain.own_task)
         slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
         shown = tuple(float(x) if slide else degrees(x) for x, slide in zip(q, slides, strict=True))
         value = max(values, key=abs)

@@ -22,6 +22,7 @@ from rankdrop.exact.signs.signs import SignedFactor, signed_factors
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
+from rankdrop.units import into_units
 
 _LONG = 16  # characters of a factor that is not put into a label
 _ENDS = ("starts on", "ends on", "lies in")
@@ -152,8 +153,9 @@ class Signs:
 
     def values(self, q: Array) -> Array:
         """(N, n) configurations -> (N, number of factors) scaled values."""
-        theta = np.atleast_2d(q) + self.chain.shifts
-        return np.stack([factor.values(theta, self.chain.numbers) for factor in self.factors], axis=1)
+        chain = self.chain
+        theta = into_units(chain.robot, np.atleast_2d(q)) + chain.shifts
+        return np.stack([factor.values(theta, chain.numbers, chain.power) for factor in self.factors], axis=1)
 
 
 def signs_of(chain: Chain, *, names: bool = True) -> Signs:
@@ -275,7 +277,7 @@ def _crossings(signs: Signs, index: int, start: Array, end: Array, tolerance: fl
 
     def value(share: Array) -> Array:
         q = start + share[:, None] * (end - start)
-        return factor.values(q + chain.shifts, chain.numbers)
+        return factor.values(into_units(chain.robot, q) + chain.shifts, chain.numbers, chain.power)
 
     met = zeros_between(value, float(np.abs(end - start).sum()) / tau, tolerance)
     return [Crossing(at, factor.text, signs.names[index], kind) for at, kind in met]

@@ -48,19 +48,20 @@ class SignedFactor:
         joints = {atom.joint for atom in self.atoms}
         return tuple(atom.value for atom in self.atoms) if len(joints) == 1 and self.atoms[0].pinned else ()
 
-    def values(self, theta: Array, letters: Mapping[str, float]) -> Array:
+    def values(self, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
         """The function at configurations; each atom is divided by the sum of the sizes of its coefficients.
 
         Args:
-            theta: (N, n) joint variables of the conditions: q + shifts [rad, m].
+            theta: (N, n) joint variables of the conditions: q + shifts; slides in units of 10 to `power` [rad, m].
             letters: the lengths [m].
+            power: of ten; of the arm's own unit, sizes of coefficients do not depend on the unit given.
 
         Returns:
             (N,) with the sign of `text`; |value| ≤ 1 in an arm without slides. Continuous in θ in any case.
         """
         total = np.full(len(theta), float(self.sense))
         for atom in self.atoms:
-            total = total * half_values(self.ring, atom, theta, letters)
+            total = total * half_values(self.ring, atom, theta, letters, power)
         return total
 
 
@@ -120,15 +121,17 @@ def _independent(basis: list[int], row: int) -> bool:
     return row != 0
 
 
-def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float]) -> Array:
-    """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients."""
+def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
+    """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients; `power` as in
+    `SignedFactor.values`.
+    """
     sine, cosine = np.sin(theta / 2), np.cos(theta / 2)
     if atom.pinned:
         s, c = sine[:, atom.joint - 1], cosine[:, atom.joint - 1]
         return np.asarray({"0": s, "pi": c, "pi/2": (s - c) / 2, "-pi/2": (s + c) / 2}[atom.value])
     degrees = [int(degree) for degree in atom.f.degrees()]
     total, size = np.zeros(len(theta)), 0.0
-    for coefficient, powers in numeric_terms(ring, atom.f, letters):
+    for coefficient, powers in numeric_terms(ring, atom.f, letters, power):
         part = np.full(len(theta), coefficient)
         for place, j in enumerate(ring.revolute):
             if degrees[place]:
@@ -141,8 +144,11 @@ def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, floa
     return np.asarray(total / size)
 
 
-def numeric_terms(ring: Ring, f: Polynomial, letters: Mapping[str, float]) -> Iterator[tuple[float, tuple[int, ...]]]:
-    """(coefficient with the lengths put in, powers) of each term of a half-angle polynomial, less a positive factor.
+def numeric_terms(
+    ring: Ring, f: Polynomial, letters: Mapping[str, float], power: int = 0
+) -> Iterator[tuple[float, tuple[int, ...]]]:
+    """(coefficient with the lengths put in, powers) of each term of a half-angle polynomial, less a positive factor;
+    slides are in units of 10 to `power`.
 
     Whole coefficients of calibrated arms have a hundred digits and more: they are divided by the largest first.
     """
@@ -151,6 +157,7 @@ def numeric_terms(ring: Ring, f: Polynomial, letters: Mapping[str, float]) -> It
         coefficient = int((value / largest).p) / int((value / largest).q)
         for place, name in enumerate(ring.letters, ring.moving):
             coefficient *= letters[name] ** int(powers[place])
+        coefficient *= 10.0 ** (power * sum(int(e) for e in powers[ring.angles : ring.moving]))
         yield coefficient, tuple(int(e) for e in powers)
 
 

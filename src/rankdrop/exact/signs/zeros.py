@@ -18,7 +18,7 @@ _REAL = 1e-9  # imaginary part of a root below this: real
 
 
 def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
-    """(N, n) configurations q [rad, m], N ≤ count, on each of which one of the atoms holds, in turn.
+    """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds, in turn.
 
     The joints that an atom does not fix stand at random tenths. Fewer than `count` where no real zeros were found.
     """
@@ -37,7 +37,7 @@ def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) 
 def _random(chain: Chain, rng: np.random.Generator) -> Array:
     theta = np.round(rng.uniform(-np.pi, np.pi, chain.n), 1)
     for j in chain.ring.prismatic:
-        theta[j - 1] = np.round(rng.uniform(0.3, 1.0), 1) * reach(chain.robot)
+        theta[j - 1] = np.round(rng.uniform(0.3, 1.0), 1) * reach(chain.own)
     return theta
 
 
@@ -52,7 +52,7 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
     degrees = [int(degree) for degree in atom.f.degrees()]
     place = int(rng.choice([i for i in range(ring.moving) if degrees[i]]))
     coefficients = np.zeros(degrees[place] + 1)  # highest power first
-    for coefficient, powers in numeric_terms(ring, atom.f, chain.numbers):
+    for coefficient, powers in numeric_terms(ring, atom.f, chain.numbers, chain.power):
         for i, j in enumerate(moving):
             if i == place:
                 continue

@@ -1,0 +1,227 @@
+"""The unit of length an arm is worked on in: the power of ten nearest to its reach.
+
+The same arm may be written in µm, mm, m or km, and nothing but the numbers that carry a length may differ in what is
+found. So every analysis is made of the arm in its own unit, where its reach lies between 0.32 and 3.2, and what was
+found is told in the lengths that were given. "m" in documentation is the unit the arm was given in.
+
+Dividing by a power of ten leaves decimals decimals, and lengths are then rounded where only rounding is left. So an arm
+given in mm and the same arm given in m are one arm here, to the last bit; with them all that follows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from math import floor, log10
+from typing import TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.reach import reach
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
+from rankdrop.task import Task
+
+_Length = TypeVar("_Length", float, Array)
+
+DECIMALS = 14
+"""Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnitRobot(Robot):
+    """An arm with its lengths divided by 10 to the power of `exponent`.
+
+    Attributes:
+        exponent: of the unit, in the unit of length that the arm was given in.
+    """
+
+    exponent: int = 0
+
+
+_made: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()  # a robot never changes
+_in_metres: WeakKeyDictionary[Robot, UnitRobot] = WeakKeyDictionary()
+_counted: WeakKeyDictionary[Robot, int] = WeakKeyDictionary()
+
+
+def in_units(robot: Robot) -> UnitRobot:
+    """The arm in its own unit of length; itself where it is in it already. Made once for each robot."""
+    if isinstance(robot, UnitRobot):
+        return robot
+    made = _made.get(robot)
+    if made is None:
+        made = _made[robot] = _with_exponent(robot, exponent(robot))
+    return made
+
+
+def _with_exponent(robot: Robot, power: int) -> UnitRobot:
+    plain = _rounded(scaled(robot, -power))
+    return UnitRobot(**{one.name: getattr(plain, one.name) for one in fields(Robot)}, exponent=power)
+
+
+def exponent(robot: Robot) -> int:
+    """Of the arm's unit of length: 10 to this power is nearest to the reach, by its logarithm."""
+    return robot.exponent if isinstance(robot, UnitRobot) else round(log10(reach(robot)))
+
+
+def task_in_units(task: Task, robot: Robot) -> Task:
+    """The task of an arm for `in_units(robot)`: its length scale and its reference point in that unit."""
+    power = 0 if isinstance(robot, UnitRobot) else -exponent(robot)
+    return _moved_task(task, power)
+
+
+@lru_cache(maxsize=256)
+def _moved_task(task: Task, power: int) -> Task:
+    if not power:
+        return task
+    x, y, z = (shifted(part, power) for part in task.frame.point)
+    length = None if task.length_scale is None else shifted(task.length_scale, power)
+    return replace(task, frame=replace(task.frame, point=(x, y, z)), length_scale=length)
+
+
+def into_units(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of an arm as those of `in_units(robot)`: slides in its unit."""
+    return _slid(robot, q, 0 if isinstance(robot, UnitRobot) else -exponent(robot))
+
+
+def out_of_units(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of `in_units(robot)` as those of the arm itself."""
+    return _slid(robot, q, 0 if isinstance(robot, UnitRobot) else exponent(robot))
+
+
+def as_given(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of a robot as the user's: for sentences written where only `in_units` is at hand."""
+    return _slid(robot, q, told_exponent(robot))
+
+
+def told_exponent(robot: Robot) -> int:
+    """Power of ten by which lengths of a robot are told larger than they stand there: that of `in_units`, else 0."""
+    return robot.exponent if isinstance(robot, UnitRobot) else 0
+
+
+def _slid(robot: Robot, q: ArrayLike, power: int) -> Array:
+    array = np.array(q, dtype=np.float64)
+    if not power:
+        return array
+    slides = [i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC]
+    if slides:
+        array[..., slides] = shifted(array[..., slides], power)
+    return array
+
+
+def shifted(length: _Length, power: int) -> _Length:
+    """A length times 10 to a power, rounded once."""
+    return length * 10.0**power if power >= 0 else length / 10.0**-power
+
+
+def metre_exponent(robot: Robot) -> int:
+    """Power of ten between an arm and the same arm in metres: that of `counted_length`; 0 for one that is in them.
+
+    At one configuration σ is that of joint rates in rad/s and m/s, as GR and AM have it: of an arm in mm, its slides'
+    rates would count a thousandfold. So it is looked at as if its numbers were metres.
+    """
+    return 0 if isinstance(robot, UnitRobot) else counted_exponent(robot)
+
+
+def in_metres(robot: Robot) -> Robot:
+    """The arm with its lengths divided by 10 to the power of `metre_exponent`; mostly itself."""
+    power = metre_exponent(robot)
+    if not power:
+        return robot
+    made = _in_metres.get(robot)
+    if made is None:
+        made = _in_metres[robot] = _with_exponent(robot, power)
+    return made
+
+
+def task_in_metres(task: Task, robot: Robot) -> Task:
+    """The task of an arm for `in_metres(robot)`."""
+    return _moved_task(task, -metre_exponent(robot))
+
+
+def into_metres(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of an arm as those of `in_metres(robot)`."""
+    return _slid(robot, q, -metre_exponent(robot))
+
+
+def out_of_metres(robot: Robot, q: ArrayLike) -> Array:
+    """Configurations (..., n) of `in_metres(robot)` as those of the arm itself."""
+    return _slid(robot, q, metre_exponent(robot))
+
+
+def counted(robot: Robot) -> float:
+    """The length that counts as 1 rad where a lost motion is told, in the robot's unit of length.
+
+    1 m for an arm given in metres, as AM have it. What is told must not depend on the unit, so it is the power of 1000
+    nearest to the reach: 1 for a reach from 0.032 to 31.6, 1000 for an arm given in mm.
+    """
+    power = exponent(robot) if isinstance(robot, UnitRobot) else 0
+    return 10.0 ** (counted_exponent(robot) - power)
+
+
+def counted_length(robot: Robot) -> float:
+    """The same length in the unit that the arm was given in [m]."""
+    return 10.0 ** counted_exponent(robot)
+
+
+def counted_exponent(robot: Robot) -> int:
+    """Power of ten of `counted_length`: a multiple of three."""
+    known = _counted.get(robot)
+    if known is None:
+        given = log10(reach(robot)) + told_exponent(robot)
+        known = _counted[robot] = 3 * floor(given / 3 + 0.5)
+    return known
+
+
+def scaled(robot: Robot, power: int) -> Robot:
+    """The same arm with all lengths, those of its slides' limits too, times 10 to a power."""
+    if not power:
+        return robot
+    kinds = {joint.name: joint.kind for joint in robot.joints}
+    return replace(
+        robot,
+        joints=tuple(_scaled(joint, power, kinds) for joint in robot.joints),
+        home=_pose(robot.home, power),
+        lengths=tuple((letter, shifted(value, power)) for letter, value in robot.lengths),
+    )
+
+
+def _scaled(joint: Joint, power: int, kinds: dict[str, JointKind]) -> Joint:
+    slides = joint.kind is JointKind.PRISMATIC
+    own = power if slides else 0
+    screw = joint.screw.copy()
+    if not slides:
+        screw[:3] = shifted(screw[:3], power)
+    mimic = joint.mimic
+    if mimic is not None:
+        leader = power if kinds[mimic.leader] is JointKind.PRISMATIC else 0
+        mimic = Mimic(mimic.leader, shifted(mimic.multiplier, own - leader), shifted(mimic.offset, own))
+    return replace(
+        joint, screw=screw, frame=_pose(joint.frame, power), mimic=mimic, lower=shifted(joint.lower, own),
+        upper=shifted(joint.upper, own), velocity=shifted(joint.velocity, own),
+    )  # fmt: skip
+
+
+def _pose(pose: Array, power: int) -> Array:
+    moved = pose.copy()
+    moved[:3, 3] = shifted(pose[:3, 3], power)
+    return moved
+
+
+def _rounded(robot: Robot) -> Robot:
+    """Lengths rounded to `DECIMALS` places."""
+
+    def joint_rounded(joint: Joint) -> Joint:
+        screw, frame = joint.screw.copy(), joint.frame.copy()
+        if joint.kind is not JointKind.PRISMATIC:
+            screw[:3] = np.round(screw[:3], DECIMALS) + 0.0
+        frame[:3, 3] = np.round(frame[:3, 3], DECIMALS) + 0.0
+        own = DECIMALS if joint.kind is JointKind.PRISMATIC else None
+        ends = joint.lower, joint.upper, joint.velocity
+        lower, upper, velocity = ends if own is None else (round(x, own) if np.isfinite(x) else x for x in ends)
+        return replace(joint, screw=screw, frame=frame, lower=lower, upper=upper, velocity=velocity)
+
+    home = robot.home.copy()
+    home[:3, 3] = np.round(home[:3, 3], DECIMALS) + 0.0
+    return replace(robot, joints=tuple(joint_rounded(joint) for joint in robot.joints), home=home)

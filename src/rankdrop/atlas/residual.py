@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rankdrop.atlas.elsewhere import elsewhere
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.fit import Budget, Ground, circuits, cutting, holds, hypersurface, vanishing_spaces
 from rankdrop.atlas.library import Kind
@@ -159,7 +160,8 @@ def _rank(supply: Supply, equations: list[Equation]) -> int:
 
 
 def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
-    """Solutions from random starts, and those of them that are not singular; many starts before it says none."""
+    """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
+    before it says none."""
     setting, tested = supply.setting, 0
     strangers = np.zeros((0, setting.robot.n))
     for count in (200, 800):
@@ -170,5 +172,7 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
         sigma = singular_values(setting.robot, q, setting.task)
         tested, strangers = tested + len(q), q[sigma[:, setting.rank] > setting.tolerances.singular]
         if len(strangers):
-            break
+            return tested, strangers
+    if tested:
+        _, strangers = elsewhere(setting, supply.linear, [supply.values], tuple(equations), {}, supply.rng)
     return tested, strangers

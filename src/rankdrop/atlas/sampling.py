@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -98,6 +99,7 @@ class Supply:
     Attributes:
         q: (N, n) points so far, in no special order: a fit needs them spread over the family.
         tangent: (N, n, n) projectors on the tangent space there.
+        inspect: how points that the search brought back are inspected; None: polished, then by D.
     """
 
     setting: Setting
@@ -107,6 +109,7 @@ class Supply:
     q: Array
     tangent: Array
     rng: np.random.Generator
+    inspect: Callable[[Array], Inspection] | None = None
     exhausted: bool = field(default=False)
 
     def __call__(self, count: int) -> Array:
@@ -126,7 +129,8 @@ class Supply:
         setting = self.setting
         start = self.q[base] + step
         found = refine(setting.robot, start, setting.corank, task=setting.task, tolerances=setting.tolerances)
-        inspection = setting.inspect(setting.polished(found.converged))
+        back = found.converged
+        inspection = setting.inspect(setting.polished(back)) if self.inspect is None else self.inspect(back)
         same = np.array([s == self.signature for s in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, setting.rank] <= 1e-12 if len(same) else same
         off = self.linear.values(inspection.q) - np.array(self.values)

@@ -22,7 +22,7 @@ from rankdrop.task import resolve_task
 
 
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
-    """PA-10: what loses two freedoms lies on families of corank 1 as well; without those of corank 2 it is left over."""
+    """PA-10: what loses two freedoms lies on families of corank 1 too; without those of corank 2 it is left over."""
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     work = Work(60.0, 0)
     check, over = _cloud(found.chain, 6, 4, found.families, 200, work)

@@ -12,6 +12,7 @@ from rankdrop.atlas.minors import minors
 from rankdrop.atlas.row import on_combinations
 from rankdrop.atlas.sampling import Supply
 from rankdrop.atlas.system import System
+from rankdrop.atlas.twins import gathered_tangent
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array, JointKind
 
@@ -60,13 +61,16 @@ def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | 
 def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
     setting = supply.setting
-    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
+    bound = supply.linear.covectors.any(axis=0)
+    twins = tuple(one for one in setting.twins if not bound[one.first] and not bound[one.second])
+    seconds = {one.second for one in twins}
+    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)
     kinds = tuple(
         Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
         for joint, periodic in zip(setting.robot.variables, setting.robot.periodic, strict=True)
     )
     highest = 4 if setting.task.m == 6 else 6
-    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances), joints
+    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances, twins), joints
 
 
 def _from_circuits(
@@ -75,7 +79,7 @@ def _from_circuits(
     """Equations of circuits that raise the rank of the gradients, and those that do not."""
     chosen: list[Equation] = []
     spare: list[Equation] = []
-    for circuit in circuits(supply.tangent[:SEED], joints):
+    for circuit in circuits(gathered_tangent(supply.tangent[:SEED], ground.twins), joints):
         equation = hypersurface(ground, circuit)
         if equation is None:
             continue

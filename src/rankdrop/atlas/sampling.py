@@ -12,6 +12,7 @@ from rankdrop.atlas.linear import Linear, Values, wrap
 from rankdrop.atlas.search import refine
 from rankdrop.atlas.signature import Inspection, Signature, inspect
 from rankdrop.atlas.system import Mask
+from rankdrop.atlas.twins import Twin, twins_of
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -67,6 +68,11 @@ class Setting:
         q[j, :, j] = self.random(16, rng).T
         sigma = singular_values(self.robot, q.reshape(-1, self.robot.n), self.task).reshape(*q.shape[:2], -1)
         return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < 1e-12)
+
+    @cached_property
+    def twins(self) -> tuple[Twin, ...]:
+        """Joints on one axis."""
+        return twins_of(self.robot, self.task, [bool(one) for one in self.irrelevant])
 
     def allowed(self, q: Array) -> Mask:
         """(N,) whether configurations respect the limits, angles up to whole turns; all True without limits."""

@@ -39,7 +39,7 @@ def starts(n: int, count: int, rng: np.random.Generator) -> np.ndarray:
 
 
 def solutions(equations, q: np.ndarray) -> np.ndarray:
-    """Where a plain Gauss–Newton method on all equations at once ends, steps of 0.5 rad at most, and all of them hold."""
+    """Where a plain Gauss–Newton method on all equations at once ends, steps of 0.5 rad at most, and all hold."""
     q = np.array(q)
     for _ in range(80):
         f = np.stack([one(q) for one in equations], axis=-1)

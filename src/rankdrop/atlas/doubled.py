@@ -138,7 +138,7 @@ def _second(setting: Setting, q: Array, scale: Array) -> _Second:
             there[:, j] += times * STEP * scale[j]
             _, slope = _schur(setting, there, parts.u, parts.v, scale)
             second[:, j] += weight / (12 * STEP) * (left[:, None, :] @ slope)[:, 0]
-    clear = ((size > CLEAR) | (size < NONE)).all(axis=1)
+    clear = np.asarray(((size > CLEAR) | (size < NONE)).all(axis=1))
     return _Second(s, first, left, (second + second.swapaxes(1, 2)) / 2, vt, size[:, :n] <= CLEAR, clear)
 
 

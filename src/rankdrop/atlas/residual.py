@@ -61,7 +61,7 @@ def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | 
 def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
     setting = supply.setting
-    bound = supply.linear.covectors.any(axis=0)
+    bound = np.abs(supply.linear.covectors).sum(axis=0) > 0
     twins = tuple(one for one in setting.twins if not bound[one.first] and not bound[one.second])
     seconds = {one.second for one in twins}
     joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)

@@ -1,7 +1,7 @@
 """Joints on one axis: only the sum of their angles matters, and one of them stands for both.
 
 Where the axes of joints i and j are one line at every configuration, singular values depend on θ_i + s θ_j alone, with
-s = ±1 as they turn the same way or not. An equation is fitted in one joint less, with θ_j = 0, and written with the sum.
+s = ±1 as they turn the same way or not. An equation is fitted in one joint less, at θ_j = 0, and written with the sum.
 """
 
 from __future__ import annotations

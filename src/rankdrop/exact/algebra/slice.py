@@ -8,10 +8,10 @@ the reals.
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import reduce
 
-from rankdrop.exact.algebra.field import P, dense, modulo, roots
+from rankdrop.exact.algebra.field import P, dense, reduced, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import used
 
@@ -31,6 +31,8 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
     """
     if most < 1:
         return bool(system)
+    if any(_apart(part, moving) for part in _in_two_variables(system, moving)):
+        return True
     variables = {place for f in system for place in used(f) if place < moving}
     dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
     if dimension > 2 or len(system) <= dimension:
@@ -43,6 +45,20 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
     return True
 
 
+def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[list[Polynomial]]:
+    """Three or more conditions of a system on the same two variables: they rarely have a zero, whatever the others."""
+    places = [{place for place in used(f) if place < moving} for f in system]
+    for pair in {tuple(sorted(one)) for one in places if len(one) == 2}:
+        part = [f for f, here in zip(system, places, strict=True) if here <= {*pair}]
+        if 2 < len(part) < len(system):
+            yield part
+
+
+def _apart(system: Sequence[Polynomial], moving: int) -> bool:
+    """Whether conditions on two variables have no common zero at all."""
+    return _zeros(system, 2, moving, random.Random(_SEED)) is False
+
+
 def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random) -> bool | None:
     """Whether there is a common zero modulo P on one random slice; None where there are others only."""
     module = flint()
@@ -53,7 +69,7 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
         sum((rng.randrange(P) * v for v in variables if place < moving), context.constant(rng.randrange(P)))
         for place in range(system[0].context().nvars())
     ]
-    sliced = sorted((_sliced(f, forms, context) for f in system), key=lambda f: int(f.total_degree()))
+    sliced = sorted((reduced(f).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree()))
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
         return False if common.is_constant() else (True if roots(dense(common, 0)) else None)
@@ -65,17 +81,3 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
         if there.degree() > 0 and roots([int(value) for value in there.coeffs()]):
             return True
     return None
-
-
-def _sliced(f: Polynomial, forms: Sequence[Polynomial], context: Polynomial) -> Polynomial:
-    powers: dict[tuple[int, int], Polynomial] = {}
-    total = context.constant(0)
-    for exponents, value in f.terms():
-        term = context.constant(modulo(value))
-        for place, e in enumerate(map(int, exponents)):
-            if e:
-                if (place, e) not in powers:
-                    powers[place, e] = forms[place] ** e
-                term = term * powers[place, e]
-        total += term
-    return total

@@ -11,12 +11,15 @@ import numpy as np
 import pytest
 
 from rankdrop.analyze import analyze
-from rankdrop.atlas.search import refine
+from rankdrop.atlas import residual as residual_module
+from rankdrop.atlas.families import families
+from rankdrop.atlas.search import refine, search
 from rankdrop.exact.verify import Cloud, explained
 from rankdrop.local.block import singular_values
 from rankdrop.result import Analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
+from rankdrop.task import resolve_task
 
 LENGTHS = (0.0, 0.0, 0.2, 0.3, 0.5, 1.0)
 RIGHT = np.array([0.0, np.pi, np.pi / 2, -np.pi / 2])
@@ -109,9 +112,21 @@ def test_joints_on_one_axis_count_as_one() -> None:
     assert found.sound_and_complete
 
 
-@pytest.mark.parametrize(("n", "seed"), [(7, 3), (6, 6), (7, 16), (6, 32)])
+def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """7R of seed 3: three conditions of its family hold together on θ6 = π besides, where the arm is regular."""
+    arm = structured_arm(7, 3)
+    cloud = search(arm, 1, task=resolve_task(None, arm), starts=600)
+    (row,) = families(cloud).families
+    assert row.soundness.holds
+    monkeypatch.setattr(residual_module, "elsewhere", lambda *arguments: (0, np.zeros((0, 7))))
+    (wide,) = families(cloud).families
+    assert len(wide.equations) < len(row.equations)
+    assert wide.named
+    assert 0 < wide.soundness.singular < wide.soundness.tested
+
+
+@pytest.mark.parametrize(("n", "seed"), [(6, 6), (7, 16), (6, 32)])
 def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed: int) -> None:
-    """7R of seed 3: two circuits of its family hold together on θ6 = π besides, where the arm is regular."""
     found, rng = analysed(n, seed), np.random.default_rng(seed)
     assert unsound(found, rng) == {}
     assert uncovered(found, rng) == {}

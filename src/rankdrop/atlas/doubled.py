@@ -29,7 +29,7 @@ from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import decompose, joint_scale, singular_values
 from rankdrop.robot.model import Array
 
-STEP = 1e-3  # of the differences of dS: of fourth order, so that 1e-12 of truncation meets 1e-13 of rounding
+STEP = 1e-4  # of the differences of dS, of fourth order: rounding leaves 1e-12, and 1e-9 of an angle where it counts
 ROUNDS = 5  # of Newton's method, from 1e-6 off
 FAR = 1e-3  # a point that moves farther was not near such a family [rad, length scales]
 CLEAR = 1e-3  # singular values of dS, or of the second derivative, above this are not zero [1/rad, 1/rad²]

@@ -45,7 +45,7 @@ def analyze(
     conditions say otherwise; all codes are in `rankdrop --help`.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         limits: Look within the joint limits only; otherwise in the whole joint space.
         exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
         starts: Random starts for each corank.

@@ -41,6 +41,6 @@ def robots(*, json: Annotated[bool, Parameter(negative=(), show_default=False)] 
     table.add_column("what it is")
     for entry in entries:
         table.add_row(entry.name, str(entry.n), entry.task, entry.about)
-    hint = "Or give a file: URDF, xacro, or a DH or screw table in TOML. Where the numbers come from: --json."
+    hint = "Or give a file: URDF, xacro, MJCF, or a DH or screw table in TOML. Where the numbers come from: --json."
     show(results(), [table, "", hint])
     return exits.FINE

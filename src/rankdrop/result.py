@@ -31,6 +31,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.sections import html
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
+from rankdrop.verdict import Verdict, of_analysis
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -126,9 +127,14 @@ class Analysis:
     exact: Joined | None = None
 
     @property
+    def verdict(self) -> Verdict:
+        """What may be claimed, in one sentence; the exit code follows it."""
+        return of_analysis(self)
+
+    @property
     def verified(self) -> bool:
         """Whether the families hold numerically, and nothing derived exactly says otherwise."""
-        return self.sound_and_complete and (self.exact is None or self.exact.holds)
+        return self.verdict.holds
 
     @property
     def sound_and_complete(self) -> bool:
@@ -175,6 +181,7 @@ class Analysis:
                 "tolerances": self.settings.tolerances.to_dict(),
                 "version": self.settings.version,
             },
+            **self.verdict.to_dict(),
             "complete": self.complete,
             "unfinished": self.unfinished,
             "notes": list(self.notes),

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
 from rankdrop.atlas.cells import coupled_conditions, joint_cell
+from rankdrop.atlas.equation import Equation, Term
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
+from rankdrop.exact.match import Match, Wider
+from rankdrop.exactly import conditions_of
+from rankdrop.joined import ExactRow, Joined
 from rankdrop.result import Analysis
 
 
@@ -77,3 +82,17 @@ def test_a_corank_that_was_not_found_is_no_proof(drawn) -> None:
 
 def test_a_near_miss_is_not_called_singular(drawn) -> None:
     assert "1 near miss, 0 slow. Smallest near miss: σ6 = 0.0053, not singular." in " ".join(drawn(140).split())
+
+
+def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) -> None:
+    row = shapes.families[2]
+    long = Equation(tuple(Term(1.0 + i, "cos", (0, 2 * i, 2, 0, 0, 0, 0), (0,) * 7) for i in range(26)))
+    fitted = replace(row, equations=(long,))
+    exact = ExactRow("k1.f9", "shoulder", 1, 6, (), ("a2 c2 + a3 c23 = 0",), ("",), "")
+    joined = Joined("agrees", "on", 60.0, families=(exact,), matches=(Match(row.id, ("k1.f9",)),))
+    assert conditions_of(fitted, joined) == [("exactly", "a2 c2 + a3 c23 = 0")]
+    wider = replace(joined, wider=(Wider("k1.f9", 100, 20),))
+    (first, text), (second, whole) = conditions_of(fitted, wider)
+    assert (first, text) == ("c", "fitted: 26 terms on joints 2, 3 (with --json)")
+    assert (second, whole) == ("exactly", "a2 c2 + a3 c23 = 0 (and elsewhere, see the end)")
+    assert conditions_of(row, None) == [("c", "0.9087 cos θ2 + cos(θ2+θ3) = 0")]

@@ -20,6 +20,7 @@ _LEGEND = (
 )
 _SAME = 1e-9
 _MOST_TERMS, _FIRST_TERMS = 30, 8  # a longer condition is for programs; its beginning is for people
+_FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
 
 
 def legend(robot: Robot) -> str:
@@ -73,12 +74,17 @@ def rounded_share(share: Share) -> str:
     return f"{share.explained / share.tested:.3f}" if share.tested else NOTHING
 
 
-def coupled_conditions(family: Family) -> list[str]:
-    """The conditions that tie the coupled joints together, for reading."""
+def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:
+    """The conditions that tie the coupled joints together, for reading; `folded`: long ones are only counted."""
     if not family.named:
         return [f"no condition found; points of a set of dimension {family.dimension} at most, the witness is one"]
     coupled = set(family.coupled)
-    return [condition_text(equation) for equation in family.equations if coupled & set(equation.joints)]
+    own = [equation for equation in family.equations if coupled & set(equation.joints)]
+    return [_counted(one) if folded and len(one.terms) > _FOLDED else condition_text(one) for one in own]
+
+
+def _counted(equation: Equation) -> str:
+    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
 
 
 def condition_text(equation: Equation) -> str:

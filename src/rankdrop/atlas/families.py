@@ -3,7 +3,9 @@
 1. Every point gets a signature from D (`signature`): joints pinned, free, coupled; whole-number relations.
 2. Groups of one signature become rows (`rows`): values are snapped, completed by symmetry and verified directly by σ;
    equations of coupled joints are fitted (`fit`, `residual`). Where D vanishes, shared values do instead (`recognise`).
-3. Soundness: a row's equations are solved from random starts and the rank is looked at; an unsound row is never shown.
+3. Soundness: a row's equations are solved from random starts and the rank is looked at; a row that fails there is
+   never shown. Then they are solved at special places (`elsewhere`); solutions there that are regular are counted, and
+   make the row unsound for everyone to see.
 4. Completeness: fresh points from another seed, none of which was used before, are explained by the rows or shown as a
    family without a name.
 """
@@ -16,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.atlas.elsewhere import elsewhere
 from rankdrop.atlas.estimate import none_found, unseen
 from rankdrop.atlas.family import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness
 from rankdrop.atlas.linear import wrap
@@ -84,12 +87,15 @@ def families(
     rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
     sounds: dict[Row, Soundness] = {}
     samples: dict[Row, Array] = {}
+    marks = _marks(rows)
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, cloud.corank, 7, i])
         sound, _ = soundness(setting, row.system, row.signature.rank, rng)
         points = _generic(setting, row, inspection.q[cover.on(row)], rng)
         if sound.holds and len(points):
-            sounds[row], samples[row] = sound, points
+            tested, strangers = elsewhere(setting, row.linear, row.combinations, row.residual, marks, rng)
+            sounds[row] = Soundness(sound.tested + tested, sound.singular + tested - len(strangers))
+            samples[row] = points
     kept = list(sounds)
     report(60, STEPS)
     independent = _fresh(setting, cloud, inspection, seed, threads) if fresh is None else fresh.converged
@@ -124,6 +130,15 @@ def _in_units(cloud: Search) -> Search:
 def families_out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
     """Families of `in_units(robot)` as those of the arm itself."""
     return replace(found, families=tuple(family_out_of_units(family, robot) for family in found.families))
+
+
+def _marks(rows: list[Row]) -> dict[int, list[float]]:
+    """Joint (from 0) -> the values at which some row pins it."""
+    found: dict[int, list[float]] = {}
+    for row in rows:
+        for joint, values in zip(row.signature.pinned, row.sets, strict=False):
+            found.setdefault(joint, []).extend(values)
+    return found
 
 
 def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:

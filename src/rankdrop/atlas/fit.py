@@ -21,6 +21,7 @@ import numpy as np
 
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.library import Degrees, Kind, Library, library, refit, size, sparse_basis, vanishing
+from rankdrop.atlas.twins import Twin, gathered, spread
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 
@@ -69,6 +70,7 @@ class Ground:
             rotation has harmonics up to 2. 6 for the other tasks, whose columns each depend on the reference point.
         budget: work that may be spent.
         tolerances: `fit_gap`, `coefficient`.
+        twins: joints on one axis, of which the first stands for both in every fit.
     """
 
     supply: Supply
@@ -77,6 +79,11 @@ class Ground:
     highest: int
     budget: Budget
     tolerances: Tolerances
+    twins: tuple[Twin, ...] = ()
+
+    def equation(self, functions: Library, vector: Array, joints: tuple[int, ...]) -> Equation:
+        """A combination of the functions of a library as an equation of the arm."""
+        return spread(functions.equation(vector, joints, self.n), self.twins)
 
     def of(self, joints: tuple[int, ...]) -> tuple[Kind, ...]:
         """Kinds of the given joints (from 0)."""
@@ -89,7 +96,7 @@ class Ground:
     def enough(self, degrees: Degrees, joints: tuple[int, ...]) -> Array | None:
         """Points for a library, or None when there are too few or the budget is used up."""
         count = size(degrees, self.of(joints))
-        points = self.supply(int(1.25 * count) + 24)
+        points = gathered(self.supply(int(1.25 * count) + 24), self.twins)
         return points if len(points) >= 1.1 * count + 12 and self.budget.spend(len(points), count) else None
 
 
@@ -124,7 +131,7 @@ def hypersurface(ground: Ground, joints: tuple[int, ...]) -> Equation | None:
         degrees, null = _lowest(x, degrees, null, kinds, tolerances)
         functions = library(degrees, kinds)
         vector = sparse_basis(null)[:, 0] if null.shape[1] > 1 else null[:, 0]
-        equation = functions.equation(refit(functions(x), vector, tolerances), joints, ground.n)
+        equation = ground.equation(functions, refit(functions(x), vector, tolerances), joints)
         return equation if holds(equation, held) else None
     return None
 
@@ -186,13 +193,13 @@ def cutting(ground: Ground, strangers: Array, joints: tuple[int, ...]) -> Equati
     """
     for functions, train, held, null in _nulls(ground, joints):
         basis = sparse_basis(null)
-        seen = np.abs(functions(strangers[:, joints]) @ basis)  # (strangers, d)
+        seen = np.abs(functions(gathered(strangers, ground.twins)[:, joints]) @ basis)  # (strangers, d)
         told = (seen > 1e-4).mean(axis=0)
         if told.max() < 0.2:
             continue
         best = int(np.flatnonzero(told > 0.9 * told.max())[0])
         vector = refit(functions(train[:, joints]), basis[:, best], ground.tolerances)
-        equation = functions.equation(vector, joints, ground.n)
+        equation = ground.equation(functions, vector, joints)
         if holds(equation, held):
             return equation
     return None
@@ -203,7 +210,7 @@ def vanishing_spaces(ground: Ground, joints: tuple[int, ...]) -> Iterator[list[E
     for functions, train, held, null in _nulls(ground, joints):
         values = functions(train[:, joints])
         basis = sparse_basis(null)[:, :MOST].T
-        equations = [functions.equation(refit(values, v, ground.tolerances), joints, ground.n) for v in basis]
+        equations = [ground.equation(functions, refit(values, v, ground.tolerances), joints) for v in basis]
         yield [equation for equation in equations if holds(equation, held)]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rankdrop.atlas.elsewhere import elsewhere
 from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.fit import Budget, Ground, circuits, cutting, holds, hypersurface, vanishing_spaces
 from rankdrop.atlas.library import Kind
@@ -11,6 +12,7 @@ from rankdrop.atlas.minors import minors
 from rankdrop.atlas.row import on_combinations
 from rankdrop.atlas.sampling import Supply
 from rankdrop.atlas.system import System
+from rankdrop.atlas.twins import gathered_tangent
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array, JointKind
 
@@ -59,13 +61,16 @@ def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | 
 def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
     setting = supply.setting
-    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
+    bound = np.abs(supply.linear.covectors).sum(axis=0) > 0
+    twins = tuple(one for one in setting.twins if not bound[one.first] and not bound[one.second])
+    seconds = {one.second for one in twins}
+    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)
     kinds = tuple(
         Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
         for joint, periodic in zip(setting.robot.variables, setting.robot.periodic, strict=True)
     )
     highest = 4 if setting.task.m == 6 else 6
-    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances), joints
+    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances, twins), joints
 
 
 def _from_circuits(
@@ -74,7 +79,7 @@ def _from_circuits(
     """Equations of circuits that raise the rank of the gradients, and those that do not."""
     chosen: list[Equation] = []
     spare: list[Equation] = []
-    for circuit in circuits(supply.tangent[:SEED], joints):
+    for circuit in circuits(gathered_tangent(supply.tangent[:SEED], ground.twins), joints):
         equation = hypersurface(ground, circuit)
         if equation is None:
             continue
@@ -159,7 +164,8 @@ def _rank(supply: Supply, equations: list[Equation]) -> int:
 
 
 def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
-    """Solutions from random starts, and those of them that are not singular; many starts before it says none."""
+    """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
+    before it says none."""
     setting, tested = supply.setting, 0
     strangers = np.zeros((0, setting.robot.n))
     for count in (200, 800):
@@ -170,5 +176,7 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
         sigma = singular_values(setting.robot, q, setting.task)
         tested, strangers = tested + len(q), q[sigma[:, setting.rank] > setting.tolerances.singular]
         if len(strangers):
-            break
+            return tested, strangers
+    if tested:
+        _, strangers = elsewhere(setting, supply.linear, [supply.values], tuple(equations), {}, supply.rng)
     return tested, strangers

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.atlas.doubled import inspect_doubled
 from rankdrop.atlas.fit import Budget, holds
 from rankdrop.atlas.linear import Linear, Values, boxes, grow
 from rankdrop.atlas.merge import merged
@@ -26,6 +27,8 @@ QUICK, THOROUGH = 1.5e9, 6e9  # work for one group: circuits only, and everythin
 HARD = 8  # groups that are tried a second time, thoroughly
 FEW = 3  # points from which a fit is tried
 ROUNDING = 10.0  # times `target`: σ below this tells nothing
+MANY = 2000  # points at which second derivatives are taken: half a millisecond each
+DOUBLED = 11  # sets the random numbers of doubled families apart from those of the others
 BADLY = 0.1  # share of the points left out of fits: those that are known worst
 Groups = list[tuple[Signature, NDArray[np.int64]]]
 
@@ -48,9 +51,33 @@ def find_rows(
         seed: of every random choice.
         progress: called with (groups done, groups).
     """
-    rows: list[Row] = []
     budget = Budget()
+    rows = _fitted(setting, inspection, cover, budget, (seed, setting.corank), progress)
+    groups = len(grouped(inspection))
+    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    if len(rest) >= FEW:
+        twice = _doubled(setting, rest[:: len(rest) // MANY + 1])
+        rows += _fitted(setting, twice, Cover(setting, twice.q), budget, (seed, setting.corank, DOUBLED), doubled=True)
+    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    rows += recognised(setting, rest, np.random.default_rng([seed, setting.corank, groups]))
+    rng = np.random.default_rng([seed, setting.corank, groups + 1])
+    return merged(setting, without_contained(setting, rows, rng), rng)
+
+
+def _fitted(
+    setting: Setting,
+    inspection: Inspection,
+    cover: Cover,
+    budget: Budget,
+    seed: tuple[int, ...],
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    doubled: bool = False,
+) -> list[Row]:
+    """Rows of the groups of one inspection; `doubled`: more points are inspected as these were."""
+    rows: list[Row] = []
     groups = grouped(inspection)
+    more = partial(_doubled, setting) if doubled else None
     hard = sorted((i for i, (s, _) in enumerate(groups) if s.residual > 0), key=lambda i: -len(groups[i][1]))[:HARD]
     for step, index in enumerate([*range(len(groups)), *hard]):
         if progress is not None:
@@ -60,15 +87,16 @@ def find_rows(
         left = members[~cover.by(rows)[members]]
         if not signature.rank or len(left) < (FEW if signature.residual else 1):
             continue
-        rng = np.random.default_rng([seed, setting.corank, index, int(thorough)])
+        rng = np.random.default_rng([*seed, index, int(thorough)])
         if smooth(setting, inspection, left, rng):
             part = budget.share(THOROUGH if thorough else QUICK)
-            rows += _rows_of(setting, signature, inspection, left, part, rng, thorough=thorough)
+            rows += _rows_of(setting, signature, inspection, left, part, rng, more, thorough=thorough)
             budget.back(part)
-    rest = inspection.q[inspection.exact & ~cover.by(rows)]
-    rows += recognised(setting, rest, np.random.default_rng([seed, setting.corank, len(groups)]))
-    rng = np.random.default_rng([seed, setting.corank, len(groups) + 1])
-    return merged(setting, without_contained(setting, rows, rng), rng)
+    return rows
+
+
+def _doubled(setting: Setting, q: Array) -> Inspection:
+    return inspect_doubled(setting, q)[0]
 
 
 def grouped(inspection: Inspection) -> Groups:
@@ -141,15 +169,17 @@ def _rows_of(
     members: NDArray[np.int64],
     budget: Budget,
     rng: np.random.Generator,
+    more: Callable[[Array], Inspection] | None,
     *,
     thorough: bool,
 ) -> list[Row]:
     linear = Linear.of(setting.robot, signature.covectors(setting.robot.n))
     weights = inspection.condition[members]
+    twice = "a double zero: " if more else ""
     met = linear.combinations(inspection.q[members], weights, setting.tolerances.value)
     if not signature.residual:
         found = grow(met, linear, partial(verified, setting, linear, (), 0, rng=rng))
-        return [Row(linear, sets, (), signature, "values verified") for sets in boxes(found)]
+        return [Row(linear, sets, (), signature, f"{twice}values verified") for sets in boxes(found)]
     rows: list[Row] = []
     done: set[Values] = set()
     for values in sorted(met, key=lambda values: (-len(met[values]), values))[:FITS]:
@@ -157,7 +187,7 @@ def _rows_of(
             continue
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
-        supply = Supply(setting, signature, linear, values, inspection.q[here], inspection.tangent[here], rng)
+        supply = Supply(setting, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
         residual = residual_equations(supply, budget, thorough=thorough)
         if residual is None:
             continue
@@ -165,7 +195,7 @@ def _rows_of(
         holding = partial(verified, setting, linear, residual, signature.residual, rng=rng)
         found = grow([values, *alike], linear, holding)
         done |= found
-        rows += [Row(linear, sets, residual, signature, "fitted, then verified") for sets in boxes(found)]
+        rows += [Row(linear, sets, residual, signature, f"{twice}fitted, then verified") for sets in boxes(found)]
     return rows
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -11,6 +12,7 @@ from rankdrop.atlas.linear import Linear, Values, wrap
 from rankdrop.atlas.search import refine
 from rankdrop.atlas.signature import Inspection, Signature, inspect
 from rankdrop.atlas.system import Mask
+from rankdrop.atlas.twins import Twin, twins_of
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -67,6 +69,11 @@ class Setting:
         sigma = singular_values(self.robot, q.reshape(-1, self.robot.n), self.task).reshape(*q.shape[:2], -1)
         return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < 1e-12)
 
+    @cached_property
+    def twins(self) -> tuple[Twin, ...]:
+        """Joints on one axis."""
+        return twins_of(self.robot, self.task, [bool(one) for one in self.irrelevant])
+
     def allowed(self, q: Array) -> Mask:
         """(N,) whether configurations respect the limits, angles up to whole turns; all True without limits."""
         ok = np.ones(len(q), dtype=np.bool_)
@@ -98,6 +105,7 @@ class Supply:
     Attributes:
         q: (N, n) points so far, in no special order: a fit needs them spread over the family.
         tangent: (N, n, n) projectors on the tangent space there.
+        inspect: how points that the search brought back are inspected; None: polished, then by D.
     """
 
     setting: Setting
@@ -107,6 +115,7 @@ class Supply:
     q: Array
     tangent: Array
     rng: np.random.Generator
+    inspect: Callable[[Array], Inspection] | None = None
     exhausted: bool = field(default=False)
 
     def __call__(self, count: int) -> Array:
@@ -126,7 +135,8 @@ class Supply:
         setting = self.setting
         start = self.q[base] + step
         found = refine(setting.robot, start, setting.corank, task=setting.task, tolerances=setting.tolerances)
-        inspection = setting.inspect(setting.polished(found.converged))
+        back = found.converged
+        inspection = setting.inspect(setting.polished(back)) if self.inspect is None else self.inspect(back)
         same = np.array([s == self.signature for s in inspection.signatures], dtype=np.bool_)
         same &= inspection.sigma[:, setting.rank] <= 1e-12 if len(same) else same
         off = self.linear.values(inspection.q) - np.array(self.values)

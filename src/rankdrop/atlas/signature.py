@@ -107,13 +107,15 @@ def inspect(robot: Robot, task: Task, rank: int, q: Array, tolerances: Tolerance
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
     conormal = np.einsum("nij,ni,nik->njk", vt, inside.astype(np.float64), vt)
     tangent = np.einsum("nij,ni,nik->njk", vt, (~inside).astype(np.float64), vt)
-    signatures = _signatures(robot, conormal, tangent, ranks, regular, tolerances)
+    signatures = signatures_of(robot, conormal, tangent, ranks, regular, tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
 
 
-def _signatures(
+def signatures_of(
     robot: Robot, conormal: Array, tangent: Array, ranks: NDArray[np.int64], regular: Mask, tolerances: Tolerances
 ) -> tuple[Signature | None, ...]:
+    """Signatures from projectors on the conormal and the tangent space (N, n, n) of codimension `ranks` (N,); None
+    where a point is not regular."""
     result: list[Signature | None] = [None] * len(conormal)
     pinned = np.einsum("njj->nj", tangent) < tolerances.tangent
     free = np.einsum("njj->nj", conormal) < tolerances.tangent

@@ -80,25 +80,28 @@ def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
     from rich.text import Text
 
     from rankdrop.atlas.cells import legend
+    from rankdrop.checks import sampled, unseen
     from rankdrop.cli.arm import arm_section
-    from rankdrop.cli.closing import closing_text
     from rankdrop.cli.exact_text import exact_section
     from rankdrop.cli.table import corank_section
-    from rankdrop.cli.terminal import results, show
+    from rankdrop.cli.terminal import results, show, verdict_line
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
     starts = {"starts": f"{settings.starts:,} per corank {where}, seed {settings.seed}"}
+    verdict = verdict_line(analysis.verdict)
+    show(console, [verdict, ""])
     show(console, arm_section(analysis.robot, task, analysis.generic_rank, starts))
     show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary))
     key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
-    show(console, [*key, *([""] if told else []), *told, "", closing_text(analysis, seconds)])
+    checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))
+    show(console, [*key, *([""] if told else []), *told, "", checked, "", verdict])
 
 
 def _exit_code(analysis: Analysis) -> int:
     if not analysis.complete:
         return exits.INTERRUPTED
-    return exits.FINE if analysis.verified else exits.UNEXPLAINED
+    return exits.FINE if analysis.verdict.holds else exits.UNEXPLAINED

@@ -119,7 +119,7 @@ def conditions(
     do_all(written)
     if found.interrupted:
         return exits.INTERRUPTED
-    return exits.FINE if found.verified and answer.fine else exits.UNEXPLAINED
+    return exits.FINE if answer.verdict.holds else exits.UNEXPLAINED
 
 
 def lengths_of(text: str) -> str | dict[str, float]:
@@ -154,9 +154,12 @@ def lengths_of(text: str) -> str | dict[str, float]:
 def _print(found: Conditions, task: Task, answer: Answer) -> None:
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.sections import INDENT, print_sections
-    from rankdrop.cli.terminal import results, show
+    from rankdrop.cli.terminal import results, show, verdict_line
     from rankdrop.derived.text import arm_lines
 
     console = results()
+    verdict = verdict_line(answer.verdict)
+    show(console, [verdict, ""])
     show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found)))
     print_sections((*found.sections(width=console.width - INDENT), *answer.sections), first=False)
+    show(console, ["", verdict])

@@ -7,6 +7,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError, RankdropError
+from rankdrop.verdict import of_conditions
 
 if TYPE_CHECKING:
     from rankdrop.derived.conditions import Conditions
@@ -15,15 +16,16 @@ if TYPE_CHECKING:
     from rankdrop.record import Record
     from rankdrop.robot.model import Robot
     from rankdrop.sections import Section
+    from rankdrop.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The answers: as text, as entries of the JSON, and whether the condition asked about is exact."""
+    """The answers: as text, as entries of the JSON, and the verdict on the conditions and the one asked about."""
 
     sections: tuple[Section, ...]
     record: Record
-    fine: bool
+    verdict: Verdict
 
 
 @dataclass(frozen=True)
@@ -74,9 +76,9 @@ class Question:
         """The answers, from what was derived."""
         sections: list[Section] = []
         record: Record = {"test": None, "flags": None, "between": None}
-        fine = True
+        tested = "exact"
         if self.test is not None:
-            section, record["test"], fine = _tested(found, self.test)
+            section, record["test"], tested = _tested(found, self.test)
             sections.append(section)
         if self.flags is not None:
             flags = found.flags(self._q(self.flags))
@@ -87,7 +89,8 @@ class Question:
             record["between"] = between.to_dict()
             sections += [self._flags("From", between.first), self._flags("To", between.second)]
             sections.append(_section("What parts them", between.sentences()))
-        return Answer(tuple(sections), record, fine)
+        verdict = of_conditions(found, tested)
+        return Answer(tuple(sections), {**record, **verdict.to_dict()}, verdict)
 
     def _q(self, text: str, option: str = "") -> list[float]:
         from rankdrop.cli.configuration import parse_configuration
@@ -101,12 +104,12 @@ class Question:
         return _section(title, flags.sentences(), f"q = ({values}) [{'°' if self.deg else 'rad'}, m]")
 
 
-def _tested(found: Conditions, condition: str) -> tuple[Section, Record | None, bool]:
+def _tested(found: Conditions, condition: str) -> tuple[Section, Record | None, str]:
     try:
         result = found.test(condition)
     except RankdropError as error:  # the derivation ended early: what it has is shown all the same
-        return _section("Your condition", (f"not tested: {error}",), condition), None, False
-    return _section("Your condition", result.sentences(), condition), result.to_dict(), result.verdict == "exact"
+        return _section("Your condition", (f"not tested: {error}",), condition), None, "not tested"
+    return _section("Your condition", result.sentences(), condition), result.to_dict(), result.verdict
 
 
 def _section(title: str, lines: tuple[str, ...], summary: str = "") -> Section:

@@ -14,6 +14,7 @@ from rankdrop.cli.whole import Whole
 if TYPE_CHECKING:
     from rankdrop.cli.progress import Report
     from rankdrop.result import Analysis
+    from rankdrop.verdict import Verdict
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -43,7 +44,8 @@ def report(
         rankdrop report pa10 --out pa10.html
         rankdrop report pa10.json --format pdf --figure workspace --out figures
 
-    Exit code 3: something in the analysis is not explained or not sound.
+    Exit code 3: something in the analysis is not explained, not sound or
+    contradicted; the page says which in its first line.
 
     Args:
         robot: Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`).
@@ -68,12 +70,12 @@ def report(
     with reporter(quiet=quiet) as progress:
         analysis = _analysis(robot, arm, starts, seed, progress)
         target = given or _checked(_default(analysis, format), format)
-        written = _written(analysis, target, format, figure, exact_seconds, seed, progress)
+        written, verdict = _written(analysis, target, format, figure, exact_seconds, seed, progress)
     for path in written:
         say(f"wrote {path}")
     if not analysis.complete:
         return exits.INTERRUPTED
-    return exits.FINE if analysis.verified else exits.UNEXPLAINED
+    return exits.FINE if verdict.holds else exits.UNEXPLAINED
 
 
 def _analysis(robot: str, arm: ArmOptions, starts: int, seed: int, progress: Report) -> Analysis:
@@ -101,7 +103,7 @@ def _written(
     exact_seconds: float,
     seed: int,
     progress: Report,
-) -> list[Path]:
+) -> tuple[list[Path], Verdict]:
     from rankdrop.cli.files import write_bytes
     from rankdrop.report.content import content
     from rankdrop.report.figures import check_figures, figure_names, figures
@@ -115,7 +117,7 @@ def _written(
     )
     if not paper:
         write_bytes(page(shown).encode(), str(target))
-        return [target]
+        return [target], shown.verdict
     names = figure_names(shown, figure)
     single = target.suffix.lower() == f".{format}"
     if single and len(names) > 1:
@@ -129,7 +131,7 @@ def _written(
         path = target if single else target / f"{name}.{format}"
         write_bytes(content_of, str(path))
         paths.append(path)
-    return paths
+    return paths, shown.verdict
 
 
 def _default(analysis: Analysis, format: Format) -> str:

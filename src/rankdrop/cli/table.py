@@ -15,15 +15,13 @@ from rich.table import Table
 from rich.text import Text
 
 from rankdrop.atlas.cells import (
-    COUPLED,
-    coupled_conditions,
     joint_cell,
     joint_symbol,
     rounded_share,
     share_text,
     values_text,
 )
-from rankdrop.cli.exact_text import exact_conditions
+from rankdrop.exactly import conditions_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -138,9 +136,7 @@ def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) ->
     grid.add_column(no_wrap=True)
     grid.add_column()
     for index, row in enumerate(rows, start=1):
-        exactly, instead = exact_conditions(row, exact)
-        notes = [] if instead else [(COUPLED, text) for text in coupled_conditions(row)]
-        notes += [("exactly", text) for text in exactly]
+        notes = conditions_of(row, exact)
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):

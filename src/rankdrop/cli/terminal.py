@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+    from rich.text import Text
+
+    from rankdrop.verdict import Verdict
 
 _ASCII = {
     "θ": "q", "π": "pi", "σ": "sigma", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-", "…": "...",
@@ -64,6 +67,13 @@ def show(console: Console, parts: Iterable[RenderableType]) -> None:
         for part in parts:
             console.print(part)
     sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
+
+
+def verdict_line(verdict: Verdict) -> Text:
+    """The sentence that stands first and last."""
+    from rich.text import Text
+
+    return Text(verdict.sentence, style="bold" if verdict.holds else "bold red")
 
 
 def status() -> Console:

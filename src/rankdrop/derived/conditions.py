@@ -28,11 +28,11 @@ class Conditions(ConditionsData):
     """The singularity conditions of an arm, exactly; the attributes are those of `ConditionsData`."""
 
     def __repr__(self) -> str:
-        return f"<Conditions of {self.robot.name}: {len(self.families)} families, {self.verdict}>"
+        return f"<Conditions of {self.robot.name}: {len(self.families)} families, {self.verdict.word}>"
 
     def __str__(self) -> str:
         """What the command line prints, unwrapped."""
-        return text(self.sections())
+        return text(self._told())
 
     def test(self, condition: str, *, seconds: float = 60.0) -> LintResult:
         """Is a condition exactly the singular set, too small, or too large? See `rankdrop.exact.reading.lint.lint`.
@@ -114,4 +114,9 @@ class Conditions(ConditionsData):
 
     def _repr_html_(self) -> str:
         """For notebooks."""
-        return html(self.sections())
+        return html(self._told())
+
+    def _told(self) -> tuple[Section, ...]:
+        """The verdict first and last."""
+        verdict = Section(self.verdict.sentence)
+        return (verdict, *self.sections(), verdict)

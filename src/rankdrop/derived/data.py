@@ -10,6 +10,7 @@ from rankdrop.exact.check import Check
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.verdict import Verdict, of_conditions
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,14 +101,12 @@ class ConditionsData:
     @property
     def verified(self) -> bool:
         """Whether every check that was made holds and nothing was left unfinished."""
-        ranks = all(family.rank_check.holds for family in self.families)
-        points = self.explained.tested == self.explained.agree
-        return self.complete and ranks and points and not self.disagreements
+        return self.verdict.holds
 
     @property
-    def verdict(self) -> str:
-        """Verified, not complete, or not verified."""
-        return "verified" if self.verified else "not verified" if self.complete else "not complete"
+    def verdict(self) -> Verdict:
+        """What may be claimed, in one sentence; the exit code follows it."""
+        return of_conditions(self)
 
     def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
         """The families of one corank."""

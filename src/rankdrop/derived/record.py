@@ -24,6 +24,7 @@ def conditions_to_dict(found: ConditionsData) -> Record:
         "method": found.method,
         "reason": found.reason,
         "steps": plain(found.steps),
+        **found.verdict.to_dict(),
         "complete": found.complete,
         "interrupted": found.interrupted,
         "verified": found.verified,

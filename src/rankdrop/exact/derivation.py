@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.variety import Variety
@@ -16,6 +18,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.words import Words
+from rankdrop.exact.real import real_points
 from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
@@ -103,7 +106,7 @@ def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> Cora
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
-    return CorankOne("decoupling", found.reason, told, (), _differences("decoupling", missing, surplus))
+    return CorankOne("decoupling", found.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree))
 
 
 def _as_set(chain: Chain, atom: Atom) -> Variety:
@@ -112,11 +115,29 @@ def _as_set(chain: Chain, atom: Atom) -> Variety:
     return Variety(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
 
 
-def _differences(method: str, missing: Sequence[Variety], surplus: Sequence[Variety]) -> tuple[str, ...]:
-    return (
-        *(f"{method} has {one.key}, the rank tree has not" for one in missing),
-        *(f"the rank tree has {one.key}, {method} has not" for one in surplus),
+def _differences(
+    chain: Chain, method: str, missing: Sequence[Variety], surplus: Sequence[Variety], tree: Tree
+) -> tuple[str, ...]:
+    """One line for each way round: how many sets, and a configuration on one of them; the sets may be polynomials of
+    thousands of terms."""
+    ways = ((method, "the rank tree", missing), ("the rank tree", method, surplus))
+    return tuple(
+        f"{own} has {len(sets)} {'set' if len(sets) == 1 else 'sets'} that {other} has not: {_met(chain, sets, tree)}"
+        for own, other, sets in ways
+        if sets
     )
+
+
+def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
+    """A real configuration on one of the sets, in words."""
+    rng, r = np.random.default_rng(0), tree.generic_rank
+    for one in sets:
+        points, _, strays = real_points(chain, one, r - 1, rng)
+        for rank, found in ((r - 1, points), (r, strays)):
+            if len(found):
+                q = ", ".join(f"{x + 0.0:.6g}".replace("-", "−") for x in found[0])
+                return f"at q = ({q}), which is on one, the rank is {rank} of {r}"
+    return f"no real configuration of rank {r - 1} or {r} was found on them"
 
 
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
@@ -139,7 +160,7 @@ def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work:
     surplus = [
         drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in closed)
     ]
-    return _differences("suppression", missing, surplus)
+    return _differences(chain, "suppression", missing, surplus, tree)
 
 
 def _compared(

@@ -8,6 +8,7 @@ from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
 from rankdrop.explanation.data import ExplanationData, Lost
 from rankdrop.record import Record, plain, robot_to_dict
+from rankdrop.verdict import of_explanation
 
 SCHEMA = "rankdrop/explanation/1"
 
@@ -24,6 +25,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         "at_limits": list(found.at_limits),
         "verdict": found.verdict,
         "reason": found.reason,
+        "sentence": of_explanation(found),
         **plain(rank),
         "nearly_lost": found.nearly_lost,
         "focus": found.focus.tolist(),

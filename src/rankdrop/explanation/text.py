@@ -15,6 +15,7 @@ from rankdrop.explanation.motion import escape_part, far_part, rates_part
 from rankdrop.explanation.words import fixed, minus, numbers, pitch_text, plural, power, short, vector, wrench_text
 from rankdrop.frames import TIP
 from rankdrop.sections import Section
+from rankdrop.verdict import of_explanation
 
 _LONG = 160  # characters of an equation that is printed
 _TURNS = 4 * pi  # a joint angle beyond it was hardly meant in rad
@@ -51,7 +52,7 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     if any(joint.unit == "rad" for joint in joints):
         rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(found.q, joints, strict=True))))
     yield Section(
-        f"{robot.name}: {found.verdict.upper()}", found.reason, tuple(lines),
+        of_explanation(found), "", tuple(lines),
         ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
     )  # fmt: skip
 
@@ -184,6 +185,10 @@ def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
         yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
 
 
+def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
+    yield Section(of_explanation(found))
+
+
 def _deg(value: float, unit: str) -> str:
     return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
 
@@ -199,6 +204,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     **DETAIL_PARTS,
     "closing": _closing,
     "more": _more,
+    "last": _last,
 }
 """Every part by its name, in order."""
 DETAILS = frozenset(DETAIL_PARTS)

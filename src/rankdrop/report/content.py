@@ -19,6 +19,7 @@ from rankdrop.kinematics import link_poses
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array
+from rankdrop.verdict import Verdict, of_analysis
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""
@@ -55,6 +56,11 @@ class Content:
     solids: tuple[Solid, ...]
     workspace: Workspace
     sweeps: tuple[tuple[Sweep, ...], ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the analysis and of the exact conditions beside it: first and last on the page, and the exit code."""
+        return of_analysis(self.analysis, self.exact)
 
     @property
     def colours(self) -> dict[str, int]:

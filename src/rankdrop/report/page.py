@@ -17,13 +17,12 @@ from rankdrop.report.sections import (
     workspace_section,
 )
 from rankdrop.report.tables import corank_tables
-from rankdrop.result import Analysis
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
 """The page's program, in this order."""
 _NAVIGATION = (
     ("see", "Arm"), ("tables", "Families"), ("exact", "Conditions"), ("slices", "Joint space"),
-    ("workspace", "Workspace"), ("lines", "σ"), ("verified", "Verification"),
+    ("workspace", "Workspace"), ("lines", "σ"), ("checks", "Checks"),
 )  # fmt: skip
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 
@@ -44,7 +43,7 @@ def page(content: Content) -> str:
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
-        f"<style>{asset('page.css')}</style></head><body>{_header(analysis)}"
+        f"<style>{asset('page.css')}</style></head><body>{_header(content)}"
         f"<nav><div>{links}</div></nav><main>{''.join(sections)}</main>"
         f"<footer>rankdrop {escape(analysis.settings.version)}. This page stands alone: it loads nothing from "
         "anywhere.</footer>"
@@ -58,9 +57,10 @@ def asset(name: str) -> str:
     return (resources.files("rankdrop.report") / "assets" / name).read_text(encoding="utf-8")
 
 
-def _header(analysis: Analysis) -> str:
+def _header(content: Content) -> str:
+    analysis, verdict = content.analysis, content.verdict
     robot, task, settings = analysis.robot, analysis.task, analysis.settings
-    css, word = ("good", "verified on samples") if analysis.verified else ("bad", "not all verified")
+    css = "good" if verdict.holds else "bad"
     redundancy = robot.n - analysis.generic_rank
     found = ", ".join(
         f"corank {summary.corank}: {len(rows)}"
@@ -80,13 +80,11 @@ def _header(analysis: Analysis) -> str:
     notes = told if source else ""
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
     notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in robot.notes)
-    unfinished = "" if analysis.complete else (
-        f"<p class='bad'>The analysis was interrupted: corank {analysis.unfinished} is unfinished and not shown.</p>"
-    )  # fmt: skip
     return (
-        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{word}</span></h1>'
+        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{verdict.word}</span></h1>'
+        f'<p class="{css}">{escape(verdict.sentence)}</p>'
         f'<div class="about">{escape(robot.about or "Kinematic singularities")}</div>'
-        f'<dl class="facts">{cells}</dl>{notes}{unfinished}</header>'
+        f'<dl class="facts">{cells}</dl>{notes}</header>'
     )
 
 

@@ -15,8 +15,8 @@ from rankdrop.report.charts import (
     sweep_chart,
     workspace_chart,
 )
+from rankdrop.report.checked import checks
 from rankdrop.report.content import Content
-from rankdrop.report.verified import checks
 
 _WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
 
@@ -140,8 +140,9 @@ def verification_section(content: Content) -> str:
         for name, value in content.analysis.settings.tolerances.to_dict().items()
     )
     return (
-        f'<section id="verified"><h2>How this was verified</h2><ul class="checks">{items}</ul>'
+        f'<section id="checks"><h2>How this was checked</h2><ul class="checks">{items}</ul>'
         "<p>These are tests on samples, not proofs. A corank that was not found is not thereby shown to be absent.</p>"
         f"<details><summary>tolerances</summary><div class='scroll'><table>{tolerances}</table></div></details>"
+        f"<p class='{'good' if content.verdict.holds else 'bad'}'>{escape(content.verdict.sentence)}</p>"
         "</section>"
     )

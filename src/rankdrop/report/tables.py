@@ -9,7 +9,6 @@ from rankdrop.atlas.cells import (
     COUPLED,
     FREE,
     NOTHING,
-    coupled_conditions,
     joint_cell,
     joint_symbol,
     legend,
@@ -17,6 +16,8 @@ from rankdrop.atlas.cells import (
     share_text,
 )
 from rankdrop.atlas.family import CorankSummary, Family
+from rankdrop.exactly import conditions_of
+from rankdrop.joined import Joined
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Robot
 
@@ -48,7 +49,7 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
         f'<p>{count}, <span class="{css}">completeness {share_text(share.explained, share.tested)}</span> '
         f"({share.explained:,} of {share.tested:,} fresh points).</p>"
     )
-    body = "".join(_rows(analysis.robot, row) for row in rows)
+    body = "".join(_rows(analysis.robot, row, analysis.exact) for row in rows)
     return (
         f'<h3>{heading}</h3>{complete}<div class="scroll"><table><thead>{_head(analysis.robot, summary)}</thead>'
         f'<tbody>{body}</tbody></table></div><p class="small">{starts}</p>'
@@ -67,7 +68,7 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
     )
 
 
-def _rows(robot: Robot, row: Family) -> str:
+def _rows(robot: Robot, row: Family, exact: Joined | None) -> str:
     cells = "".join(_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
     lost = "<br>".join(escape(words) for words in row.lost_words)
     sound, share = share_text(row.soundness.singular, row.soundness.tested), rounded_share(row.explained)
@@ -80,14 +81,15 @@ def _rows(robot: Robot, row: Family) -> str:
     )
     span = robot.n + 5
     notes = "".join(
-        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>' for text in _notes(row)
+        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>' for text in _notes(row, exact)
     )
     return first + notes
 
 
-def _notes(row: Family) -> Iterator[str]:
-    for text in coupled_conditions(row) if row.coupled or not row.named else []:
-        yield f'<i class="bad">{COUPLED}</i>&ensp;{escape(text)}'
+def _notes(row: Family, exact: Joined | None) -> Iterator[str]:
+    for label, text in conditions_of(row, exact):
+        css = "bad" if label == COUPLED else "good"
+        yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if any("witness" in text for text in row.lost_words):
         values = ", ".join(f"{value:.4g}" for value in row.witness).replace("-", "−")
         yield f"witness q = ({values}) [rad, m]"

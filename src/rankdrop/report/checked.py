@@ -1,9 +1,10 @@
-"""How a report's numbers were verified, in sentences with counts, seeds and tolerances."""
+"""How a report's numbers were checked, in sentences with counts, seeds and tolerances."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rankdrop.checks import sampled, unseen
 from rankdrop.report.content import Content
 
 
@@ -11,27 +12,16 @@ def checks(content: Content) -> Iterator[str]:
     """One sentence for each check; the residuals are evaluated anew while the report is made."""
     analysis = content.analysis
     settings, again = analysis.settings, analysis.residual()
-    singular = settings.tolerances.singular
     where = "within the joint limits" if settings.limits else "in the whole joint space, joint limits ignored"
     yield f"Search: {settings.starts:,} random starts for each corank {where}; seed {settings.seed}."
     if analysis.families:
-        solved = sum(row.soundness.tested for row in analysis.families)
-        held = sum(row.soundness.singular for row in analysis.families)
-        yield f"Sound: {held:,} of {solved:,} points solved from the rows' conditions are singular (σ ≤ {singular:g})."
-        fresh = sum(row.completeness.tested for row in analysis.coranks)
-        known = sum(row.completeness.explained for row in analysis.coranks)
-        yield f"Complete: the rows explain {known:,} of {fresh:,} fresh singular points, none of which made them."
+        yield sampled(analysis)
         yield (
             f"Evaluated again for this report: at the witnesses the equations leave {again.equation:.1e} at most, the "
             f"singular values that have to vanish {again.sigma:.1e} at most."
         )
-    found = [row for row in analysis.coranks if row.converged]
-    if found:
-        worst = max(found, key=lambda row: row.unseen.upper)
-        yield (
-            f"Not seen by sampling: an estimated {worst.unseen.estimate:.2%} of where searches end, "
-            f"{worst.unseen.upper:.2%} at most (95 %), worst at corank {worst.corank} ({worst.unseen.how})."
-        )
+    if missed := unseen(analysis):
+        yield missed
     last = analysis.coranks[-1] if analysis.coranks else None
     if last is not None and not last.converged:
         met = "" if last.smallest_near_miss is None else f"; the smallest σ met was {last.smallest_near_miss:.4g}"

@@ -1,0 +1,149 @@
+"""One sentence first and last, and the exit code goes with it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+
+import pytest
+
+from rankdrop.analyze import analyze
+from rankdrop.atlas.family import Share, Soundness
+from rankdrop.cli import exits
+from rankdrop.conditions import conditions
+from rankdrop.exact.check import Check
+from rankdrop.joined import DIFFERS, NOT_DERIVED
+from rankdrop.result import Analysis
+from rankdrop.robot.open import open_robot
+
+
+@pytest.fixture(scope="module")
+def sampled() -> Analysis:
+    return analyze(open_robot("scara"), starts=200)
+
+
+@pytest.fixture(scope="module")
+def derived():
+    return conditions(open_robot("scara"), points=100)
+
+
+def first_and_last(text: str) -> tuple[str, str]:
+    """The first and the last paragraph, unwrapped."""
+    parts = text.strip().split("\n\n")
+    return " ".join(parts[0].split()), " ".join(parts[-1].split())
+
+
+def differs(found: Analysis) -> Analysis:
+    said = ("exact k1.f1 (elbow): 3 of 257 of its points lie on no numeric family of this corank, q = (0, 1) is one",)
+    return replace(found, exact=replace(found.exact, status=DIFFERS, disagreements=said))
+
+
+def unsound(found: Analysis) -> Analysis:
+    return replace(found, families=(replace(found.families[0], soundness=Soundness(176, 141)),))
+
+
+def unexplained(found: Analysis) -> Analysis:
+    summary = replace(found.coranks[0], completeness=Share(1150, 928))
+    return replace(found, coranks=(summary, *found.coranks[1:]))
+
+
+def not_derived(found: Analysis) -> Analysis:
+    return replace(found, exact=replace(found.exact, status=NOT_DERIVED, asked="on", reason="no time"))
+
+
+@pytest.mark.parametrize(
+    ("change", "word", "begins"),
+    [
+        (differs, "contradicted", "Contradicted: the exact derivation and the search differ, exact k1.f1"),
+        (unsound, "unsound", "Not sound: k1.f1 also holds at 35 of 176 solutions that are regular."),
+        (unexplained, "incomplete", "Incomplete: corank 1, 222 of 1,150 fresh singular points on no row."),
+        (not_derived, "incomplete", "Incomplete: exact conditions were asked for and not derived, no time."),
+    ],
+)
+def test_analyze_calls_nothing_verified_where_it_ends_with_three(
+    run, sampled: Analysis, monkeypatch: pytest.MonkeyPatch, change, word: str, begins: str
+) -> None:
+    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "analyze", lambda *args, **options: change(sampled))
+    ended = run("analyze", "scara", "--quiet")
+    first, last = first_and_last(ended.out)
+    assert first == last
+    assert first.startswith(begins)
+    assert ended.code == exits.UNEXPLAINED
+    assert "erified" not in ended.out
+    assert json.loads(run("analyze", "scara", "--quiet", "--json", "-").out)["verdict"] == word
+
+
+def test_analyze_says_what_was_done(run, sampled: Analysis, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = {"both": sampled, "alone": replace(sampled, exact=None)}
+    claims = {"both": ["sampled", "derived exactly"], "alone": ["sampled"]}
+    for name, analysis in shown.items():
+        monkeypatch.setattr(sys.modules["rankdrop.analyze"], "analyze", lambda *args, **options: analysis)  # noqa: B023
+        ended = run("analyze", "scara", "--quiet")
+        first, last = first_and_last(ended.out)
+        assert first == last
+        assert first.startswith(f"Verified, {' and '.join(claims[name])}: 1 family explains 1,150 of 1,150 fresh")
+        assert ("exact conditions were not asked for" in first) == (name == "alone")
+        assert ended.code == exits.FINE
+        record = json.loads(run("analyze", "scara", "--quiet", "--json", "-").out)
+        assert (record["verdict"], record["claims"], record["sentence"]) == ("verified", claims[name], first)
+
+
+def test_an_arm_without_singular_configurations_has_not_been_proven_to_have_none(sampled: Analysis) -> None:
+    none = replace(sampled, families=(), coranks=sampled.coranks[1:], exact=None)
+    assert "no proof of absence" in none.verdict.sentence
+    assert none.verdict.claims == ("sampled",)
+
+
+@pytest.mark.parametrize(
+    ("change", "word", "begins"),
+    [
+        ({"disagreements": ("the rank tree has a set …",)}, "contradicted", "Contradicted: the rank tree has a set"),
+        ({"explained": Check(100, 97)}, "contradicted", "Contradicted: 3 configurations found numerically lie on no"),
+        ({"complete": False, "left": ("one system",)}, "incomplete", "Incomplete: one system."),
+    ],
+)
+def test_conditions_calls_nothing_verified_where_it_ends_with_three(
+    run, derived, monkeypatch: pytest.MonkeyPatch, change, word: str, begins: str
+) -> None:
+    wrong = replace(derived, **change)
+    monkeypatch.setattr(sys.modules["rankdrop.conditions"], "conditions", lambda *args, **options: wrong)
+    ended = run("conditions", "scara", "--quiet")
+    first, last = first_and_last(ended.out)
+    assert first == last
+    assert first.startswith(begins)
+    assert ended.code == exits.UNEXPLAINED
+    assert "erified" not in ended.out
+    assert "no family\n" not in ended.out  # nothing is said to be absent where something is wrong
+    assert json.loads(run("conditions", "scara", "--quiet", "--json", "-").out)["verdict"] == word
+    shown = first_and_last(str(wrong))
+    assert shown == (first, first)
+
+
+def test_a_condition_that_is_not_exact_ends_with_three_and_says_so_first_and_last(run) -> None:
+    ended = run("conditions", "scara", "--test", "sin(q2/2)", "--quiet")
+    first, last = first_and_last(ended.out)
+    assert first == last == "Not exact: the condition asked about is too small."
+    assert ended.code == exits.UNEXPLAINED
+    assert "erified" not in ended.out
+
+
+def test_what_was_tried_on_no_configuration_does_not_claim_it(run) -> None:
+    sentence = first_and_last(run("conditions", "scara", "--points", "0", "--quiet").out)[0]
+    assert sentence.startswith("Verified, derived exactly: the rank is as claimed at 6 random points")
+    assert "not tried on configurations found numerically" in sentence
+    none = conditions(open_robot("planar2r"), points=0, coranks=1)
+    bare = replace(none, families=())
+    assert bare.verdict.word == "unchecked"
+    assert "erified" not in bare.verdict.sentence
+
+
+@pytest.mark.parametrize(("q", "code"), [("0,0,0,0", 4), ("0,0.01,0.1,0", 3), ("0,1.5,0.1,0", 0)])
+def test_explain_says_one_sentence_first_and_last(run, q: str, code: int) -> None:
+    ended = run("explain", "scara", "--q", q)
+    word = {4: "SINGULAR", 3: "NEAR", 0: "REGULAR"}[code]
+    sentence = " ".join(ended.out.split("\n  ")[0].split())
+    assert sentence.startswith(f"scara: {word}, ")
+    assert " ".join(ended.out.split()).endswith(sentence)
+    assert ended.code == code
+    assert json.loads(run("explain", "scara", "--q", q, "--json", "-").out)["sentence"] == sentence

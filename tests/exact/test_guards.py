@@ -1,0 +1,96 @@
+"""Guards against a missing family, each with a case in which nothing else would notice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from rankdrop import join as join_module
+from rankdrop.atlas.families import families
+from rankdrop.atlas.search import search
+from rankdrop.conditions import _cloud, conditions
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.derivation import corank_one
+from rankdrop.exact.merge import merge
+from rankdrop.exact.settled import covered
+from rankdrop.exact.tree import rank_tree
+from rankdrop.join import join
+from rankdrop.joined import DIFFERS
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+
+def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
+    """PA-10: what loses two freedoms lies on families of corank 1 too; without those of corank 2 it is left over."""
+    found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
+    work = Work(60.0, 0)
+    check, over = _cloud(found.chain, 6, 4, found.families, 200, work)
+    assert (check.tested > 200, over) == (True, [])
+    _, over = _cloud(found.chain, 6, 4, found.of_corank(1), 200, work)
+    assert len(over) == 1
+    assert over[0].startswith("corank 2: ")
+
+
+def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
+    chain = exact_chain(open_robot("puma560"))
+    tree = rank_tree(chain, Work(60.0, 0))
+    plain = rank_tree(replace(chain, letters={}, written={}), Work(60.0, 0))
+    assert covered(chain, tree, plain)
+    for missing in range(len(tree.drops)):
+        less = replace(tree, drops=[drop for i, drop in enumerate(tree.drops) if i != missing])
+        assert not covered(chain, less, plain), tree.drops[missing]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"disagreements": ("k1.f1: the rank modulo a prime is not 3 at 2 of 6 random points",)}, "modulo a prime"),
+        ({"generic_rank": 3}, "the rank is 3 almost everywhere exactly, 4 numerically"),
+    ],
+)
+def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, change, said: str) -> None:
+    """The families agree; the ranks alone do not."""
+    robot = open_robot("scara")
+    task = resolve_task(None, robot)
+    rows = families(search(robot, 1, starts=100)).families
+    monkeypatch.setattr(join_module, "conditions", lambda *args, **options: replace(conditions(*args, **options),
+                                                                                    **change))  # fmt: skip
+    found = join(robot, task, 4, rows)
+    assert found is not None
+    assert found.status == DIFFERS
+    assert len(found.disagreements) == 1
+    assert said in found.disagreements[0]
+    assert not found.holds
+
+
+def test_exact_sets_become_one_row_only_with_every_combination_of_their_angles() -> None:
+    """PA-10, corank 3: θ2 … θ6 = 0 or π are 32 sets in one row; without one of them there is no such row."""
+    chain = exact_chain(open_robot("pa10"))
+    drops = rank_tree(chain, Work(60.0, 0)).drops
+    pieces = [drop.piece for drop in drops if drop.rank == 3]
+    (row,) = merge(pieces)
+    product = 1
+    for values in row.pins.values():
+        product *= len(values)
+    assert product == len(row.pieces) == len(pieces) == 32
+    for less in merge(pieces[:-1]):
+        product = 1
+        for values in less.pins.values():
+            product *= len(values)
+        assert product == len(less.pieces)
+        assert less.pins != row.pins
+
+
+def test_a_disagreement_is_a_line_with_one_configuration() -> None:
+    """PUMA, by decoupling and by a rank tree that has lost a set: the set is not printed, a point on it is."""
+    chain = exact_chain(open_robot("puma560"))
+    tree = rank_tree(chain, Work(60.0, 0))
+    first = [drop for drop in tree.drops if drop.rank == 5]
+    less = replace(tree, drops=[drop for drop in tree.drops if drop is not first[0]])
+    assert corank_one(chain, "decoupling", tree, (), Work(60.0, 0)).disagreements == ()
+    (line,) = corank_one(chain, "decoupling", less, (), Work(60.0, 0)).disagreements
+    assert line.startswith("decoupling has 1 set that the rank tree has not: at q = (")
+    assert line.endswith("the rank is 5 of 6")
+    assert len(line) < 200

@@ -52,6 +52,16 @@ ALIGNED = DEFAULT.value
 ENTRY = 1e-6
 """Entries of unit vectors below this do not count as entries [1]: a thousand times what `singular` leaves in them."""
 
+# What a file of an arm leaves open.
+
+SQUARE = 2e-5
+"""Angles between axes that hold to this are exact [rad]: ten times what CAD exports and six digits leave, and finer
+than any arm is built (1 µm at 50 mm)."""
+MEETING = 2e-6
+"""Axes that meet, and distances that are equal, to this do so exactly [m]: finer than any arm is measured."""
+NOTHING = 1e-9
+"""Lengths below this are nothing [m]: what rounded angles leave of a zero."""
+
 # What an explanation of one configuration asks by default; its settings record them.
 
 NEAR = 0.05

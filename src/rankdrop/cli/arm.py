@@ -29,6 +29,7 @@ class ArmOptions:
         tip: Last link of the chain (robot files).
         length_scale: Translation rows are divided by this length [m], else by the reach. No family, exact or not,
             depends on it.
+        as_written: Keep the file's numbers: 1.5708 is not a right angle then, nor noise of 2e-5 rad and 2 µm none.
         package: NAME=PATH: where package://NAME and $(find NAME) are. May be given again.
     """
 
@@ -36,6 +37,7 @@ class ArmOptions:
     base: str | None = None
     tip: str | None = None
     length_scale: float | None = None
+    as_written: Annotated[bool, Parameter(negative=())] = False
     package: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
 
 
@@ -51,7 +53,9 @@ def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
     from rankdrop.robot.open import open_robot
     from rankdrop.task import resolve_task
 
-    robot = open_robot(name, tip=options.tip, base=options.base, packages=_packages(options.package))
+    robot = open_robot(
+        name, tip=options.tip, base=options.base, packages=_packages(options.package), as_written=options.as_written
+    )
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.digits import Angles
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
 from rankdrop.robot.quantity import quantity
@@ -118,8 +119,14 @@ def from_dh(
     return Robot(name, tuple(joints), home, task, origin, notes=remarks, about=about, lengths=letters)
 
 
-def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:
+def dh_row(given: Mapping[str, Any], number: int, where: Where, angles: Angles | None = None) -> DHRow:
     """Read one row from a mapping, with `where` naming the place of each key in errors.
+
+    Args:
+        given: keys of `DHRow`.
+        number: of the row, from 1.
+        where: place of a key.
+        angles: reads alpha and theta; None takes them literally.
 
     Raises:
         RobotError: unknown key or kind, a value that is not a finite number, lower above upper.
@@ -127,6 +134,8 @@ def dh_row(given: Mapping[str, Any], number: int, where: Where) -> DHRow:
     check_keys(given, DH_KEYS, where)
     kind = joint_kind(given.get("kind", "revolute"), where("kind"))
     numbers = {key: quantity(given.get(key, 0.0), measure, where=where(key)) for key, measure in _MEASURES.items()}
+    if angles is not None:
+        numbers |= {key: angles.quantity(given.get(key, 0.0), where=where(key)) for key in ("alpha", "theta")}
     if numbers["pitch"] != 0.0 and kind is not JointKind.HELICAL:
         raise RobotError(
             "only a helical joint has a pitch", where=where("pitch"), got=f"kind {kind.value}", mend='kind = "helical"'

@@ -39,8 +39,12 @@ def open_robot(
     tip: str | None = None,
     base: str | None = None,
     packages: Mapping[str, str | PathLike[str]] | None = None,
+    as_written: bool = False,
 ) -> Robot:
     """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro.
+
+    Numbers that are rounded decimals of multiples of 15°, and structure that holds to 2e-5 rad and 2 µm (axes parallel,
+    at right angles, meeting), are taken as exact; a note of the robot says how many and by how much.
 
     A catalogue name wins over a file of the same name; write "./pa10" for the file.
 
@@ -48,6 +52,7 @@ def open_robot(
         name_or_path: "pa10", or a path.
         tip, base: names of links, for URDF and xacro only; by default they are chosen, and `Robot.notes` says how.
         packages: package name -> folder, for xacro files with $(find …) or package://.
+        as_written: keep the numbers of the file as they are.
 
     Raises:
         UnknownRobotError: neither a name of the catalogue nor a file; suggests names that are close.
@@ -65,7 +70,7 @@ def open_robot(
     path = Path(name_or_path)
     if not name or not _exists(path):
         raise _unknown(name)
-    return _from_file(path, tip, base, packages or {})
+    return _from_file(path, tip, base, packages or {}, as_written)
 
 
 def robot_names() -> tuple[str, ...]:
@@ -91,7 +96,9 @@ def _from_catalog(name: str) -> Robot:
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
 
 
-def _from_file(path: Path, tip: str | None, base: str | None, packages: Mapping[str, str | PathLike[str]]) -> Robot:
+def _from_file(
+    path: Path, tip: str | None, base: str | None, packages: Mapping[str, str | PathLike[str]], as_written: bool
+) -> Robot:
     text = read_text(path)
     if not text.strip("\ufeff \t\r\n"):
         raise RobotError("the file is empty", where=str(path), allowed="DH or screw TOML, URDF or xacro")
@@ -102,10 +109,10 @@ def _from_file(path: Path, tip: str | None, base: str | None, packages: Mapping[
                 mend="give a DH or screw TOML file, a URDF or a xacro file",
             )
         _refuse_links(str(path), tip, base)
-        return robot_from_toml(text, file=str(path), default_name=path.stem)
+        return robot_from_toml(text, file=str(path), default_name=path.stem, as_written=as_written)
     if is_xacro(path, text):
-        return from_xacro(path, base=base, tip=tip, packages=packages)
-    return from_urdf(text, base=base, tip=tip, file=str(path))
+        return from_xacro(path, base=base, tip=tip, packages=packages, as_written=as_written)
+    return from_urdf(text, base=base, tip=tip, file=str(path), as_written=as_written)
 
 
 def _is_toml(text: str) -> bool:

@@ -10,8 +10,10 @@ import numpy as np
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
+from rankdrop.robot.digits import Angles, Written
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.lengths import checked_lengths
+from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, JointKind, Robot, Source
 from rankdrop.robot.quantity import quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
@@ -33,22 +35,26 @@ _KEYS_OF = {
 Place = Callable[[str, int | None], Where]
 
 
-def robot_from_toml(text: str, *, file: str, default_name: str = "robot", kind: str | None = None) -> Robot:
+def robot_from_toml(
+    text: str, *, file: str, default_name: str = "robot", kind: str | None = None, as_written: bool = False
+) -> Robot:
     """A robot from the text of a DH file or a screw file.
 
-    A DH file has the key `convention`; a screw file has none.
+    A DH file has the key `convention`; a screw file has none. Angles that are rounded decimals of multiples of 15°, and
+    structure that holds but for noise, are taken as exact, with a note (`as_meant`).
 
     Args:
         text: of the file.
         file: its name, for errors and for `Robot.source`.
         default_name: the robot's name where the file gives none.
         kind: `Source.kind` of the robot; "dh" or "screws" if None.
+        as_written: take every number literally.
 
     Raises:
         RobotError: not TOML, a missing or unknown key, a value that cannot be used; names file, line and key.
     """
     try:
-        document = tomllib.loads(text)
+        document = tomllib.loads(text, parse_float=Written)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
     lines = TomlLines(text)
@@ -64,14 +70,17 @@ def robot_from_toml(text: str, *, file: str, default_name: str = "robot", kind: 
         return where
 
     try:
-        return _robot(document, place, file, default_name, kind)
+        angles = Angles(as_written)
+        return as_meant(_robot(document, place, file, default_name, kind, angles), angles)
     except RobotError as error:
         if error.where is not None and error.where.startswith(file):
             raise
         raise relocate(error, file + (f", {error.where}" if error.where else "")) from None
 
 
-def _robot(document: dict[str, Any], place: Place, file: str, default_name: str, kind: str | None) -> Robot:
+def _robot(
+    document: dict[str, Any], place: Place, file: str, default_name: str, kind: str | None, angles: Angles
+) -> Robot:
     where = place("", None)
     form = _form(document, where)
     check_keys(document, _DH_FILE_KEYS if form == "dh" else _SCREW_FILE_KEYS, where)
@@ -89,12 +98,12 @@ def _robot(document: dict[str, Any], place: Place, file: str, default_name: str,
         "lengths": _lengths(document.get("lengths", {}), place("lengths", None)),
     }
     if form == "dh":
-        rows = [dh_row(joint, i + 1, place("joints", i)) for i, joint in enumerate(joints)]
+        rows = [dh_row(joint, i + 1, place("joints", i), angles) for i, joint in enumerate(joints)]
         for end in ("base", "tool"):
             if end in document:
-                common[end] = _pose(document[end], place(end, None))
+                common[end] = _pose(document[end], place(end, None), angles)
         return from_dh(rows, convention=document["convention"], notes=notes, **common)
-    home = _pose(document["home"], place("home", None)) if "home" in document else None
+    home = _pose(document["home"], place("home", None), angles) if "home" in document else None
     columns = _screw_columns(joints, document.get("order"), place)
     return from_screws(order="linear-first", home=home, notes=notes, **columns, **common)
 
@@ -207,13 +216,15 @@ def _part(joint: dict[str, Any], part: int, count: int, where: Where) -> dict[st
     return own
 
 
-def _pose(table: Any, where: Where) -> Array:
+def _pose(table: Any, where: Where, angles: Angles) -> Array:
     if not isinstance(table, dict):
         raise RobotError("a pose is a table", where=where(""), got=repr(table), allowed="xyz = […], rpy = […]")
     check_keys(table, ("xyz", "rpy"), where)
     xyz = _vector(table, "xyz", "length", where) if "xyz" in table else [0.0, 0.0, 0.0]
-    rpy = _vector(table, "rpy", "angle", where) if "rpy" in table else [0.0, 0.0, 0.0]
-    return from_xyz_rpy(xyz, rpy)
+    if "rpy" not in table:
+        return from_xyz_rpy(xyz, [0.0, 0.0, 0.0])
+    _vector(table, "rpy", "angle", where)
+    return from_xyz_rpy(xyz, [angles.quantity(entry, where=where("rpy")) for entry in table["rpy"]])
 
 
 def _lengths(table: Any, where: Where) -> dict[str, float]:

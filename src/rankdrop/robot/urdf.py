@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
+from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf_ends import choose_ends
@@ -22,17 +24,24 @@ _NOT_READ = frozenset({"visual", "collision", "inertial", "material", "transmiss
 
 
 def from_urdf(
-    source: str | Path, *, base: str | None = None, tip: str | None = None, file: str | None = None
+    source: str | Path,
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    file: str | None = None,
+    as_written: bool = False,
 ) -> Robot:
     """A robot from a URDF file or its text.
 
     Only the kinematics of the chain from `base` to `tip` is read: joint types, origins, axes, limits and mimic. Meshes,
-    masses and joints outside the chain are not looked at. Missing limits are ±inf, with a note.
+    masses and joints outside the chain are not looked at. Missing limits are ±inf, with a note. Angles that are rounded
+    decimals of multiples of 15°, and structure that holds but for noise, are taken as exact, with a note (`as_meant`).
 
     Args:
         source: path, or the text itself (anything that starts with "<").
         base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_ends.choose_ends`).
         file: name of the text in errors and in `Robot.source`.
+        as_written: take every number literally.
 
     Raises:
         RobotError: names file, line, element, joint, value and mend.
@@ -52,18 +61,20 @@ def from_urdf(
     moving = [joint for joint in ends.path if joint.moves]
     mimics, notes = resolve_mimics(tree, moving)
     pose = np.eye(4)
+    angles = Angles(as_written)
     joints = []
     for joint in ends.path:
-        pose = pose @ joint_origin(tree, joint)
+        pose = pose @ joint_origin(tree, joint, angles)
         if joint.moves:
             kind = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
             screw = _screw(kind, _axis(tree, joint), pose)
             joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
-    return Robot(
+    found = Robot(
         tree.name or Path(place).stem, tuple(joints), pose, source=Source("urdf", place), base=ends.base, tip=ends.tip,
         notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
+    return as_meant(found, angles)
 
 
 def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
@@ -77,8 +88,8 @@ def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
     return _KINDS[joint.kind]
 
 
-def joint_origin(tree: Tree, joint: TreeJoint) -> Array:
-    """(4, 4) pose of a joint in the frame of its parent link.
+def joint_origin(tree: Tree, joint: TreeJoint, angles: Angles) -> Array:
+    """(4, 4) pose of a joint in the frame of its parent link, its rpy as `angles` reads it.
 
     Raises:
         RobotError: not three finite numbers, or a rotation that is not given as rpy.
@@ -91,8 +102,9 @@ def joint_origin(tree: Tree, joint: TreeJoint) -> Array:
         if unread in element.attributes and "rpy" not in element.attributes:
             raise RobotError("the rotation is not given as rpy", where=where, got=unread, allowed="xyz, rpy")
     xyz = three(element.attributes.get("xyz", "0 0 0"), where, "xyz")
-    rpy = three(element.attributes.get("rpy", "0 0 0"), where, "rpy")
-    return from_xyz_rpy(xyz, rpy)
+    rpy = element.attributes.get("rpy", "0 0 0")
+    three(rpy, where, "rpy")
+    return from_xyz_rpy(xyz, [angles.take(word) for word in rpy.split()])
 
 
 def _axis(tree: Tree, joint: TreeJoint) -> Array:

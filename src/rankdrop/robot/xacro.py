@@ -42,12 +42,13 @@ def from_xacro(
     tip: str | None = None,
     packages: Mapping[str, str | PathLike[str]] | None = None,
     arguments: Mapping[str, str] | None = None,
+    as_written: bool = False,
 ) -> Robot:
     """A robot from a xacro file.
 
     Args:
         path: the file.
-        base, tip: as in `from_urdf`.
+        base, tip, as_written: as in `from_urdf`.
         packages: package name -> folder, for $(find name). Packages are also looked for upwards from the file (by
             package.xml) and in the ROS installation, where there is one.
         arguments: values of <xacro:arg …>.
@@ -59,7 +60,7 @@ def from_xacro(
     file = Path(path)
     root = read_xml(read_text(file), str(file))
     text = _expand(file, root.attributes.get("name", file.stem), packages or {}, arguments or {})
-    return from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)")
+    return from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
 
 
 def _expand(file: Path, name: str, packages: Mapping[str, Any], arguments: Mapping[str, str]) -> str:

@@ -10,6 +10,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
@@ -106,7 +107,7 @@ def _home(tree: Tree, link: str) -> Array:
     pose = np.eye(4)
     while link in tree.above:
         joint = tree.above[link]
-        pose = joint_origin(tree, joint) @ pose
+        pose = joint_origin(tree, joint, Angles()) @ pose
         link = joint.parent
     return pose
 

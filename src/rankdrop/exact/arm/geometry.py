@@ -18,7 +18,8 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.tolerances import ALIGNED
+from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
+from rankdrop.tolerances import ALIGNED, NOTHING
 
 DIGITS = 12
 """Lengths are read as decimals of so many places [m]: far below any drawing, far above rounding."""
@@ -66,19 +67,6 @@ class Section:
     twist: Turn
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
-    direction: Array  # (3,)
-    point: Array  # (3,)
-
-
-@dataclass(frozen=True, slots=True)
-class _Normal:
-    direction: Array  # (3,)
-    near: Array  # (3,) foot on the axis before
-    far: Array  # (3,) foot on the axis after
-
-
 def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], tuple[str, ...]]:
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
@@ -93,8 +81,7 @@ def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], t
         RobotError: a helical or a mimic joint.
     """
     _check(robot)
-    lines = _lines(robot)
-    normals = _normals(robot, lines)
+    lines, normals = _lines_and_normals(robot)
     remarks: list[str] = []
     found = []
     for i, joint in enumerate(robot.joints):
@@ -144,6 +131,8 @@ def _rounded(given: Turn, what: str) -> list[str]:
 
 
 def _length(value: float, snap: float, what: str, remarks: list[str]) -> Fraction:
+    if abs(value) < NOTHING:  # below the grid a file's zero is read to
+        return Fraction(0)
     if 10.0**-DIGITS < abs(value) <= snap:
         remarks.append(f"length {what} = {value:.6g} m taken as 0")
         return Fraction(0)
@@ -169,106 +158,22 @@ def _check(robot: Robot) -> None:
             )
 
 
-def _lines(robot: Robot) -> list[_Line]:
-    """The axes at q = 0. A slide has a direction only; its line goes where its frame stands."""
-    joints = robot.joints
-    on_own = all(_on(joint.frame[:3, 3], joint.screw, robot) for joint in joints if joint.kind is JointKind.REVOLUTE)
-    lines = []
-    for i, joint in enumerate(joints):
-        if joint.kind is JointKind.REVOLUTE:
-            v, w = joint.screw[:3], joint.screw[3:]
-            lines.append(_Line(w, np.cross(w, v)))
-        else:
-            frame = joint.frame if on_own or i == 0 else joints[i - 1].frame
-            lines.append(_Line(joint.screw[:3], frame[:3, 3]))
-    return lines
-
-
-def _on(point: Array, screw: Array, robot: Robot) -> bool:
-    moment = screw[:3] - np.cross(point, screw[3:])
-    return bool(np.abs(moment).max() <= ALIGNED * reach(robot))
-
-
-def _normals(robot: Robot, lines: list[_Line]) -> list[_Normal]:
-    """n + 1 normals: before the first axis, between consecutive ones, and after the last."""
-    size = reach(robot)
-    between: list[_Normal | None] = []
-    for i in range(len(lines) - 1):
-        between.append(_normal(lines[i], lines[i + 1], robot.joints[i].frame, between[-1] if between else None, size))
-    start = between[0] if between else None
-    if start is None:  # one joint alone
-        z = lines[0].direction
-        x = _perpendicular(z)
-        end = _Normal(x, lines[0].point, lines[0].point)
-        return [end, end]
-    last = between[-1]
-    assert last is not None
-    first = _Normal(start.direction, start.near, start.near)
-    final = _Normal(last.direction, last.far, last.far)
-    return [first, *(one for one in between if one is not None), final]
-
-
-def _normal(one: _Line, two: _Line, hint: Array, before: _Normal | None, size: float) -> _Normal:
-    """Common normal of two axes; `hint` is the frame of the joint between, `before` the normal before."""
-    cross = np.cross(one.direction, two.direction)
-    gap = two.point - one.point
-    if np.linalg.norm(cross) > ALIGNED:
-        x = cross / np.linalg.norm(cross)
-        near, far = _feet(one, two)
-        if abs(float(gap @ x)) > ALIGNED * size:
-            x = x * np.sign(float(gap @ x))
-    else:
-        across = gap - one.direction * float(gap @ one.direction)
-        start = before.far if before is not None else one.point
-        on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < ALIGNED * size
-        origin = hint[:3, 3] if on_axis else start
-        near = one.point + one.direction * float((origin - one.point) @ one.direction)
-        far = near + across
-        if np.linalg.norm(across) > ALIGNED * size:
-            x = across / np.linalg.norm(across)
-        else:
-            x = hint[:3, 0] - one.direction * float(hint[:3, 0] @ one.direction)
-            if np.linalg.norm(x) < 0.5:
-                x = before.direction if before is not None else _perpendicular(one.direction)
-            x = x / np.linalg.norm(x)
-    if float(hint[:3, 0] @ x) < -1 + ALIGNED:
-        x = -x
-    return _Normal(x, near, far)
-
-
-def _feet(one: _Line, two: _Line) -> tuple[Array, Array]:
-    """Points of the two lines that are closest to each other."""
-    a, b, gap = one.direction, two.direction, two.point - one.point
-    dot = float(a @ b)
-    s, t = np.linalg.solve([[1.0, -dot], [dot, -1.0]], [float(a @ gap), float(b @ gap)])
-    return one.point + s * a, two.point + t * b
-
-
-def _distance(point: Array, line: _Line) -> float:
-    return float(np.linalg.norm(np.cross(point - line.point, line.direction)))
-
-
-def _perpendicular(z: Array) -> Array:
-    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
-    return np.asarray(x / np.linalg.norm(x))
-
-
 def first_and_last(robot: Robot) -> tuple[Array, Array]:
     """Frames (4, 4) at q = 0, in the base: before joint 1 (z its axis, x the first normal), and at the last normal's
     foot on axis n (z that axis, x as the last normal).
     """
-    lines = _lines(robot)
-    normals = _normals(robot, lines)
-    return _frame(normals[0].direction, lines[0], normals[0].far), _frame(
-        normals[-1].direction, lines[-1], normals[-1].near
+    lines, normals = _lines_and_normals(robot)
+    first, last = normals[0], normals[-1]
+    return (
+        frame_at(first.direction, lines[0].direction, first.far),
+        frame_at(last.direction, lines[-1].direction, last.near),
     )
 
 
-def _frame(x: Array, line: _Line, origin: Array) -> Array:
-    frame = np.eye(4)
-    frame[:3, 0], frame[:3, 1], frame[:3, 2] = x, np.cross(line.direction, x), line.direction
-    frame[:3, 3] = origin
-    return frame
+def _lines_and_normals(robot: Robot) -> tuple[list[Line], list[Normal]]:
+    length = ALIGNED * reach(robot)
+    lines = axis_lines(robot, length=length)
+    return lines, common_normals(robot, lines, angle=ALIGNED, length=length)
 
 
 def decimals(values: Iterable[float]) -> list[Fraction]:

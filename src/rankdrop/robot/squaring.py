@@ -1,0 +1,60 @@
+"""Poses with exact angles and tidy lengths: what a file's numbers mean where they are that but for noise."""
+
+from __future__ import annotations
+
+from math import atan2, pi
+
+import numpy as np
+
+from rankdrop.robot.model import Array
+from rankdrop.robot.transform import cos_sin
+from rankdrop.tolerances import NOTHING
+
+STEP = pi / 12
+"""Angles between parts of an arm are multiples of 15°, or nothing is known of them."""
+
+
+def exact_angle(value: float, angle: float) -> float:
+    """The multiple of 15° that is within `angle` of a value, else the value itself [rad]."""
+    nearest = round(value / STEP) * STEP
+    return nearest if abs(value - nearest) <= angle else value
+
+
+def exact_rotation(turn: Array, angle: float) -> Array:
+    """(3, 3) the rotation by a multiple of 15° that one is to within `angle`, else the one given.
+
+    Rotations by quarter turns about coordinate axes, and those times one by 15°, 30° … about a coordinate axis: they
+    have one entry of ±1. Every direction moves by at most `angle`.
+    """
+    row, column = np.unravel_index(int(np.argmax(np.abs(turn))), (3, 3))
+    rows, columns = [(row + k) % 3 for k in (1, 2)], [(column + k) % 3 for k in (1, 2)]
+    sign = float(np.sign(turn[row, column]))
+    block = turn[np.ix_(rows, columns)]
+    # det(turn) = sign · det(block), so the block is a rotation or one with its last column reversed
+    nearest = round(atan2(block[1, 0] - sign * block[0, 1], block[0, 0] + sign * block[1, 1]) / STEP)
+    c, s = cos_sin(nearest * STEP)
+    found = np.zeros((3, 3))
+    found[row, column] = sign
+    found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
+    return found if _apart(found, turn) <= angle else turn
+
+
+def exact_direction(direction: Array, angle: float) -> Array:
+    """(3,) the direction at a multiple of 15° in a coordinate plane that one is to within `angle`; else that one."""
+    out = int(np.argmin(np.abs(direction)))
+    i, j = (out + 1) % 3, (out + 2) % 3
+    c, s = cos_sin(round(atan2(direction[j], direction[i]) / STEP) * STEP)
+    found = np.zeros(3)
+    found[i], found[j] = c, s
+    return found if float(np.linalg.norm(found - direction)) <= angle else direction
+
+
+def tidy(lengths: Array) -> Array:
+    """Lengths [m] that are a whole number of micrometres to a nanometre are that: 0.240000000000178 is 0.24."""
+    whole = np.rint(lengths * 1e6) / 1e6
+    return np.asarray(np.where(np.abs(lengths - whole) < NOTHING, whole, lengths)) + 0.0
+
+
+def _apart(one: Array, two: Array) -> float:
+    """Angle between two rotations that are near [rad]: ‖A − B‖ = 2 √2 sin(angle / 2)."""
+    return float(np.linalg.norm(one - two) / np.sqrt(2.0))

@@ -118,14 +118,14 @@ def angle_text(angle: float, *, degrees: bool = False) -> str:
 
 
 def number_text(value: float) -> str:
-    """A number with as few decimals as say it to 1e-11, and never −0.
+    """A number with as few decimals as say it to 1e-10, and never −0.
 
     Example:
         >>> number_text(0.16250000000000003), number_text(-0.0), number_text(0.1234567)
         ('0.1625', '0', '0.1234567')
     """
     for places in range(13):
-        if abs(value - round(value, places)) < 1e-11:
+        if abs(value - round(value, places)) < 1e-10:
             short = round(value, places) + 0.0
             return str(int(short)) if places == 0 else f"{short:.{places}f}"
     return f"{value:.12f}"

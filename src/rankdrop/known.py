@@ -58,11 +58,16 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
         9
     """
     mine = geometry(robot)
-    for name in _index().get(coarse_fingerprint(robot), ()):
+    for name in candidates(robot):
         found = shipped(name)
         if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
             return _named_after(found, robot)
     return None
+
+
+def candidates(robot: Robot) -> tuple[str, ...]:
+    """Names of the arms with a shipped analysis that may be this one: their coarse fingerprint is the same."""
+    return tuple(_index().get(coarse_fingerprint(robot), ()))
 
 
 def known_names() -> tuple[str, ...]:

@@ -193,7 +193,8 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(found.method, found.method)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in found.disagreements]
     said = {"verified": "Verified.", "not verified": "Not verified.", "not complete": "Not complete: see below."}
-    lines.append(f"{said[found.verdict]} Time taken: {found.seconds:.1f} s.")
+    shipped = f"As shipped with rankdrop {found.settings.version}; --fresh derives it anew."
+    lines.append(f"{said[found.verdict]} " + (shipped if found.anew else f"Time taken: {found.seconds:.1f} s."))
     yield Section("Checks", "", tuple(lines))
 
 

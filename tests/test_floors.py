@@ -1,8 +1,8 @@
 """Imports go down only. Floors, lowest first:
 
 0  errors, tolerances, version, sections (text in parts), the compiled core
-1  robot/      the robot as data, and the numbers it is known by
-2  kinematics, task, frames, reach, and what the core is told of them
+1  robot/, reach  the robot as data, and the numbers it is known by
+2  kinematics, task, frames, and what the core is told of them
 3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
 4  atlas/      over the whole joint space; certify/: proofs
 5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results
@@ -26,8 +26,8 @@ SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
     "errors": 0, "tolerances": 0, "version": 0, "sections": 0, "_core": 0,
-    "robot": 1,
-    "kinematics": 2, "task": 2, "frames": 2, "reach": 2, "_handles": 2,
+    "robot": 1, "reach": 1,
+    "kinematics": 2, "task": 2, "frames": 2, "_handles": 2,
     "local": 3,
     "atlas": 4, "certify": 4, "exact": 4,
     "analyze": 5, "result": 5, "record": 5, "known": 5, "known_conditions": 5, "findings": 5, "schema": 5,

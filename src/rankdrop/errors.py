@@ -15,7 +15,8 @@ class RankdropError(Exception):
         where: file, line, element or joint.
         got: the value met.
         allowed: what would have been accepted.
-        mend: what to do about it.
+        mend: what to do about it, in the words of Python.
+        typed: the same mend in the words of the command line ("--tip tool0"), where they differ.
     """
 
     def __init__(
@@ -26,16 +27,24 @@ class RankdropError(Exception):
         got: Any = None,
         allowed: Any = None,
         mend: str | None = None,
+        typed: str | None = None,
     ) -> None:
-        self.what, self.where, self.got, self.allowed, self.mend = what, where, got, allowed, mend
-        parts = [f"{where}: {what}" if where else what]
-        if got is not None:
-            parts.append(f"got {got}")
-        if allowed is not None:
-            parts.append(f"allowed: {allowed}")
+        self.what, self.where, self.got, self.allowed, self.mend, self.typed = what, where, got, allowed, mend, typed
+        super().__init__(self._line(mend))
+
+    def on_command_line(self) -> str:
+        """The one line as a command shows it: the mend names the option to type, not the Python keyword."""
+        return str(self) if self.typed is None else self._line(self.typed)
+
+    def _line(self, mend: str | None) -> str:
+        parts = [f"{self.where}: {self.what}" if self.where else self.what]
+        if self.got is not None:
+            parts.append(f"got {self.got}")
+        if self.allowed is not None:
+            parts.append(f"allowed: {self.allowed}")
         if mend:
             parts.append(f"mend: {mend}")
-        super().__init__(" ".join("; ".join(parts).split()))
+        return " ".join("; ".join(parts).split())
 
 
 class RobotError(RankdropError):

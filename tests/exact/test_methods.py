@@ -70,7 +70,7 @@ def strata(name: str, count: int = 160) -> tuple[tuple[Point, ...], tuple[bool, 
                 values[moving[0]] = rng.choice(zeros)
         elif len(found) == 2 and len(moving) > 1:
             x, y = moving[:2]
-            pair = common_zeros(*(evaluate.in_two(f, x, y, values) for f in found), rng)
+            pair = next(common_zeros(*(evaluate.in_two(f, x, y, values) for f in found)), None)
             if pair is not None:
                 values[x], values[y] = pair
         point = complete(ring, values, pins)

@@ -58,7 +58,7 @@ def test_products_of_irreducibles_fall_into_all_pairs(ring: Ring) -> None:
 
 def test_what_a_solution_leaves_out_is_found(ring: Ring) -> None:
     t = ring.t
-    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] - 5
+    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
     f = a * t[3] + b
     g = a * t[4] + b * 7
     found = taken_apart(ring, [f, g], 2)
@@ -114,7 +114,7 @@ def test_a_trigonometric_condition_has_its_angles(ring: Ring) -> None:
 
 def test_a_set_satisfies_conditions_without_lying_inside(ring: Ring) -> None:
     t = ring.t
-    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] - 5
+    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
     other = (t[4] + 2) * a * t[3] + t[1] * b - b - a
     found = taken_apart(ring, [a * t[3] + b, other], 2)
     both = next(piece for piece in found if piece.half_vanishes(a) and piece.half_vanishes(b))

@@ -30,7 +30,9 @@ class ArmOptions:
         length_scale: Translation rows are divided by this length [m], else by the reach. No family, exact or not,
             depends on it.
         as_written: Keep the file's numbers: 1.5708 is not a right angle then, nor noise of 2e-5 rad and 2 µm none.
-        package: NAME=PATH: where package://NAME and $(find NAME) are. May be given again.
+        package: NAME=PATH: where package://NAME and $(find NAME) are, if not near the file. May be given again.
+        arg: NAME:=VALUE: an argument of a xacro file. May be given again.
+        xacro: Expand the file though it does not end in .xacro. Expanding can run any command: trust the file.
     """
 
     task: str | None = None
@@ -39,6 +41,8 @@ class ArmOptions:
     length_scale: float | None = None
     as_written: Annotated[bool, Parameter(negative=())] = False
     package: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
+    arg: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = ()
+    xacro: Annotated[bool, Parameter(negative=(), show_default=False)] = False
 
 
 NO_OPTIONS = ArmOptions()
@@ -48,14 +52,15 @@ def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
     """Open the arm and resolve its task.
 
     Raises:
-        RankdropError: the arm or the task does not exist, or a package is not NAME=PATH.
+        RankdropError: the arm or the task does not exist, a package is not NAME=PATH, an argument not NAME:=VALUE.
     """
     from rankdrop.robot.open import open_robot
     from rankdrop.task import resolve_task
 
     robot = open_robot(
-        name, tip=options.tip, base=options.base, packages=_packages(options.package), as_written=options.as_written
-    )
+        name, tip=options.tip, base=options.base, packages=_packages(options.package), args=_arguments(options.arg),
+        xacro=options.xacro, as_written=options.as_written,
+    )  # fmt: skip
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
 
 
@@ -78,6 +83,18 @@ def _packages(words: tuple[str, ...]) -> dict[str, Path] | None:
             raise OptionError("there is no such folder", where=f"--package {name}", got=path)
         packages[name] = Path(path)
     return packages or None
+
+
+def _arguments(words: tuple[str, ...]) -> dict[str, str]:
+    arguments = {}
+    for word in words:
+        name, sign, value = word.partition(":=")
+        if not (name and sign):
+            raise OptionError("this is not an argument", where="--arg", got=repr(word), allowed="NAME:=VALUE")
+        if name in arguments:
+            raise OptionError("the argument is given twice", where="--arg", got=name, mend="give it once")
+        arguments[name] = value
+    return arguments
 
 
 def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, str]) -> Iterator[RenderableType]:

@@ -91,7 +91,7 @@ def run(argv: Sequence[str]) -> int:
         say(f"error: {_in_our_words(error)}")
         return exits.BAD_INPUT
     except RankdropError as error:
-        say(f"error: {error}")
+        say(f"error: {error.on_command_line()}")
         return exits.BAD_INPUT
     except KeyboardInterrupt:
         say("interrupted")

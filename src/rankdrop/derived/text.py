@@ -182,7 +182,7 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     lines = []
     cloud = found.explained
     if tested:
-        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 1")
+        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913")
     if cloud.tested:
         lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
     elif found.settings.points:

@@ -9,21 +9,19 @@ every r: small minors have short factors, sets of lower rank inside one of highe
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import combinations, islice
 
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.split import cut, with_points
+from rankdrop.exact.algebra.split import cut, pinned, with_points, zero_where
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 
 _STAGE = 0.5  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
-_SEVERAL = 24  # random points on a set that may be several
-_RESTRICTED = 4  # minors by which such sets are told apart
 _SHORT = 4  # a minor with so short factors is taken at once
 
 
@@ -120,19 +118,18 @@ def _explore(
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
         minor = _minor(columns, piece, order, work)
-        if minor is None:  # its random points lay on a part of higher rank before
-            found.append(Drop(piece, rank_on(columns, piece)))
-        for part in with_points(cut(piece, minor, work), work) if minor is not None else ():
-            dropped = _dropped(columns, part, order, work)
-            for drop in dropped:
-                if not any(drop.piece.inside(other.piece) for other in found if other.rank == drop.rank):
+        cuts = with_points(cut(piece, minor, work), work)
+        for part in (same for one in cuts for same in _by_rank(columns, one, work)):
+            here = rank_on(columns, part)
+            if here < order:
+                drop = Drop(part, here)
+                if not any(part.inside(other.piece) for other in found if other.rank == here):
                     found.append(drop)
-            if (dropped and dropped[0].piece is part) or part.codimension >= bound:
-                continue
-            # the same set only: two sets might each leave their intersection to the other
-            if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
-                seen.append(part)
-                waiting.append(part)
+            elif part.codimension < bound:
+                # the same set only: two sets might each leave their intersection to the other
+                if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
+                    seen.append(part)
+                    waiting.append(part)
         tree.pointless += [(part, order, part.codimension >= bound) for part in work.pointless.values()]
         work.pointless.clear()
         waiting.remove(piece)
@@ -143,40 +140,47 @@ def _length(piece: Variety) -> int:
     return piece.codimension + sum(map(len, piece.equations))
 
 
-def _dropped(columns: list[list[Polynomial]], part: Variety, above: int, work: Work) -> list[Drop]:
-    """The part as a drop where its rank is lower; where two conditions hold on several sets, those it is lower on."""
-    if len(part.rest) < 2:
-        here = rank_on(columns, part)
-        return [Drop(part, here)] if here < above else []
-    ranks = {rank(_matrix(columns, point, part)) for point in part.points(work.rng, _SEVERAL)}
-    found = (_restricted(columns, part, lower, work, _RESTRICTED) for lower in sorted(ranks) if lower < above)
-    return [drop for drop in found if drop is not None]
+def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Iterator[Variety]:
+    """A set, or, where two conditions hold on several, parts of it on each of which all of them have the same rank.
 
-
-def _restricted(columns: list[list[Polynomial]], part: Variety, most: int, work: Work, depth: int) -> Drop | None:
-    """Those among the sets that two conditions hold on where the rank is at most `most`: factors of minors tell."""
-    points = part.points(work.rng, _SEVERAL)
-    ranks = [rank(_matrix(columns, point, part)) for point in points]
-    if not ranks or min(ranks) > most:
-        return None
-    if max(ranks) <= most:
-        return Drop(part, max(ranks))
-    if not depth:
-        return None
-    full = points[ranks.index(max(ranks))]
-    evaluate = trig_evaluator(part.ring)
-    for minor in islice(_minors(columns, part, max(ranks)), _TRIED):
-        work.check()
-        if evaluate(minor, full) == 0:
+    A minor as large as the highest rank met is zero where the rank is lower. Where it is not, the rank is the highest
+    one, by construction; what its factors vanish on is looked at again.
+    """
+    ranks = [rank(_matrix(columns, point, piece)) for point in piece.samples] if piece.several else []
+    if len({*ranks}) < 2:
+        yield piece
+        return
+    ring = piece.ring
+    remaining: Variety | None = piece
+    for atom, _ in ring.factor(_parting(columns, piece, ranks, work)).atoms:
+        if remaining is None or atom.value == "pi":
+            continue  # sets with a further joint at π have been taken apart from this one
+        whole = remaining
+        inside, remaining = whole.parted(zero_where(ring, atom), atom.f)
+        if inside is None:
             continue
-        for atom, _ in part.ring.factor(part.ring.at(minor, part.pins)).atoms:
-            if not atom.pinned:
-                also = (*part.also, part.ring.trig_zero_set(atom.f))
-                inside = replace(part, also=also, equations=(*part.equations, atom.f))
-                found = _restricted(columns, inside, most, work, depth - 1)
-                if found is not None:
-                    return found
-    return None
+        for part in pinned(whole, atom.joint, atom.value, work, whole.codimension) if atom.pinned else (inside,):
+            yield from _by_rank(columns, part, work)
+    if remaining is not None:
+        yield remaining
+
+
+def _parting(columns: list[list[Polynomial]], piece: Variety, ranks: list[int], work: Work) -> Polynomial:
+    """Of some minors that are not zero at a point of the highest rank, the one that is not zero at most of these."""
+    ring, highest = piece.ring, max(ranks)
+    full = [point for point, met in zip(piece.samples, ranks, strict=True) if met == highest]
+    evaluate = trig_evaluator(ring)
+    best: tuple[int, int, Polynomial] | None = None
+    for minor in islice(_minors(columns, piece, highest), _TRIED):
+        work.check()
+        known = [evaluate(minor, point) != 0 for point in full]
+        if any(known) and (best is None or (-sum(known), len(minor)) < best[:2]):
+            best = (-sum(known), len(minor), minor)
+        if all(known):
+            break
+    if best is None:
+        raise AssertionError("at a point of rank r some minor of order r is not zero")
+    return best[2]
 
 
 def rank_on(columns: list[list[Polynomial]], piece: Variety) -> int:
@@ -189,8 +193,8 @@ def _matrix(columns: list[list[Polynomial]], point: Point, piece: Variety) -> li
     return [[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns]
 
 
-def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> Polynomial | None:
-    """A minor of the given order that is not zero on a set, with short factors there."""
+def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> Polynomial:
+    """A minor of the given order that is not zero on a set of at least that rank, with short factors there."""
     best: tuple[int, Polynomial] | None = None
     for tried, minor in enumerate(_minors(columns, piece, order), 1):
         work.check()
@@ -199,7 +203,9 @@ def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Wo
             best = (weight, minor)
         if weight <= _SHORT or tried >= _TRIED:
             break
-    return None if best is None else best[1]
+    if best is None:
+        raise AssertionError("at a point of rank r some minor of order r is not zero")
+    return best[1]
 
 
 def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iterator[Polynomial]:

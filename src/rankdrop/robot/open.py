@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,12 +15,17 @@ from pathlib import Path
 
 from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot.files import read_text
+from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import Robot
+from rankdrop.robot.size import with_size_note
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf
-from rankdrop.robot.xacro import from_xacro, is_xacro
+from rankdrop.robot.xacro import from_xacro, uses_xacro
+from rankdrop.robot.xml_file import read_xml
 
-_SUFFIXES = (".toml", ".urdf", ".xacro", ".xml")
+_SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
+_FORMATS = "DH or screw TOML, URDF, xacro or MJCF"
+_FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,25 +45,33 @@ def open_robot(
     tip: str | None = None,
     base: str | None = None,
     packages: Mapping[str, str | PathLike[str]] | None = None,
+    args: Mapping[str, object] | None = None,
+    xacro: bool = False,
     as_written: bool = False,
 ) -> Robot:
-    """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro.
+    """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro, MJCF.
+
+    A catalogue name wins over a file of the same name; write "./pa10" for the file. Capitals, blanks, - and _ make no
+    difference to a name ("UR 5e"), but a file that is called exactly so comes first.
 
     Numbers that are rounded decimals of multiples of 15°, and structure that holds to 2e-5 rad and 2 µm (axes parallel,
     at right angles, meeting), are taken as exact; a note of the robot says how many and by how much.
 
-    A catalogue name wins over a file of the same name; write "./pa10" for the file.
+    Expanding a xacro file can run any command, as xacro itself can: it is done for files that end in .xacro, or where
+    `xacro` is true, and never for what a file holds.
 
     Args:
         name_or_path: "pa10", or a path.
-        tip, base: names of links, for URDF and xacro only; by default they are chosen, and `Robot.notes` says how.
-        packages: package name -> folder, for xacro files with $(find …) or package://.
+        tip, base: names of links (MJCF: of bodies or sites); by default they are chosen, and `Robot.notes` says how.
+        packages: package name -> folder, for xacro files with $(find …); others are looked for near the file.
+        args: values of the arguments of a xacro file, `<xacro:arg>`.
+        xacro: expand the file whatever its ending.
         as_written: keep the numbers of the file as they are.
 
     Raises:
         UnknownRobotError: neither a name of the catalogue nor a file; suggests names that are close.
-        RobotError: the file cannot be read or used.
-        MissingExtraError: a xacro file without the extra "xacro".
+        RobotError: the file cannot be read or used, or takes no arguments.
+        MissingExtraError: a xacro file without the extra "xacro", an MJCF file without the extra "mujoco".
 
     Example:
         >>> open_robot("pa10").n
@@ -69,8 +83,17 @@ def open_robot(
         return _from_catalog(name)
     path = Path(name_or_path)
     if not name or not _exists(path):
-        raise _unknown(name)
-    return _from_file(path, tip, base, packages or {}, as_written)
+        same = _same_names(name) if isinstance(name_or_path, str) else []
+        if len(same) != 1:
+            raise _unknown(name)
+        return open_robot(same[0], tip=tip, base=base)
+    if xacro or path.suffix.lower() == ".xacro":
+        return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
+                                         as_written=as_written))  # fmt: skip
+    if args:
+        raise RobotError("only a xacro file has arguments", where=str(path), got=", ".join(args),
+                         mend="expand it with xacro=True", typed="expand it with --xacro")  # fmt: skip
+    return with_size_note(_from_file(path, tip, base, as_written))
 
 
 def robot_names() -> tuple[str, ...]:
@@ -96,23 +119,37 @@ def _from_catalog(name: str) -> Robot:
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
 
 
-def _from_file(
-    path: Path, tip: str | None, base: str | None, packages: Mapping[str, str | PathLike[str]], as_written: bool
-) -> Robot:
+def _from_file(path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
     text = read_text(path)
     if not text.strip("\ufeff \t\r\n"):
-        raise RobotError("the file is empty", where=str(path), allowed="DH or screw TOML, URDF or xacro")
+        raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
     if path.suffix.lower() == ".toml" or not text.lstrip("\ufeff \t\r\n").startswith("<"):
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
-                "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES),
-                mend="give a DH or screw TOML file, a URDF or a xacro file",
+                "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),
+                mend=f"give a file in {_FORMATS}",
             )
         _refuse_links(str(path), tip, base)
         return robot_from_toml(text, file=str(path), default_name=path.stem, as_written=as_written)
-    if is_xacro(path, text):
-        return from_xacro(path, base=base, tip=tip, packages=packages, as_written=as_written)
+    root = _root_tag(text)
+    if root == "mujoco":
+        return from_mjcf(path, base=base, tip=tip, as_written=as_written)
+    if root == "sdf":
+        raise RobotError(
+            "SDF is not read", where=str(path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF,
+        )  # fmt: skip
+    if "<xacro:" in text and uses_xacro(read_xml(text, str(path))):  # a comment may name xacro too
+        raise RobotError(
+            "the file has xacro elements and does not end in .xacro; expanding it can run any command",
+            where=str(path), mend="if you trust it: xacro=True", typed="if you trust it: --xacro",
+        )  # fmt: skip
     return from_urdf(text, base=base, tip=tip, file=str(path), as_written=as_written)
+
+
+def _root_tag(text: str) -> str:
+    """The tag of the first element, by a look: whether the text is sound is for its reader to say."""
+    found = re.search(r"<([A-Za-z_][\w.:-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+    return found[1] if found else ""
 
 
 def _is_toml(text: str) -> bool:
@@ -139,12 +176,28 @@ def _exists(path: Path) -> bool:
         return False
 
 
+def _plain(name: str) -> str:
+    """A name without what people write differently: capitals, blanks, - and _."""
+    return re.sub(r"[-_\s]", "", name).lower()
+
+
+def _same_names(name: str) -> list[str]:
+    return [known for known in robot_names() if _plain(known) == _plain(name)]
+
+
+def _close_names(name: str) -> list[str]:
+    """Names that may be meant: equal but for spelling, then inside name or description, then alike."""
+    plain = _plain(name[:80])
+    inside = [entry.name for entry in catalog_entries() if plain in _plain(f"{entry.name} {entry.about}")]
+    alike = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
+    return _same_names(name) or (inside if 1 <= len(inside) <= 3 and len(plain) > 1 else alike)
+
+
 def _unknown(name: str) -> UnknownRobotError:
     shown = name if len(name) <= 500 else name[:499] + "…"
-    same = [known for known in robot_names() if known.lower() == name.lower()]
-    close = same or difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
     what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"
     allowed = None if is_path else ", ".join(robot_names())
-    mend = f"did you mean {' or '.join(close)}?" if close and not is_path else None
+    close = [] if is_path else _close_names(name)
+    mend = f"did you mean {' or '.join(close)}?" if close else None
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)

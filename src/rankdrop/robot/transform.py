@@ -35,6 +35,16 @@ def rotation(axis: str, angle: float) -> Array:
     return result
 
 
+def about_axis(axis: Array, angle: float) -> Array:
+    """(4, 4) rotation about a unit axis (3,) through the origin by `angle` [rad]: R = c I + (1 − c) a aᵀ + s [a]×."""
+    c, s = cos_sin(angle)
+    x, y, z = axis
+    result = np.eye(4)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    result[:3, :3] = c * np.eye(3) + (1.0 - c) * np.outer(axis, axis) + s * cross
+    return result
+
+
 def translation(x: float, y: float, z: float) -> Array:
     """(4, 4) translation [m]."""
     result = np.eye(4)

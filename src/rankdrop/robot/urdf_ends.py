@@ -1,8 +1,9 @@
-"""Which links of a URDF are base and tip where the user names none; says what was chosen and refuses to guess."""
+"""Which links are base and tip where the user names none; says what was chosen and refuses to guess."""
 
 from __future__ import annotations
 
 import re
+import shlex
 from dataclasses import dataclass
 
 from rankdrop.errors import RobotError
@@ -37,11 +38,11 @@ class Ends:
 def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
     """Base and tip of the chain.
 
-    Base: the root of the tree (of `tip` if given). Tip: down from the base along the branch with most moving joints.
-    Where several branches are equally long, or three and more meet, and all are shorter than the chain that carries
-    them, they are fingers and the arm ends there; so it does before a single last joint that is named as a jaw.
-    Otherwise equal branches are an error. Among the links fixed together at the end, a usual name (tool0, tcp, ee_link,
-    flange, hand …) decides, then the only last one, then the link of the last joint itself.
+    Base: the root of the tree (of `tip` if given). Tip: the end that most moving joints lead to. Where several branches
+    are equally long, or three and more meet, and all are shorter than the chain that carries them, they are fingers and
+    the arm ends there; so it does before a single last joint that is named as a jaw. Several arms of equal length are
+    an error that lists their tips. Among the links fixed together at the end of an arm, a usual name (tool0, tcp,
+    ee_link, flange, hand …) decides, then the only last one, then the link of the last joint itself.
 
     Raises:
         RobotError: a link that is not there, several roots or branches to choose from, a tip not below the base.
@@ -60,7 +61,8 @@ def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
     path = tree.path(base, tip)
     if not any(joint.moves for joint in path):
         raise RobotError(
-            f"there is no moving joint between {base!r} and {tip!r}", where=tree.file, mend="name another base or tip"
+            f"there is no moving joint between {base!r} and {tip!r}", where=tree.file, mend="name another base or tip",
+            typed="name another --base or --tip",
         )
     return Ends(base, tip, path, notes)
 
@@ -72,7 +74,9 @@ def _root(tree: Tree) -> str:
         return moving[0]
     if not moving:
         raise RobotError("there is no moving joint in the file", where=tree.file, allowed="at least one")
-    raise RobotError("there are several root links", where=tree.file, got=", ".join(moving), mend="name the base")
+    raise RobotError("there are several root links", where=tree.file, got=", ".join(moving),
+                     mend=f"name the base: base={moving[0]!r}",
+                     typed=f"name the base: --base {shlex.quote(moving[0])}")  # fmt: skip
 
 
 def _most_moving(tree: Tree, base: str) -> dict[str, int]:
@@ -86,29 +90,59 @@ def _most_moving(tree: Tree, base: str) -> dict[str, int]:
     return most
 
 
+@dataclass(frozen=True, slots=True)
+class _End:
+    """Where a chain ends by itself: `link` after `passed` moving joints, or before the branches of a gripper."""
+
+    link: str
+    body: dict[str, int]  # `link` and what is fixed to it, see `_fixed_together`
+    passed: int
+    gripper: list[TreeJoint]
+
+
 def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
+    ends = _longest(tree, base)
+    tips = [_name_of_tip(tree, end.link, end.body) for end in ends]
+    if len(ends) > 1:
+        names = [tip for tip, _ in tips]
+        raise RobotError(
+            f"several chains of {_moving(ends[0].passed)} start at {base!r}", where=tree.file,
+            got=f"tips {', '.join(names)}", mend=f"name the tip: tip={names[0]!r}",
+            typed=f"name the tip: --tip {shlex.quote(names[0])}",
+        )
+    (end,), ((tip, why),) = ends, tips
+    parts = ", ".join(joint.name for joint in end.gripper)
+    left_out = f"; the gripper after it is left out ({parts})" if parts else ""
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(end.passed)}{why}{left_out}"
+
+
+def _longest(tree: Tree, base: str) -> list[_End]:
+    """The ends below `base` that most moving joints lead to, grippers not counted, in the order of the file."""
     most = _most_moving(tree, base)
-    link, passed = base, 0
-    while True:
-        body = _fixed_together(tree, link)
-        branches = [joint for part in body for joint in tree.below.get(part, ()) if joint.moves]
-        depth = max((1 + most[joint.child] for joint in branches), default=0)
-        deepest = [joint for joint in branches if 1 + most[joint.child] == depth]
-        hand = depth < passed and (len(deepest) > 1 or len(branches) > 2)
-        jaw = depth == 1 and len(branches) == 1 and passed >= 4 and _is_jaw(branches[0])
-        fingers = hand or jaw
-        if not branches or fingers:
-            break
-        if len(deepest) > 1:
-            ends = [_far_end(tree, most, joint.child) for joint in deepest]
-            raise RobotError(
-                f"several chains of {_moving(passed + depth)} start at {base!r}", where=tree.file,
-                got="tips " + ", ".join(ends), mend="name the tip",
-            )
-        link, passed = deepest[0].child, passed + 1
-    tip, why = _name_of_tip(tree, link, body)
-    left_out = f"; the gripper after it is left out ({', '.join(j.name for j in branches)})" if branches else ""
-    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(passed)}{why}{left_out}"
+    order = [(base, 0)]
+    bodies: dict[str, dict[str, int]] = {}
+    branches: dict[str, list[TreeJoint]] = {}
+    for link, passed in order:  # grows while it is walked
+        bodies[link] = _fixed_together(tree, link)
+        branches[link] = [joint for part in bodies[link] for joint in tree.below.get(part, ()) if joint.moves]
+        if not _is_gripper(branches[link], most, passed):
+            order.extend((joint.child, passed + 1) for joint in branches[link])
+    reached = dict(order)
+    below: dict[str, list[_End]] = {}
+    for link, passed in reversed(order):
+        found = [end for joint in branches[link] if joint.child in reached for end in below.pop(joint.child)]
+        longest = max((end.passed for end in found), default=passed)
+        own = _End(link, bodies[link], passed, branches[link])
+        below[link] = [end for end in found if end.passed == longest] or [own]
+    return below[base]
+
+
+def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) -> bool:
+    """Are these, after `passed` moving joints, fingers or a jaw?"""
+    depths = [1 + most[joint.child] for joint in branches]
+    depth = max(depths, default=0)
+    hand = 0 < depth < passed and (depths.count(depth) > 1 or len(branches) > 2)
+    return hand or (depth == 1 and len(branches) == 1 and passed >= 4 and _is_jaw(branches[0]))
 
 
 def _moving(count: int) -> str:
@@ -142,9 +176,3 @@ def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]
             break
     others = [part for part in body if part != tip]
     return tip, f"; fixed to it: {', '.join(others[:8])}{' …' if len(others) > 8 else ''}" if others else ""
-
-
-def _far_end(tree: Tree, most: dict[str, int], link: str) -> str:
-    while tree.below.get(link):
-        link = max(tree.below[link], key=lambda joint: joint.moves + most[joint.child]).child
-    return link

@@ -1,4 +1,4 @@
-"""The tree of a URDF: which joint joins which links. Structure only, no numbers."""
+"""The tree of a URDF or MJCF: which joint joins which links. Structure only, no numbers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class TreeJoint:
     kind: str  # as written in the file
     parent: str
     child: str
-    element: Element
+    element: Element  # of line 0 where the source keeps no lines
 
     @property
     def moves(self) -> bool:
@@ -28,7 +28,7 @@ class TreeJoint:
 
 @dataclass(frozen=True)
 class Tree:
-    """Links and joints of a URDF, checked: names unique, every link known, one parent per link, no cycle."""
+    """Links and joints, checked: names unique, every link known, one parent per link, no cycle."""
 
     name: str
     file: str
@@ -41,7 +41,8 @@ class Tree:
         """Place of a joint, or of one of its elements, for errors: file, line, element, joint."""
         element = (joint.element.first(part) if part else None) or joint.element
         tag = "" if element is joint.element else f"<{element.tag}> of "
-        return f"{self.file}, line {element.line}, {tag}joint {joint.name!r}"
+        line = f"line {element.line}, " if element.line else ""
+        return f"{self.file}, {line}{tag}joint {joint.name!r}"
 
     def root_of(self, link: str) -> str:
         """The link at the top of the tree that holds `link`."""
@@ -117,7 +118,15 @@ def read_tree(root: Element, file: str) -> Tree:
             links[name] = element.line
         else:
             joints[name] = _joint(name, element, file)
-    tree = Tree(root.attributes.get("name", ""), file, links, joints)
+    return connected(Tree(root.attributes.get("name", ""), file, links, joints))
+
+
+def connected(tree: Tree) -> Tree:
+    """The tree with its joints hung on its links.
+
+    Raises:
+        RobotError: links missing, two parents, a cycle.
+    """
     _connect(tree)
     _refuse_cycles(tree)
     return tree

@@ -1,7 +1,8 @@
 """Robots from xacro, expanded by the package xacrodoc (extra "xacro") and then read as URDF.
 
 A xacro file is a program: it includes other files, reads environment variables and YAML files by name, and evaluates
-expressions. rankdrop adds nothing to what xacro itself does and takes nothing away: expand only files that you trust.
+expressions, which can run any command. rankdrop adds nothing to what xacro itself does and takes nothing away: expand
+only files that you trust. This is why a file is expanded by its ending .xacro or on request, never by what it holds.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import contextlib
 import io
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -18,21 +20,20 @@ from xml.sax.saxutils import quoteattr
 from rankdrop.errors import MissingExtraError, RobotError
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
+from rankdrop.robot.packages import PLACES, find_package
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.xml_file import Element, read_xml
 
-_NO_PACKAGE = re.compile(r"PackageNotFoundError.*?Package not found: (\S+)")
+_NOWHERE = "/package-that-is-not-found/"  # stands for a package's folder: meshes may be named with it, nothing is read
+_SHOWN = 12  # arguments in one line of an error; the longest of the vendors' files take some forty
+_LONGEST = 30  # characters of a default that is shown: longer ones are paths made of other arguments
+_NO_ARGUMENT = re.compile(r"Undefined substitution argument (\S+)")
+_ARGUMENT = re.compile(r"\$\(arg\s+([^\s)]+)\)")
 
 
-def is_xacro(path: Path, text: str) -> bool:
-    """Does this XML have to be expanded first? By the suffix, or by xacro elements outside comments."""
-    if path.suffix.lower() == ".xacro":
-        return True
-    return "<xacro:" in text and _uses_xacro(read_xml(text, str(path)))
-
-
-def _uses_xacro(element: Element) -> bool:
-    return element.tag.startswith("xacro:") or any(_uses_xacro(child) for child in element.children)
+def uses_xacro(element: Element) -> bool:
+    """Is there an element of xacro: does it have to be expanded before it is a URDF?"""
+    return element.tag.startswith("xacro:") or any(uses_xacro(child) for child in element.children)
 
 
 def from_xacro(
@@ -41,32 +42,114 @@ def from_xacro(
     base: str | None = None,
     tip: str | None = None,
     packages: Mapping[str, str | PathLike[str]] | None = None,
-    arguments: Mapping[str, str] | None = None,
+    args: Mapping[str, object] | None = None,
     as_written: bool = False,
 ) -> Robot:
-    """A robot from a xacro file.
+    """A robot from a xacro file. Expanding it can run any command: see the note at the top of this module.
 
     Args:
         path: the file.
         base, tip, as_written: as in `from_urdf`.
-        packages: package name -> folder, for $(find name). Packages are also looked for upwards from the file (by
-            package.xml) and in the ROS installation, where there is one.
-        arguments: values of <xacro:arg …>.
+        packages: package name -> folder, for $(find name). Others are looked for (see `packages.find_package`), last
+            in the ROS installation, where there is one. One that is not found and only names meshes is told in a note.
+        args: values of <xacro:arg …>: text, numbers, true and false.
 
     Raises:
         MissingExtraError: xacrodoc is not installed.
-        RobotError: the file cannot be expanded (in the words of xacro), or what comes out cannot be used.
+        RobotError: the file cannot be expanded (in the words of xacro), an argument is missing or is none of the file,
+            or what comes out cannot be used.
     """
     file = Path(path)
     root = read_xml(read_text(file), str(file))
-    text = _expand(file, root.attributes.get("name", file.stem), packages or {}, arguments or {})
-    return from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
+    name = root.attributes.get("name", "")
+    arguments = _Arguments({key: _written(value) for key, value in (args or {}).items()}, root)
+    finder = _Packages(file, packages or {})
+    text = _expand(file, name if name and "$" not in name else file.name.partition(".")[0], finder, arguments)
+    robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
+    named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
+    return replace(robot, name=named if named and "$" not in named else robot.name,
+                   notes=(*robot.notes, *finder.notes()))  # fmt: skip
 
 
-def _expand(file: Path, name: str, packages: Mapping[str, Any], arguments: Mapping[str, str]) -> str:
-    for package, folder in packages.items():
-        if not Path(folder).is_dir():
-            raise RobotError("the folder of a package is not there", where=f"package {package!r}", got=str(folder))
+def _written(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+class _Arguments(dict[str, str]):
+    """The arguments that xacro works with: it adds defaults; which ones it asks for is kept, in order."""
+
+    def __init__(self, given: dict[str, str], root: Element) -> None:
+        declared = {child.attributes.get("name", ""): child.attributes.get("default") for child in root.children
+                    if child.tag == "xacro:arg"}  # fmt: skip
+        self.given = tuple(given)
+        self.needed = tuple(name for name, default in declared.items() if default is None and name not in given)
+        # xacro reads the attributes of the root before the defaults: <robot name="$(arg name)"> has no value without
+        named = _ARGUMENT.findall(" ".join(root.attributes.values()))
+        early = {name: declared[name] or "" for name in named if "$" not in (declared.get(name) or "$")}
+        super().__init__(early | given)
+        self.asked: dict[str, None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        self.asked[str(name)] = None
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked[name] = None
+        return super().__getitem__(name)
+
+    def left(self, reason: str) -> str:
+        """The arguments met that were not given, with their defaults; first those that may be the reason, in words."""
+        met = [(name, default) for name in self.asked
+               if name not in self.given and (default := self.get(name)) is not None]  # fmt: skip
+        met.sort(key=lambda pair: bool(pair[1]) and pair[1] not in reason)  # an empty default asks for a value
+        words = [f"{name}={default!r}" for name, default in met if len(default) <= _LONGEST]
+        more = len(met) - len(words[:_SHOWN])
+        return ", ".join(words[:_SHOWN]) + (f" and {more} more" if more else "")
+
+
+class _Packages:
+    """Finds packages for one file and keeps what was found where."""
+
+    def __init__(self, file: Path, given: Mapping[str, str | PathLike[str]]) -> None:
+        for package, folder in given.items():
+            if not Path(folder).is_dir():
+                raise RobotError("the folder of a package is not there", where=f"package {package!r}", got=str(folder))
+        self.file, self.given = file, given
+        self.missing: list[str] = []
+        self.far: list[tuple[str, Path]] = []  # not given, and not the package that the file lies in
+
+    def path(self, name: str) -> str:
+        """The folder of a package as text; a place that does not exist where it is not found."""
+        folder = find_package(name, self.file, self.given)
+        if folder is None:
+            folder = _installed(name)
+        if folder is None:
+            if name not in self.missing:
+                self.missing.append(name)
+            return _NOWHERE + name
+        folder = folder.resolve()
+        if name not in self.given and folder not in self.file.resolve().parents:
+            self.far.append((name, folder))
+        return folder.as_posix()
+
+    def notes(self) -> list[str]:
+        """Where packages were found that nobody named, and which were not needed."""
+        found = [f"package {name!r} found: {folder}" for name, folder in dict(self.far).items()]
+        return [*found, *(f"package {name!r} is not found: only files that are not read are in it"
+                          for name in self.missing)]  # fmt: skip
+
+
+def _installed(name: str) -> Path | None:
+    """The package of a ROS installation, where there is one."""
+    import xacrodoc
+
+    try:
+        return Path(xacrodoc.packages.PackageFinder().get_path(name))
+    except Exception:  # rospkg and ament have errors of their own, and neither is there to be asked
+        return None
+
+
+def _expand(file: Path, name: str, finder: _Packages, arguments: _Arguments) -> str:
     try:
         import xacrodoc
     except ImportError:
@@ -76,30 +159,57 @@ def _expand(file: Path, name: str, packages: Mapping[str, Any], arguments: Mappi
         f'<robot name={quoteattr(name)} xmlns:xacro="http://www.ros.org/wiki/xacro">'
         f"<xacro:include filename={quoteattr(str(file.resolve()))}/></robot>"
     )
-    said = io.StringIO()
     try:
-        with _own_packages(xacrodoc.packages, file, packages), contextlib.redirect_stderr(said):
-            document = xacrodoc.XacroDoc.from_string(whole, subargs=dict(arguments), resolve_packages=False)
-            return str(document.to_urdf_string())
+        with _own_packages(xacrodoc.packages, finder), contextlib.redirect_stderr(io.StringIO()):
+            document = xacrodoc.XacroDoc.from_string(whole, subargs=arguments, resolve_packages=False)
+            text = str(document.to_urdf_string())
     except Exception as error:  # xacro raises whatever its expressions raise
-        reason = " ".join(f"{type(error).__name__}: {error} {said.getvalue()}".split())
-        missing = _NO_PACKAGE.search(reason)
-        if missing is not None:
-            raise RobotError(
-                "a package is not found", where=str(file), got=repr(missing[1]),
-                mend=f"give its folder: packages={{{missing[1]!r}: …}}",
-            ) from None
-        raise RobotError(f"xacro cannot expand the file: {reason[:300]}", where=str(file)) from None
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise _in_our_words(reason, file, finder, arguments) from None
+    for argument in arguments.given:
+        if argument not in arguments.asked:
+            takes = ", ".join(arguments.asked) or "none: the file takes no arguments"
+            raise RobotError("the file has no such argument", where=str(file), got=repr(argument), allowed=takes)
+    if "<link" not in text:
+        raise RobotError("nothing comes out of the xacro file: it has no links and may only define macros",
+                         where=str(file), mend="open the file that uses them, often a .urdf.xacro near it")  # fmt: skip
+    return text
+
+
+def _in_our_words(reason: str, file: Path, finder: _Packages, arguments: _Arguments) -> RobotError:
+    """Why a file cannot be expanded: a package or an argument is missing, or what xacro says."""
+    for package in finder.missing:
+        if _NOWHERE + package in reason:
+            return RobotError(
+                "a package is not found", where=str(file), got=repr(package),
+                allowed=f"a folder whose package.xml has this name, {PLACES}",
+                mend=f"give its folder: packages={{{package!r}: …}}",
+                typed=f"give its folder: --package {package}=FOLDER",
+            )
+    left = arguments.left(reason)
+    others = f"arguments with defaults: {left}" if left else None
+    missing = _NO_ARGUMENT.search(reason)
+    if missing is not None:
+        needed = list(dict.fromkeys([missing[1], *arguments.needed]))
+        return RobotError(
+            "arguments of the xacro file are not given", where=str(file), got=f"no value of {', '.join(needed)}",
+            allowed=others, mend=f"args={{{', '.join(f'{name!r}: …' for name in needed)}}}",
+            typed=" ".join(f"--arg {name}:=VALUE" for name in needed),
+        )
+    return RobotError(
+        f"xacro cannot expand the file: {reason[:300]}", where=str(file), allowed=others,
+        mend="it may need another value: args={name: value}" if left else None,
+        typed="it may need another value: --arg NAME:=VALUE" if left else None,
+    )
 
 
 @contextlib.contextmanager
-def _own_packages(module: Any, file: Path, packages: Mapping[str, Any]) -> Iterator[None]:
-    """xacrodoc keeps one list of packages per process; use a fresh one, so that a call leaves nothing behind."""
+def _own_packages(module: Any, finder: _Packages) -> Iterator[None]:
+    """xacrodoc keeps one list of packages per process; take ours, so that a call leaves nothing behind."""
     before = module._finder
-    module._finder = module.PackageFinder()
+    own = module._finder = module.PackageFinder()
+    own.finder_funcs = [(finder.path, module.PackageNotFoundError)]
     try:
-        module.walk_up_from(file)
-        module.update_package_cache(dict(packages))
         yield
     finally:
         module._finder = before

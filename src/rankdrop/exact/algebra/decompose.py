@@ -193,17 +193,20 @@ def _reduced(
 def _several(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
 ) -> list[Variety]:
-    """Three or more conditions that no step makes simpler: two of them; the others tell their zeros apart."""
+    """Three or more conditions that no step makes simpler: two of them; the others tell their zeros apart.
+
+    They have common zeros that bind no more than two freedoms (`binds_more`). Where these are not met again, the system
+    is left over: nothing is dropped without a reason.
+    """
     places = {place for f in system for place in used(f) if place < ring.moving}
-    if min(most, len(places)) > 2:
-        work.leave(pins, system)
-        return []
-    for f, g in combinations(sorted(system, key=len), 2):
-        if {*used(f), *used(g)} >= places:
-            also = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
-            found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
-            if found.samples:
-                return [found]
+    if min(most, len(places)) <= 2:
+        for f, g in combinations(sorted(system, key=len), 2):
+            if {*used(f), *used(g)} >= places:
+                also = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
+                found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
+                if found.samples:
+                    return [found]
+    work.leave(pins, system)
     return []
 
 

@@ -2,13 +2,13 @@
 
 A polynomial that is not zero on an irreducible set vanishes at a random point of it modulo p with a probability of the
 order degree / p (Schwartz and Zippel), here below 1e-15. With p ≡ 3 mod 4, −1 is not a square: 1 + t² has no zero, as
-over the reals.
+over the reals. The primes up to 43 are squares: √2, √3, √5 … exist, as over the reals.
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -17,8 +17,8 @@ from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 
-P = (1 << 61) - 1
-"""A Mersenne prime, ≡ 3 mod 4."""
+P = (1 << 61) - 11_913
+"""A prime ≡ 119 mod 120, the largest below 2^61 of which all primes up to 43 are squares and −1 is not."""
 
 _KEPT = 50_000  # polynomials that an evaluator remembers
 
@@ -47,58 +47,37 @@ class Evaluator:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
-        self._terms: dict[int, tuple[Polynomial, list[tuple[int, list[tuple[str, int]]]]]] = {}
+        module = flint()
+        self._context = module.nmod_mpoly_ctx.get(list(self._names), P, module.Ordering.lex)
+        self._two = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
+        self._kept: dict[int, tuple[Polynomial, Polynomial]] = {}
 
     def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
-        """f at a point."""
-        total = 0
-        for value, factors in self.terms(f):
-            for name, power in factors:
-                value = value * (point[name] if power == 1 else pow(point[name], power, P)) % P
-            total += value
-        return total % P
+        """f at a point; variables that the point gives no value to are not in f."""
+        return int(self._reduced(f)(*(point.get(name, 0) for name in self._names)))
 
-    def terms(self, f: Polynomial) -> list[tuple[int, list[tuple[str, int]]]]:
-        """(coefficient, [(variable, power), …]) of each term."""
-        kept = self._terms.get(id(f))
+    def _reduced(self, f: Polynomial) -> Polynomial:
+        kept = self._kept.get(id(f))
         if kept is None or kept[0] is not f:
-            if len(self._terms) > _KEPT:
-                self._terms.clear()
-            terms = [
-                (modulo(value), [(name, int(e)) for name, e in zip(self._names, powers, strict=True) if e])
-                for powers, value in f.terms()
-            ]
-            kept = self._terms[id(f)] = (f, terms)
+            if len(self._kept) > _KEPT:
+                self._kept.clear()
+            reduced = self._context.from_dict({tuple(map(int, powers)): modulo(value) for powers, value in f.terms()})
+            kept = self._kept[id(f)] = (f, reduced)
         return kept[1]
+
+    def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
+        """f modulo P with every variable but those left at a point."""
+        return self._reduced(f).subs({name: point[name] for name in self._names if name not in left and name in point})
 
     def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
         """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
-        parts: dict[int, int] = {}
-        for value, factors in self.terms(f):
-            degree = 0
-            for other, power in factors:
-                if other == name:
-                    degree = power
-                else:
-                    value = value * pow(point[other], power, P) % P
-            parts[degree] = (parts.get(degree, 0) + value) % P
-        return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
+        return dense(self._put(f, (name,), point), self._names.index(name))
 
     def in_two(self, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
         """f as a polynomial in two variables modulo P (`flint.nmod_mpoly` in x, y)."""
-        parts: dict[tuple[int, int], int] = {}
-        for value, factors in self.terms(f):
-            degree = {one: 0, two: 0}
-            for other, power in factors:
-                if other in degree:
-                    degree[other] = power
-                else:
-                    value = value * pow(point[other], power, P) % P
-            key = (degree[one], degree[two])
-            parts[key] = (parts.get(key, 0) + value) % P
-        module = flint()
-        context = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
-        return context.from_dict({key: value for key, value in parts.items() if value})
+        a, b = self._names.index(one), self._names.index(two)
+        put = self._put(f, (one, two), point)
+        return self._two.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
 
 
 @lru_cache(maxsize=32)
@@ -145,22 +124,18 @@ def roots(values: Sequence[int]) -> list[int]:
     return [int(root) for root, _ in flint().nmod_poly(kept, P).roots()]
 
 
-def common_zeros(f: Polynomial, g: Polynomial, rng: random.Random) -> tuple[int, int] | None:
-    """A common zero (x, y) of two polynomials from `Evaluator.in_two`, chosen at random; None where there is none."""
+def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
+    """All common zeros (x, y) of two polynomials from `Evaluator.in_two`; none where they have a common factor."""
     if f == 0 or g == 0:
-        return None
+        return
     eliminated = f.resultant(g, "x")
     if eliminated == 0:
-        return None
-    ys = roots(dense(eliminated, 1))
-    rng.shuffle(ys)
+        return
     module = flint()
-    for y in ys:
+    for y in roots(dense(eliminated, 1)):
         one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), P) for h in (f, g))
-        xs = roots([int(x) for x in one.gcd(two).coeffs()])
-        if xs:
-            return rng.choice(xs), y
-    return None
+        for x in roots([int(value) for value in one.gcd(two).coeffs()]):
+            yield x, y
 
 
 def put_common_zero(
@@ -172,10 +147,10 @@ def put_common_zero(
     rng: random.Random,
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zero = common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values), rng)
-    if zero is not None:
-        values.update(zip(names, zero, strict=True))
-    return zero is not None
+    zeros = list(common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values)))
+    if zeros:
+        values.update(zip(names, rng.choice(zeros), strict=True))
+    return bool(zeros)
 
 
 def dense(f: Polynomial, place: int) -> list[int]:

@@ -1,7 +1,8 @@
-"""An irreducible set cut by one more condition.
+"""A set cut by one more condition.
 
 Where the condition does not hold on all of it, an irreducible set loses exactly one dimension, everywhere (Krull):
-pieces of another dimension are dropped.
+pieces of another dimension are dropped. Of several sets given by the same two conditions those on which it holds are
+first told from the others (`Variety.parted`), for which the same is true.
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from rankdrop.exact.algebra.atom import COS_SIN, Atom
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import at, divides, factors, form, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
@@ -25,13 +28,16 @@ _IMAGINARY = 1e-6  # a root with a larger imaginary part is not real
 def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
     """The irreducible components of the points of a set at which a trigonometric polynomial vanishes.
 
+    Where two conditions hold on several sets, those on which it vanishes are told from those that it cuts.
+
     Args:
-        one: irreducible set.
+        one: irreducible set, or several.
         p: trigonometric polynomial.
         work: deadline; letters divided by are noted there.
 
     Returns:
-        `[one]` where p vanishes on all of it; else components of one dimension less.
+        `[one]` where p vanishes on all of it; else components of one dimension less, and of several sets also those
+        on which p vanishes, of the same dimension.
 
     Raises:
         OutOfTime: the deadline has passed.
@@ -45,27 +51,45 @@ def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
         work.assume(letters)
     pieces: list[Variety] = []
     for atom, _ in found.atoms:
-        if atom.pinned:
-            pieces += pinned(one, atom.joint, atom.value, work)
-        else:
-            parts = cut_half(one, atom.f, work)
-            if parts and parts[0] is one:
-                return [one]
-            pieces += parts
+        inside, outside = one.parted(zero_where(ring, atom), atom.f) if one.several else (None, one)
+        if inside is not None:
+            pieces += pinned(one, atom.joint, atom.value, work, one.codimension) if atom.pinned else [inside]
+        if outside is None:
+            return pieces
+        parts = pinned(outside, atom.joint, atom.value, work) if atom.pinned else cut_half(outside, atom.f, work)
+        if parts and parts[0] is one:
+            return [one]
+        pieces += parts
     return independent(pieces)
 
 
-def pinned(one: Variety, joint: int, value: str, work: Work) -> list[Variety]:
-    """The components of an irreducible set on which a joint stands at a simple angle."""
+def zero_where(ring: Ring, atom: Atom) -> Polynomial:
+    """A trigonometric polynomial that is zero, over the reals and modulo P, where an atom holds and nowhere else."""
+    if not atom.pinned:
+        return ring.trig_zero_set(atom.f)
+    cosine, sine = COS_SIN[atom.value]
+    return ring.one - ring.c[atom.joint] * cosine - ring.s[atom.joint] * sine
+
+
+def pinned(one: Variety, joint: int, value: str, work: Work, codimension: int = 0) -> list[Variety]:
+    """The components of a set on which a joint stands at a simple angle.
+
+    Args:
+        one: irreducible set, or several.
+        joint, value: of `atom.SIMPLE`.
+        work: deadline.
+        codimension: of the components; 0 for one more than that of the set.
+    """
     ring = one.ring
     if joint in one.pins:
         return [one] if one.pins[joint] == value else []
     if one.stands(joint, value):
         return [one]
     conditions = [at(ring, form(f, ring), {joint: value}) for f in one.equations]
-    most = one.codimension - len(one.pins)
+    codimension = codimension or one.codimension + 1
+    most = codimension - len(one.pins) - 1
     found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
-    return [piece for piece in found if piece.codimension == one.codimension + 1]
+    return [piece for piece in found if piece.codimension == codimension]
 
 
 def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
@@ -80,8 +104,9 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
     for atom in factors(ring, value, work):
         pieces += _with(one, atom, work)
     for edge in _edges(one, work):
-        if edge.half_vanishes(f):
-            pieces.append(edge)
+        inside, _ = edge.parted(ring.trig_zero_set(f), f) if edge.several else (edge, None)
+        if inside is not None and inside.half_vanishes(f):
+            pieces.append(inside)
     pieces = with_points([piece for piece in pieces if piece.codimension == one.codimension + 1], work)
     return independent([piece for piece in pieces if piece.half_vanishes(f)])
 

@@ -51,7 +51,7 @@ def test_latin_1_is_read_where_it_is_declared(tmp_path: Path) -> None:
 def test_unknown_names_bring_close_ones_and_the_list() -> None:
     with pytest.raises(UnknownRobotError, match=r"got 'puma56'; allowed: .*; mend: did you mean puma560") as caught:
         open_robot("puma56")
-    assert all(name in str(caught.value) for name in robot_names())
+    assert f"{len(robot_names())} names: rankdrop robots lists them" in str(caught.value)
     for name in ("", "nothing like it", "x" * 10_000, "a\0b"):
         with pytest.raises(UnknownRobotError):
             open_robot(name)

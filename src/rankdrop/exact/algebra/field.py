@@ -20,7 +20,7 @@ from rankdrop.exact.algebra.ring import Ring
 P = (1 << 61) - 11_913
 """A prime ≡ 119 mod 120, the largest below 2^61 of which all primes up to 43 are squares and −1 is not."""
 
-_KEPT = 50_000  # polynomials that an evaluator remembers
+_KEPT = 50_000  # polynomials whose residues are remembered
 
 Point = dict[str, int]
 """Values modulo P of the variables of both rings, by name; t_j is absent where θ_j = π."""
@@ -38,8 +38,24 @@ def residue(value: Fraction) -> int:
     return value.numerator % P * pow(value.denominator, -1, P) % P
 
 
+_reduced: dict[int, tuple[Polynomial, Polynomial]] = {}  # by id; the first one keeps the id from being used again
+
+
+def reduced(f: Polynomial) -> Polynomial:
+    """A polynomial over the rationals modulo P (`flint.nmod_mpoly` in the same variables); kept."""
+    kept = _reduced.get(id(f))
+    if kept is None or kept[0] is not f:
+        if len(_reduced) > _KEPT:
+            _reduced.clear()
+        module = flint()
+        context = module.nmod_mpoly_ctx.get(list(f.context().names()), P, module.Ordering.lex)
+        terms = {tuple(map(int, powers)): modulo(value) for powers, value in f.terms()}
+        kept = _reduced[id(f)] = (f, context.from_dict(terms))
+    return kept[1]
+
+
 class Evaluator:
-    """Evaluates polynomials of one context modulo P; coefficients are reduced once per polynomial.
+    """Evaluates polynomials of one context modulo P.
 
     Args:
         names: of the context's variables, in order.
@@ -48,26 +64,15 @@ class Evaluator:
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
         module = flint()
-        self._context = module.nmod_mpoly_ctx.get(list(self._names), P, module.Ordering.lex)
         self._two = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
-        self._kept: dict[int, tuple[Polynomial, Polynomial]] = {}
 
     def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
         """f at a point; variables that the point gives no value to are not in f."""
-        return int(self._reduced(f)(*(point.get(name, 0) for name in self._names)))
-
-    def _reduced(self, f: Polynomial) -> Polynomial:
-        kept = self._kept.get(id(f))
-        if kept is None or kept[0] is not f:
-            if len(self._kept) > _KEPT:
-                self._kept.clear()
-            reduced = self._context.from_dict({tuple(map(int, powers)): modulo(value) for powers, value in f.terms()})
-            kept = self._kept[id(f)] = (f, reduced)
-        return kept[1]
+        return int(reduced(f)(*(point.get(name, 0) for name in self._names)))
 
     def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
         """f modulo P with every variable but those left at a point."""
-        return self._reduced(f).subs({name: point[name] for name in self._names if name not in left and name in point})
+        return reduced(f).subs({name: point[name] for name in self._names if name not in left and name in point})
 
     def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
         """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""

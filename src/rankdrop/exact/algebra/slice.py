@@ -11,7 +11,7 @@ import random
 from collections.abc import Sequence
 from functools import reduce
 
-from rankdrop.exact.algebra.field import P, dense, modulo, roots
+from rankdrop.exact.algebra.field import P, dense, reduced, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import used
 
@@ -53,7 +53,7 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
         sum((rng.randrange(P) * v for v in variables if place < moving), context.constant(rng.randrange(P)))
         for place in range(system[0].context().nvars())
     ]
-    sliced = sorted((_sliced(f, forms, context) for f in system), key=lambda f: int(f.total_degree()))
+    sliced = sorted((reduced(f).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree()))
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
         return False if common.is_constant() else (True if roots(dense(common, 0)) else None)
@@ -65,17 +65,3 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
         if there.degree() > 0 and roots([int(value) for value in there.coeffs()]):
             return True
     return None
-
-
-def _sliced(f: Polynomial, forms: Sequence[Polynomial], context: Polynomial) -> Polynomial:
-    powers: dict[tuple[int, int], Polynomial] = {}
-    total = context.constant(0)
-    for exponents, value in f.terms():
-        term = context.constant(modulo(value))
-        for place, e in enumerate(map(int, exponents)):
-            if e:
-                if (place, e) not in powers:
-                    powers[place, e] = forms[place] ** e
-                term = term * powers[place, e]
-        total += term
-    return total

@@ -1,0 +1,22 @@
+"""The arms of the catalogue as parameters of tests: those made from many makers' files are slow, but for a few."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rankdrop.robot.open import robot_names
+
+with (Path(__file__).resolve().parents[1] / "data" / "catalogue.csv").open(encoding="utf-8", newline="") as _stream:
+    FROM_FILES = frozenset(row["name"] for row in csv.DictReader(_stream))
+FEW = frozenset({"ur20", "kr16", "crx10ia", "m1013", "fr3", "meca500", "tiago"})
+"""Of each form one: offset wrist, spherical wrist, 7R, a slide."""
+
+
+def every_arm() -> list[Any]:
+    """All names, those from files marked slow but for `FEW`."""
+    late = FROM_FILES - FEW
+    return [pytest.param(name, marks=[pytest.mark.slow] if name in late else []) for name in robot_names()]

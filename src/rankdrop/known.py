@@ -66,8 +66,11 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
 
 
 def candidates(robot: Robot) -> tuple[str, ...]:
-    """Names of the arms with a shipped analysis that may be this one: their coarse fingerprint is the same."""
-    return tuple(_index().get(coarse_fingerprint(robot), ()))
+    """Names of the arms with a shipped analysis that may be this one: their coarse fingerprint is the same.
+
+    Makers build one geometry under several names: the robot's own name comes first.
+    """
+    return tuple(sorted(_index().get(coarse_fingerprint(robot), ()), key=lambda name: (name != robot.name, name)))
 
 
 def known_names() -> tuple[str, ...]:

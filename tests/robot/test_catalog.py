@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from reference.kinematics import pose
 
+from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.open import catalog_entries, open_robot, robot_names, search_catalog
 from rankdrop.task import task_names
 
@@ -87,6 +88,19 @@ def test_an_arm_is_found_by_its_maker_its_form_and_its_other_names() -> None:
 def test_no_two_arms_answer_to_one_name() -> None:
     called = [re.sub("[-_]", "", name) for entry in catalog_entries() for name in (entry.name, *entry.aliases)]
     assert len(called) == len(set(called))
+
+
+def test_only_arms_that_makers_sell_under_several_names_are_the_same() -> None:
+    groups: dict[str, set[str]] = {}
+    for name in NAMES:
+        groups.setdefault(coarse_fingerprint(open_robot(name)), set()).add(name)
+    twins = {frozenset(group) for group in groups.values() if len(group) > 1}
+    assert twins <= {
+        frozenset(pair)
+        for pair in (
+            ("aubo_e3", "aubo_i3"), ("crx10ial", "crx20ial"), ("fr3", "panda"), ("iiwa7", "med7"), ("rs030n", "rs080n"),
+        )
+    }  # fmt: skip
 
 
 def test_entries_count_the_variables_of_the_robot() -> None:

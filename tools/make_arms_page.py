@@ -16,8 +16,8 @@ import json
 import os
 import sys
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
@@ -173,7 +173,6 @@ def skeleton_row(name: str) -> Row:
 def measure(task: tuple[str, str]) -> str:
     """Measure one arm, keep its row, and say how it went."""
     kind, name = task
-    os.nice(5)
     row = catalogue_row(name) if kind == "catalogue" else skeleton_row(name)
     folder = KEPT / kind
     folder.mkdir(parents=True, exist_ok=True)
@@ -221,8 +220,8 @@ def main(arguments: list[str]) -> int:
     wanted = [task for task in tasks() if task[1] in named]
     if not named and "--page" not in arguments:
         wanted = [task for task in tasks() if "--all" in arguments or kept(*task) is None]
-    with ProcessPoolExecutor(PROCESSES, max_tasks_per_child=8) as pool:
-        for done, told in enumerate(pool.map(measure, wanted), 1):
+    with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
+        for done, told in enumerate(pool.imap_unordered(measure, wanted), 1):
             print(f"{done}/{len(wanted)} {told}", flush=True)
     PAGE.write_text(page(), encoding="utf-8")
     return 0

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
@@ -32,7 +32,6 @@ PROCESSES = 2
 
 def write(name: str) -> tuple[str, bool, str]:
     """(name, whether its file was written, what to print) of one arm."""
-    os.nice(5)
     begun = process_time()
     found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="off", threads=1)
     spent = f"{process_time() - begun:.1f} s CPU"
@@ -73,8 +72,8 @@ def main(arguments: list[str]) -> int:
     everything = named or "--all" in arguments
     names = named or [name for name in robot_names() if everything or stale(name)]
     refused = []
-    with ProcessPoolExecutor(PROCESSES, max_tasks_per_child=8) as pool:
-        for done, (name, written, told) in enumerate(pool.map(write, names), 1):
+    with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
+        for done, (name, written, told) in enumerate(pool.imap_unordered(write, names), 1):
             print(f"{done}/{len(names)} {name}: {told}", flush=True)
             if not written:
                 refused.append(name)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
@@ -28,7 +28,6 @@ PROCESSES = 2
 
 def write(name: str) -> tuple[str, bool, str]:
     """(name, whether a file was written, what to print) of one arm."""
-    os.nice(5)
     begun = process_time()
     path = FOLDER / f"{name}.json"
     found = conditions(open_robot(name), fresh=True)
@@ -58,8 +57,8 @@ def main(arguments: list[str]) -> int:
     for name in set(conditions_names()) - set(robot_names()):
         (FOLDER / f"{name}.json").unlink()
     names, refused = wanted(arguments), []
-    with ProcessPoolExecutor(PROCESSES, max_tasks_per_child=8) as pool:
-        for done, (name, written, told) in enumerate(pool.map(write, names), 1):
+    with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
+        for done, (name, written, told) in enumerate(pool.imap_unordered(write, names), 1):
             print(f"{done}/{len(names)} {name}: {told}", flush=True)
             if not written:
                 refused.append(name)

@@ -15,13 +15,15 @@ from itertools import combinations, islice
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.split import cut, pinned, with_points, zero_where
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 
 _STAGE = 0.5  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
+_TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
 _SHORT = 4  # a minor with so short factors is taken at once
 
 
@@ -113,12 +115,14 @@ def _explore(
     """
     n, m = len(columns), len(columns[0])
     bound = (m - order + 1) * (n - order + 1)
+    bending = _bending(columns, waiting[0].ring)
     seen: list[Variety] = []
     while waiting:
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
-        minor = _minor(columns, piece, order, work)
-        cuts = with_points(cut(piece, minor, work), work)
+        minors = _chosen(columns, piece, order, work)
+        last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
+        cuts = with_points(meet(piece, minors, work) if last else cut(piece, minors[0], work), work)
         for part in (same for one in cuts for same in _by_rank(columns, one, work)):
             here = rank_on(columns, part)
             if here < order:
@@ -134,6 +138,13 @@ def _explore(
         work.pointless.clear()
         waiting.remove(piece)
         tree.visited += 1
+
+
+def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
+    """Number of joints that the columns depend on: sets that bind as many are points."""
+    degrees = [x.degrees() for column in columns for x in column if x != 0]
+    angles = sum(any(d[2 * k] or d[2 * k + 1] for d in degrees) for k in range(ring.angles))
+    return angles + sum(any(d[k + ring.angles] for d in degrees) for k in range(ring.angles, ring.moving))
 
 
 def _length(piece: Variety) -> int:
@@ -193,19 +204,17 @@ def _matrix(columns: list[list[Polynomial]], point: Point, piece: Variety) -> li
     return [[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns]
 
 
-def _minor(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> Polynomial:
-    """A minor of the given order that is not zero on a set of at least that rank, with short factors there."""
-    best: tuple[int, Polynomial] | None = None
-    for tried, minor in enumerate(_minors(columns, piece, order), 1):
+def _chosen(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> list[Polynomial]:
+    """Minors of the given order that are not zero on a set of at least that rank, those with short factors first."""
+    tried: list[tuple[int, int, Polynomial]] = []
+    for number, minor in enumerate(_minors(columns, piece, order)):
         work.check()
-        weight = _weight(piece, minor)
-        if best is None or weight < best[0]:
-            best = (weight, minor)
-        if weight <= _SHORT or tried >= _TRIED:
+        tried.append((_weight(piece, minor), number, minor))
+        if tried[-1][0] <= _SHORT or len(tried) >= _TRIED:
             break
-    if best is None:
+    if not tried:
         raise AssertionError("at a point of rank r some minor of order r is not zero")
-    return best[1]
+    return [minor for _, _, minor in sorted(tried, key=lambda one: one[:2])[:_TOGETHER]]
 
 
 def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iterator[Polynomial]:

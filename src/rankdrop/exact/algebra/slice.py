@@ -8,7 +8,7 @@ the reals.
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import reduce
 
 from rankdrop.exact.algebra.field import P, dense, reduced, roots
@@ -31,6 +31,8 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
     """
     if most < 1:
         return bool(system)
+    if any(_apart(part, moving) for part in _in_two_variables(system, moving)):
+        return True
     variables = {place for f in system for place in used(f) if place < moving}
     dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
     if dimension > 2 or len(system) <= dimension:
@@ -41,6 +43,20 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
         if found is not None:
             return not found
     return True
+
+
+def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[list[Polynomial]]:
+    """Three or more conditions of a system on the same two variables: they rarely have a zero, whatever the others."""
+    places = [{place for place in used(f) if place < moving} for f in system]
+    for pair in {tuple(sorted(one)) for one in places if len(one) == 2}:
+        part = [f for f, here in zip(system, places, strict=True) if here <= {*pair}]
+        if 2 < len(part) < len(system):
+            yield part
+
+
+def _apart(system: Sequence[Polynomial], moving: int) -> bool:
+    """Whether conditions on two variables have no common zero at all."""
+    return _zeros(system, 2, moving, random.Random(_SEED)) is False
 
 
 def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random) -> bool | None:

@@ -63,6 +63,25 @@ def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
     return independent(pieces)
 
 
+def meet(one: Variety, polynomials: Sequence[Polynomial], work: Work) -> list[Variety]:
+    """The components, of one dimension less, of the points of a set at which several trigonometric polynomials vanish.
+
+    Args:
+        one: irreducible set, or several.
+        polynomials: none of them vanishes on one of the sets.
+        work: deadline; letters divided by are noted there.
+
+    Returns:
+        Components of all points that satisfy its conditions, in the closure of the set or not.
+    """
+    ring = one.ring
+    halves = (ring.to_half(ring.at(p, one.pins)) for p in polynomials)
+    conditions = [form(f, ring) for f in one.equations]
+    conditions += [(f, tuple(2 * d for d in degree)) for f, degree in halves]
+    found = decompose(ring, one.pins, conditions, one.codimension + 1 - len(one.pins), work)
+    return [piece for piece in found if piece.codimension == one.codimension + 1]
+
+
 def zero_where(ring: Ring, atom: Atom) -> Polynomial:
     """A trigonometric polynomial that is zero, over the reals and modulo P, where an atom holds and nowhere else."""
     if not atom.pinned:

@@ -97,6 +97,7 @@ def explain(
         raise OptionError(
             "this is no tolerance for singular values", where="tolerance", got=tolerances.singular,
             allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to be told of small ones, raise `near` or `small`",
+            typed="to be told of small ones, raise --near",
         )  # fmt: skip
     resolved = resolve_task(task, robot, length_scale=length_scale)
     resolved = replace(resolved, length_scale=resolved.scale(robot))

@@ -250,5 +250,6 @@ class Analysis:
             return cls.from_dict(record)
         except ResultFileError as error:
             raise ResultFileError(
-                error.what, where=str(path), got=error.got, allowed=error.allowed, mend=error.mend
+                error.what, where=str(path), got=error.got, allowed=error.allowed, mend=error.mend,
+                typed=error.typed,
             ) from error

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
+from rankdrop.reach import reach
 from rankdrop.robot import files
 from rankdrop.robot.open import open_robot, robot_names
 from robot.urdf_text import chain, robot
@@ -55,6 +57,57 @@ def test_unknown_names_bring_close_ones_and_the_list() -> None:
     for name in ("", "nothing like it", "x" * 10_000, "a\0b"):
         with pytest.raises(UnknownRobotError):
             open_robot(name)
+
+
+@pytest.mark.parametrize("name", ["UR5e", "ur_5e", "UR 5e", "ur-5E", "u r 5 e"])
+def test_capitals_blanks_and_dashes_make_no_difference_to_a_name(name: str) -> None:
+    assert open_robot(name) is open_robot("ur5e")
+
+
+def test_names_in_another_spelling_stay_unambiguous() -> None:
+    plain = [re.sub(r"[-_\s]", "", name).lower() for name in robot_names()]
+    assert len(set(plain)) == len(plain)
+
+
+def test_a_file_of_that_very_name_comes_before_another_spelling(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "UR5e").write_text(DH, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert open_robot("UR5e").n == 1
+    assert open_robot(Path("UR5e")).n == 1
+    with pytest.raises(UnknownRobotError):
+        open_robot(Path("UR3e"))  # a path is a file
+
+
+def test_what_the_catalogue_says_of_an_arm_is_searched_for_suggestions() -> None:
+    with pytest.raises(UnknownRobotError, match=r"mend: did you mean irb140\?"):
+        open_robot("ABB IRB")
+
+
+def test_sdf_is_named_with_the_way_to_convert(tmp_path: Path) -> None:
+    path = tmp_path / "arm.sdf"
+    path.write_text('<?xml version="1.0"?><!-- <robot> --><sdf version="1.9"><model name="a"/></sdf>', encoding="utf-8")
+    with pytest.raises(RobotError, match=r"SDF is not read; got <sdf>; .*mend: convert it to MJCF with sdf2mjcf"):
+        open_robot(path)
+
+
+@pytest.mark.parametrize(("length", "noted"), [(31.0, True), (29.0, False), (0.031, False), (0.029, True)])
+def test_an_arm_of_unlikely_size_brings_the_question_of_millimetres(
+    tmp_path: Path, length: float, noted: bool
+) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(f'convention = "standard"\n[[joints]]\na = {length}\n', encoding="utf-8")
+    asked = [note for note in open_robot(path).notes if "are these numbers millimetres?" in note]
+    assert len(asked) == noted
+    assert not noted or asked[0].startswith(f"the arm's reach is {length:.3g} m:")
+
+
+def test_a_wrist_without_length_and_the_catalogue_are_of_likely_size(tmp_path: Path) -> None:
+    path = tmp_path / "wrist.toml"
+    path.write_text('convention = "standard"\n[[joints]]\nalpha = "pi/2"\n[[joints]]\n', encoding="utf-8")
+    assert open_robot(path).notes == ()
+    assert all(1e-9 < reach(open_robot(name)) < 30.0 for name in robot_names())
 
 
 @pytest.mark.parametrize("name", ["robots/arm.urdf", "arm.toml", "./pa10", "arm.XACRO"])

@@ -42,7 +42,8 @@ def test_the_base_is_the_root_above_a_named_tip() -> None:
     [
         (["flange", "tool0", "camera"], "tool0"), (["ee_link", "tool0"], "tool0"), (["camera", "arm_tcp"], "arm_tcp"),
         (["link_eef"], "link_eef"), (["end_effector", "camera"], "end_effector"), (["camera", "flange"], "flange"),
-        (["panda_hand", "camera"], "panda_hand"), (["stick"], "stick"), (["camera", "light"], "l6"),
+        (["camera", "attachment_site"], "attachment_site"), (["panda_hand", "camera"], "panda_hand"),
+        (["stick"], "stick"), (["camera", "light"], "l6"),
     ],
 )  # fmt: skip
 def test_among_links_fixed_at_the_end_the_usual_name_decides(ends: list[str], tip: str) -> None:
@@ -74,14 +75,42 @@ def test_a_short_side_branch_does_not_stop_the_chain() -> None:
 
 def test_equal_chains_are_refused_with_the_candidates() -> None:
     arms = [*chain(1), *chain(6, "left_", "l1"), *chain(6, "right_", "l1")]
-    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; mend: name the tip"
-    with pytest.raises(RobotError, match=words):
+    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; mend: name the tip: tip='left_l6'"
+    with pytest.raises(RobotError, match=words) as caught:
         from_urdf(robot(arms), file="two.urdf")
+    assert caught.value.on_command_line().endswith("mend: name the tip: --tip left_l6")
     assert from_urdf(robot(arms), tip="left_l6").n == 7
 
 
+def hand(side: str, wrist: str, finger_length: int = 1) -> list[str]:
+    """A palm with a tool frame on the wrist, and two fingers of some joints each."""
+    fingers = [part for one in "ab" for part in chain(finger_length, f"{side}_{one}", f"{side}_palm")]
+    return [fixed(wrist, f"{side}_palm"), fixed(f"{side}_palm", f"{side}_tool_link"), *fingers]
+
+
+def test_two_hands_are_offered_by_their_tools_and_not_by_their_fingertips() -> None:
+    torso, arms = chain(2, "torso_"), [*chain(7, "left_", "torso_l2"), *chain(7, "right_", "torso_l2")]
+    two = [*torso, *arms, *hand("left", "left_l7", 3), *hand("right", "right_l7", 3)]
+    with pytest.raises(RobotError, match=r"several chains of 9 moving joints .* tips left_tool_link, right_tool_link;"):
+        from_urdf(robot(two))
+    assert from_urdf(robot(two), tip="left_tool_link").n == 9
+
+
+def test_a_longer_hand_does_not_make_an_arm_the_longer_one() -> None:
+    arms = [*chain(6, "left_"), *chain(6, "right_"), *hand("right", "right_l6", 3)]
+    with pytest.raises(RobotError, match=r"several chains of 6 moving joints .* tips left_l6, right_tool_link;"):
+        from_urdf(robot(arms))
+    longer = [*chain(7, "left_"), *chain(6, "right_"), *hand("right", "right_l6", 3)]
+    assert from_urdf(robot(longer)).tip == "left_l7"
+
+
+def test_a_chain_of_thousands_of_joints_and_branches_is_walked() -> None:
+    comb = [*chain(3000), *(joint(f"side{i}", f"l{i}", f"side_l{i}") for i in range(1, 2990))]
+    assert from_urdf(robot(comb)).tip == "l3000"
+
+
 def test_several_roots_are_refused_with_the_candidates() -> None:
-    with pytest.raises(RobotError, match="several root links; got base, elsewhere; mend: name the base"):
+    with pytest.raises(RobotError, match="several root links; got base, elsewhere; mend: name the base: base='base'"):
         from_urdf(robot([*ARM, *chain(2, "other_", "elsewhere")]))
     assert from_urdf(robot(ARM, links=["world"])).base == "base"
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.robot import xacro
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.xacro import from_xacro
 
@@ -55,24 +56,137 @@ def test_includes_are_relative_to_the_file(tmp_path: Path, macros: Path) -> None
 
 
 def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
-    pytest.importorskip("xacrodoc")
-    path = write(tmp_path, "$(find pack)/urdf/macro.xacro")
-    assert open_robot(path, packages={"pack": macros}).n == 2
-    with pytest.raises(RobotError, match="a package is not found; got 'pack'; mend: give its folder: packages="):
+    xacrodoc = pytest.importorskip("xacrodoc")
+    before = xacrodoc.packages._finder
+    path = write(tmp_path, "$(find given_pack)/urdf/macro.xacro")
+    assert open_robot(path, packages={"given_pack": macros}).n == 2
+    with pytest.raises(RobotError, match=r"not found; got 'given_pack'; .*mend: give its folder: packages=") as caught:
         open_robot(path)  # the map of the first call is not kept
+    assert caught.value.on_command_line().endswith("mend: give its folder: --package given_pack=FOLDER")
+    assert xacrodoc.packages._finder is before
     with pytest.raises(RobotError, match="package 'pack': the folder of a package is not there"):
         open_robot(path, packages={"pack": tmp_path / "nowhere"})
+
+
+def test_a_package_beside_the_file_is_found_and_told(tmp_path: Path, macros: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    (macros / "package.xml").write_text("<package><name>told_pack</name></package>", encoding="utf-8")
+    (tmp_path / "own" / "urdf").mkdir(parents=True)
+    arm = open_robot(write(tmp_path / "own" / "urdf", "$(find told_pack)/urdf/macro.xacro"))
+    assert (arm.n, arm.notes[-1]) == (2, f"package 'told_pack' found: {macros}")
+
+
+def test_a_missing_package_that_only_names_meshes_does_not_matter(tmp_path: Path, macros: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    mesh = '<visual><geometry><mesh filename="file://$(find mesh_pack)/a.stl"/></geometry></visual>'
+    path = write(tmp_path, "pack/urdf/macro.xacro")
+    path.write_text(path.read_text().replace('<link name="l0"/>', f'<link name="l0">{mesh}</link>'), encoding="utf-8")
+    arm = open_robot(path)
+    assert (arm.n, arm.notes[-1]) == (2, "package 'mesh_pack' is not found: only files that are not read are in it")
 
 
 def test_arguments_are_passed(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacrodoc")
     path = write(tmp_path, "pack/urdf/macro.xacro")
-    assert from_xacro(path, arguments={"length": "0.25"}).joints[1].screw[1] == -0.25
+    for value in ("0.25", 0.25):
+        assert open_robot(path, args={"length": value}).joints[1].screw[1] == -0.25
+    assert from_xacro(path, args={"length": "0.125"}).joints[1].screw[1] == -0.125
+    assert open_robot(path).joints[1].screw[1] == -0.5  # the arguments of other calls are not kept
 
 
-def test_a_urdf_with_xacro_elements_is_expanded(tmp_path: Path, macros: Path) -> None:
+def test_true_and_false_are_written_as_xacro_reads_them(tmp_path: Path) -> None:
     pytest.importorskip("xacrodoc")
-    assert open_robot(write(tmp_path, "pack/urdf/macro.xacro", "arm.urdf")).n == 2
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    more = '<xacro:if value="$(arg long)"><link name="c"/>' + joint.replace('"b"', '"c"').replace('"a"', '"b"').replace(
+        '"j"', '"k"') + "</xacro:if>"  # fmt: skip
+    path = tmp_path / "arm.xacro"
+    path.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="long" default="false"/>'
+        f'<link name="a"/><link name="b"/>{joint}{more}</robot>', encoding="utf-8",
+    )  # fmt: skip
+    assert [open_robot(path, args={"long": value}).n for value in (True, False, "true")] == [2, 1, 2]
+
+
+def needs(tmp_path: Path, inside: str, name: str = "r") -> Path:
+    """A file of one joint that takes the argument `kind` from the line `inside`."""
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(
+        f'<robot name="{name}" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}<link name="a"/><link name="b"/>'
+        '<joint name="j" type="$(arg kind)"><parent link="a"/><child link="b"/></joint></robot>', encoding="utf-8",
+    )  # fmt: skip
+    return path
+
+
+def test_an_argument_without_a_default_is_named_with_the_mend(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    path = needs(tmp_path, '<xacro:arg name="with" default="7"/>')
+    with pytest.raises(RobotError, match="are not given; got no value of kind") as caught:
+        open_robot(path, args={"with": 1})
+    assert caught.value.mend == "args={'kind': …}"
+    assert caught.value.on_command_line().endswith("mend: --arg kind:=VALUE")
+    assert open_robot(path, args={"kind": "continuous"}).n == 1
+
+
+def test_what_cannot_be_expanded_names_the_arguments_that_may_be_the_reason_first(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    given = "".join(f'<xacro:arg name="other{i}" default="1"/>' for i in range(20))
+    kind = '<xacro:arg name="kind" default=""/><xacro:arg name="type" default="ur5x"/>'
+    path = needs(tmp_path, f'{given}{kind}<xacro:include filename="$(arg type)/$(arg kind).xacro"/>')
+    with pytest.raises(RobotError, match="xacro cannot expand") as caught:
+        open_robot(path)
+    assert str(caught.value.allowed).startswith("arguments with defaults: kind='', type='ur5x', other0='1',")
+    assert str(caught.value.allowed).endswith(" and 10 more")
+    assert caught.value.on_command_line().endswith("--arg NAME:=VALUE")
+
+
+def test_an_argument_that_the_file_does_not_take_is_refused(tmp_path: Path, macros: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    path = write(tmp_path, "pack/urdf/macro.xacro")
+    with pytest.raises(RobotError, match="the file has no such argument; got 'lenght'; allowed: length"):
+        open_robot(path, args={"lenght": 1})
+
+
+def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    inside = '<xacro:arg name="kind" default="continuous"/><xacro:arg name="called" default="rizon"/>'
+    path = needs(tmp_path, inside, "$(arg called)_arm")
+    assert open_robot(path).name == "rizon_arm"
+    assert open_robot(path, args={"called": "ur"}).name == "ur_arm"
+    assert open_robot(path, args={"called": True}).name == "true_arm"  # as xacro writes it
+
+
+def test_arguments_belong_to_xacro_files(tmp_path: Path) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text('convention = "standard"\n[[joints]]\na = 1\n', encoding="utf-8")
+    with pytest.raises(RobotError, match="only a xacro file has arguments; got name; mend: leave args out"):
+        open_robot(path, args={"name": "x"})
+    with pytest.raises(RobotError, match="only a xacro file has arguments"):
+        open_robot("pa10", args={"name": "x"})
+
+
+def test_a_file_of_macros_alone_is_told(macros: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    with pytest.raises(RobotError, match="nothing comes out of the xacro file"):
+        open_robot(macros / "urdf" / "macro.xacro")
+
+
+@pytest.mark.parametrize("name", ["arm.urdf", "arm.xml", "arm", "arm.URDF.txt"])
+def test_what_does_not_end_in_xacro_is_expanded_on_request_only(
+    tmp_path: Path, macros: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write(tmp_path, "pack/urdf/macro.xacro", name)
+    with monkeypatch.context() as without:
+        without.setattr(xacro, "_expand", lambda *_: pytest.fail("expanded"))
+        with pytest.raises(RobotError, match=r"expanding it can run any command; mend: .*xacro=True") as caught:
+            open_robot(path)
+    assert caught.value.on_command_line().endswith("--xacro")
+    pytest.importorskip("xacrodoc")
+    assert open_robot(path, xacro=True).n == 2
+
+
+def test_the_ending_may_be_in_capitals(tmp_path: Path, macros: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    assert open_robot(write(tmp_path, "pack/urdf/macro.xacro", "ARM.XACRO")).n == 2
 
 
 def test_xacro_in_comments_does_not_make_a_xacro_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -46,7 +46,7 @@ def analyze(
     conditions say otherwise; all codes are in `rankdrop --help`.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         limits: Look within the joint limits only; otherwise in the whole joint space.
         exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
         fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).

@@ -64,7 +64,7 @@ def conditions(
     condition of --test is not exact; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         method: For corank 1: auto, decoupling, suppression, tree, determinant, cofactors, decomposition, reciprocity or
             singular-vector. All give the same set.
         lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
@@ -148,7 +148,8 @@ def lengths_of(text: str) -> str | dict[str, float]:
             found[name] = quantity(value, "length", where=f"--lengths, {name}")
         except RobotError as error:
             raise OptionError(
-                error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend
+                error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend,
+                typed=error.typed,
             ) from error
     return found
 

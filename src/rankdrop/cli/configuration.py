@@ -62,7 +62,8 @@ def _value(word: str, name: str, unit: str, option: str, *, deg: bool) -> float:
         value = quantity(word, "length" if unit == "m" else "angle", where=f"{option}, joint {name}")
     except RobotError as error:
         raise ConfigurationError(
-            error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend
+            error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend,
+            typed=error.typed,
         ) from error
     plain = not re.search(r"(deg|rad|°)$", word)
     return radians(value) if deg and unit == "rad" and plain else value

@@ -38,7 +38,7 @@ def escape(
     found; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
         deg: Angles without a unit are in degrees.
         step: Length of the motions that are tried [rad; slides in length scales].

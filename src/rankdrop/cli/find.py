@@ -46,7 +46,7 @@ def find(
         rankdrop find pa10 --corank 2 --method almarkhi --history figure.csv
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml).
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         corank: Number of task freedoms to lose: generic rank minus rank.
         method: Levenberg-Marquardt on the block; for comparison, steepest descent, or Almarkhi and Maciejewski's own.
         limits: Look within the joint limits only; otherwise in the whole joint space.

@@ -46,7 +46,7 @@ def report(
     Exit code 3: something in the analysis is not explained or not sound.
 
     Args:
-        robot: Name in the catalogue, file (.urdf, .xacro, .toml), or an analysis (.json, from `rankdrop analyze`).
+        robot: Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`).
         out: File of the page; for figures a folder, or a file for a single one. Default: ROBOT.html, ROBOT-figures.
         format: html is the page; pdf, png and svg are figures, and need the extra rankdrop[report].
         figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:

@@ -41,7 +41,7 @@ def view(
     Needs the extra "viewer". Exit code 0: ended by Ctrl-C; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .toml); meshes are drawn of a .urdf.
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml); only a .urdf has meshes.
         q: Where to begin: one number per joint, separated by commas or blanks [rad, m].
         deg: Angles without a unit are in degrees, in --q and in the trajectory.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.

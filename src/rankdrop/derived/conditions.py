@@ -49,14 +49,15 @@ class Conditions(ConditionsData):
         if not whole.complete:
             raise OptionError(
                 "the singular set is not completely derived: nothing can be held against it", got="; ".join(whole.left),
-                mend="allow more time",
+                mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
         pieces = [piece for family in whole.families for piece in family.pieces]
         try:
             return lint(condition, pieces, whole.chain, work=Work(seconds, self.settings.seed))
         except OutOfTime as end:
             raise OptionError(
-                "time ran out before the condition was decided", got=f"{seconds:g} s", mend="allow more time"
+                "time ran out before the condition was decided", got=f"{seconds:g} s",
+                mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             ) from end
 
     def flags(self, q: ArrayLike) -> Flags:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import dataclass
-from functools import partial
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -69,24 +68,25 @@ def from_mjcf(
             not there.
     """
     file = Path(path)
-    read_xml(read_text(file), str(file))  # limits on size and depth, no document types
+    root = read_xml(read_text(file), str(file))  # limits on size and depth, no document types
     try:
         import mujoco
     except ImportError:
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
-    model, name, couplings, changes = _compiled(mujoco, file, as_written)
+    name = root.attributes.get("model", file.stem)
+    model, couplings, changes = _compiled(mujoco, file, as_written)
     motions: dict[str, _Motion] = {}
     tree, floating = _tree(mujoco, model, name, str(file), motions)
     _refuse_floating(tree, floating, base, tip)
     ends = choose_ends(tree, base, tip)
     joints, home = _chain(tree, ends.path, motions)
     names = {joint.name for joint in joints}
-    notes = [f"the file couples joints {one!r} and {two!r} by a constraint: they are taken as independent"
-             for one, two in couplings if one in names and (two in names or not two)]  # fmt: skip
+    notes = [f"joint {one!r} is coupled to {two!r} by a constraint: they are taken as independent"
+             for one, two in couplings if {one, two} <= names]  # fmt: skip
     if ends.base in floating:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
     found = Robot(
-        name or file.stem, joints, home, source=Source("mjcf", str(file)), base=ends.base, tip=ends.tip,
+        name, joints, home, source=Source("mjcf", str(file)), base=ends.base, tip=ends.tip,
         notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     on_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
@@ -95,14 +95,14 @@ def from_mjcf(
 
 def _compiled(
     mujoco: Any, file: Path, as_written: bool
-) -> tuple[Any, str, list[tuple[str, str]], dict[str, list[float]]]:
-    """The compiled model of bodies, joints and sites; its name; pairs of joints that an equality couples; angles."""
+) -> tuple[Any, list[tuple[str, str]], dict[str, list[float]]]:
+    """The compiled model of bodies, joints and sites; pairs of joints that an equality couples; angles."""
     try:
         spec = mujoco.MjSpec.from_file(str(file))
         couplings = [(rule.name1, rule.name2) for rule in spec.equalities if rule.type == mujoco.mjtEq.mjEQ_JOINT]
         for kind in _UNREAD:
             for element in list(getattr(spec, kind)):
-                (element.delete if hasattr(element, "delete") else partial(spec.delete, element))()  # as versions have it
+                _delete(spec, element)
         for site in spec.sites:
             site.material = ""
         changes = _take_angles(mujoco, spec, as_written)
@@ -110,14 +110,21 @@ def _compiled(
         for body in spec.bodies[1:]:  # without geoms a body has no mass of its own, and MuJoCo wants one
             body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0, 1.0, 1.0]
             body.fullinertia = [np.nan] * 6
-        return spec.compile(), str(spec.modelname), couplings, changes
+        return spec.compile(), couplings, changes
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
         raise RobotError(f"MuJoCo cannot compile the file: {reason[:300]}", where=str(file)) from None
 
 
+def _delete(spec: Any, element: Any) -> None:
+    if hasattr(spec, "delete"):
+        spec.delete(element)
+    else:  # MuJoCo before 3.3.4
+        element.delete()
+
+
 def _take_angles(mujoco: Any, spec: Any, as_written: bool) -> dict[str, list[float]]:
-    """Let rounded decimals in radians be the angles they stand for (see `digits`), in the euler angles of the file.
+    """Let rounded decimals in radians be the angles they stand for (see `digits`), in euler and axisangle.
 
     Returns:
         what was added to each number that was changed [rad], by the name of the body or site; "" for frames.
@@ -125,13 +132,15 @@ def _take_angles(mujoco: Any, spec: Any, as_written: bool) -> dict[str, list[flo
     changes: dict[str, list[float]] = {}
     if spec.compiler.degree:
         return changes
+    kinds = mujoco.mjtOrientation
     for elements, framed in ((spec.bodies, False), (spec.sites, False), (spec.frames, True)):
         for element in elements:
-            if element.alt.type == mujoco.mjtOrientation.mjORIENTATION_EULER:
-                angles = Angles(as_written)
-                element.alt.euler = [angles.take(repr(float(x))) for x in element.alt.euler]  # the digits of the file
-                name = "" if framed else element.name
-                changes.setdefault(name, []).extend(angles.changes)
+            angles, alt = Angles(as_written), element.alt
+            if alt.type == kinds.mjORIENTATION_EULER:
+                alt.euler = [angles.take(repr(float(x))) for x in alt.euler]  # repr has the digits of the file
+            elif alt.type == kinds.mjORIENTATION_AXISANGLE:
+                alt.axisangle = [*alt.axisangle[:3], angles.take(repr(float(alt.axisangle[3])))]
+            changes.setdefault("" if framed else element.name, []).extend(angles.changes)
     return changes
 
 

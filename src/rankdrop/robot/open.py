@@ -24,6 +24,7 @@ from rankdrop.robot.xacro import from_xacro, uses_xacro
 from rankdrop.robot.xml_file import read_xml
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
+_BLANK = "\ufeff \t\r\n"
 _FORMATS = "DH or screw TOML, URDF, xacro or MJCF"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
@@ -92,6 +93,7 @@ def open_robot(
     """
     name = str(name_or_path)
     if isinstance(name_or_path, str) and name in _catalog_files():
+        _refuse_arguments(name, args)
         _refuse_links(name, tip, base)
         return _from_catalog(name)
     path = Path(name_or_path)
@@ -99,14 +101,16 @@ def open_robot(
         same = _same_names(name) if isinstance(name_or_path, str) else []
         if len(same) != 1:
             raise _unknown(name)
-        return open_robot(same[0], tip=tip, base=base)
+        return open_robot(same[0], tip=tip, base=base, args=args)
+    text = read_text(path)
+    if not text.strip(_BLANK):
+        raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
     if xacro or path.suffix.lower() == ".xacro":
         return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
                                          as_written=as_written))  # fmt: skip
-    if args:
-        raise RobotError("only a xacro file has arguments", where=str(path), got=", ".join(args),
-                         mend="expand it with xacro=True", typed="expand it with --xacro")  # fmt: skip
-    return with_size_note(_from_file(path, tip, base, as_written))
+    found = _from_text(text, path, tip, base, as_written)
+    _refuse_arguments(str(path), args)  # last: the file may be xacro under another name, which is told first
+    return with_size_note(found)
 
 
 def robot_names() -> tuple[str, ...]:
@@ -155,11 +159,9 @@ def _from_catalog(name: str) -> Robot:
     return robot_from_toml(text, file=f"catalogue {name}.toml", default_name=name, kind="catalogue")
 
 
-def _from_file(path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
-    text = read_text(path)
-    if not text.strip("\ufeff \t\r\n"):
-        raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
-    if path.suffix.lower() == ".toml" or not text.lstrip("\ufeff \t\r\n").startswith("<"):
+def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
+    """The robot that the text of a file describes, by what it holds; xacro is told, not expanded."""
+    if path.suffix.lower() == ".toml" or not text.lstrip(_BLANK).startswith("<"):
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
                 "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),
@@ -171,9 +173,7 @@ def _from_file(path: Path, tip: str | None, base: str | None, as_written: bool) 
     if root == "mujoco":
         return from_mjcf(path, base=base, tip=tip, as_written=as_written)
     if root == "sdf":
-        raise RobotError(
-            "SDF is not read", where=str(path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF,
-        )  # fmt: skip
+        raise RobotError("SDF is not read", where=str(path), got="<sdf>", allowed=_FORMATS, mend=_FROM_SDF)
     if "<xacro:" in text and uses_xacro(read_xml(text, str(path))):  # a comment may name xacro too
         raise RobotError(
             "the file has xacro elements and does not end in .xacro; expanding it can run any command",
@@ -203,6 +203,12 @@ def _refuse_links(name: str, tip: str | None, base: str | None) -> None:
                 f"this robot has no links to name as its {label}", where=name, got=repr(link),
                 allowed=f"{label} with a URDF or xacro file",
             )
+
+
+def _refuse_arguments(name: str, args: Mapping[str, object] | None) -> None:
+    if args:
+        raise RobotError("only a xacro file has arguments", where=name, got=", ".join(args),
+                         mend="leave args out", typed="leave --arg out")  # fmt: skip
 
 
 def _exists(path: Path) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from math import inf
 from pathlib import Path
 
@@ -83,7 +84,8 @@ def _kind(tree: Tree, joint: TreeJoint) -> JointKind:
         what = "a joint of the chain has several freedoms" if several else "the joint type is not known"
         raise RobotError(
             what, where=tree.where(joint), got=f"type {joint.kind!r}", allowed=", ".join([*_KINDS, "fixed"]),
-            mend="name a base below it or a tip above it, or describe it by simple joints",
+            mend=f"name a base below it, base={joint.child!r}, or a tip above it, or describe it by simple joints",
+            typed=f"name a base below it, --base {shlex.quote(joint.child)}, or a --tip above it",
         )
     return _KINDS[joint.kind]
 

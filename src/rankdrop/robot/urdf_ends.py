@@ -16,7 +16,7 @@ _TIP_NAMES = tuple(
         r"(^|_)tcp(_link|_frame)?$|(^|_)tool(_link|_frame|_center_point)?$",
         r"(^|_)(ee|eef|end_?effector)(_link|_frame)?$",
         r"grasp|pinch|gripper_frame",
-        r"flange",
+        r"flange|attachment",
         r"(hand|gripper|palm)(_link|_base|_base_link)?$",
     )
 )

@@ -101,7 +101,8 @@ class _Arguments(dict[str, str]):
         """The arguments met that were not given, with their defaults; first those that may be the reason, in words."""
         met = [(name, default) for name in self.asked
                if name not in self.given and (default := self.get(name)) is not None]  # fmt: skip
-        met.sort(key=lambda pair: bool(pair[1]) and pair[1] not in reason)  # an empty default asks for a value
+        said = {word for word in re.split(r"[^\w-]+", reason) if not word.isdigit()}
+        met.sort(key=lambda pair: bool(pair[1]) and pair[1] not in said)  # an empty default asks for a value
         words = [f"{name}={default!r}" for name, default in met if len(default) <= _LONGEST]
         more = len(met) - len(words[:_SHOWN])
         return ", ".join(words[:_SHOWN]) + (f" and {more} more" if more else "")

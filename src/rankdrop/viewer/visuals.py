@@ -13,6 +13,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.packages import PLACES, find_package
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf import joint_origin
 from rankdrop.robot.urdf_numbers import number, three
@@ -53,7 +54,7 @@ def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual
 
     Args:
         robot: from `open_robot`.
-        packages: package name -> folder, for package://. Folders of that name above the file are found as well.
+        packages: package name -> folder, for package://; others are looked for (see `robot.packages.find_package`).
 
     Returns:
         Shapes, and one line of text for every shape that was left out.
@@ -67,6 +68,7 @@ def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual
         return (), ()
     carriers = _carriers(robot, tree)
     colours = _colours(root)
+    known = dict(packages)
     shapes: list[Visual] = []
     notes: list[str] = []
     for element in root.children:
@@ -77,7 +79,7 @@ def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual
             if visual.tag != "visual":
                 continue
             try:
-                shapes.append(_visual(visual, link, pose, file, packages, colours))
+                shapes.append(_visual(visual, link, pose, file, known, colours))
             except RobotError as error:
                 notes.append(str(error))
     return tuple(shapes), tuple(notes)
@@ -139,7 +141,7 @@ def _visual(
     link: int,
     carrier: Array,
     file: Path,
-    packages: Mapping[str, Path],
+    packages: dict[str, Path],
     colours: Mapping[str, tuple[float, float, float]],
 ) -> Visual:
     where = f"{file}, line {visual.line}, <visual>"
@@ -174,7 +176,7 @@ def _size(shape: Element, where: str) -> tuple[float, ...]:
     raise RobotError("the shape is not known", where=where, got=f"<{shape.tag}>", allowed="mesh, box, cylinder, sphere")
 
 
-def mesh_file(name: str, file: Path, packages: Mapping[str, Path], where: str) -> Path:
+def mesh_file(name: str, file: Path, packages: dict[str, Path], where: str) -> Path:
     """The file that a mesh's name means: package://NAME/…, file://… or a path beside the URDF.
 
     Raises:
@@ -194,11 +196,13 @@ def mesh_file(name: str, file: Path, packages: Mapping[str, Path], where: str) -
     return path
 
 
-def _package(name: str, file: Path, packages: Mapping[str, Path], where: str) -> Path:
-    if name in packages:
-        return Path(packages[name])
-    for folder in file.resolve().parents:
-        for candidate in (folder, folder / name):
-            if candidate.name == name and candidate.is_dir():
-                return candidate
-    raise RobotError("a package is not found", where=where, got=repr(name), mend=f"--package {name}=FOLDER")
+def _package(name: str, file: Path, packages: dict[str, Path], where: str) -> Path:
+    """The folder of a package; `packages` keeps what was found, for the next mesh."""
+    folder = find_package(name, file, packages)
+    if folder is None:
+        raise RobotError(
+            "a package is not found", where=where, got=repr(name), allowed=f"a package of this name {PLACES}",
+            mend=f"--package {name}=FOLDER",
+        )
+    packages[name] = folder
+    return folder

@@ -81,7 +81,9 @@ def test_a_file_of_that_very_name_comes_before_another_spelling(
 
 
 def test_what_the_catalogue_says_of_an_arm_is_searched_for_suggestions() -> None:
-    with pytest.raises(UnknownRobotError, match=r"mend: did you mean irb140\?"):
+    with pytest.raises(UnknownRobotError, match=r"mend: did you mean pa10\?"):
+        open_robot("Mitsubishi PA")
+    with pytest.raises(UnknownRobotError, match=r"mend: 1\d arms fit: rankdrop robots 'ABB IRB' lists them"):
         open_robot("ABB IRB")
 
 

@@ -27,6 +27,7 @@ _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 _BLANK = "\ufeff \t\r\n"
 _FORMATS = "DH or screw TOML, URDF, xacro or MJCF"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
+_SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
 _FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
 
 
@@ -234,7 +235,7 @@ def _close_names(name: str) -> list[str]:
     plain = _plain(name[:80])
     inside = [entry.name for entry in search_catalog(name[:80])]
     alike = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
-    return _same_names(name) or (inside if 1 <= len(inside) <= 3 and len(plain) > 1 else alike)
+    return _same_names(name) or (inside if 1 <= len(inside) <= _SUGGESTED and len(plain) >= _TELLING else alike)
 
 
 def _unknown(name: str) -> UnknownRobotError:
@@ -244,4 +245,7 @@ def _unknown(name: str) -> UnknownRobotError:
     allowed = None if is_path else f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
     close = [] if is_path else _close_names(name)
     mend = f"did you mean {' or '.join(close)}?" if close else None
+    fitting = 0 if is_path or len(_plain(name)) < _TELLING else len(search_catalog(name[:80]))
+    if fitting > _SUGGESTED:
+        mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)

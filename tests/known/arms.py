@@ -16,6 +16,11 @@ FEW = frozenset({"ur20", "kr16", "crx10ia", "m1013", "fr3", "meca500", "tiago"})
 """Of each form one: offset wrist, spherical wrist, 7R, a slide."""
 
 
+def some_arms() -> list[str]:
+    """Names of the arms that are not from files, and `FEW`: for tests that know single families by name."""
+    return [name for name in robot_names() if name not in FROM_FILES - FEW]
+
+
 def every_arm() -> list[Any]:
     """All names, those from files marked slow but for `FEW`."""
     late = FROM_FILES - FEW

@@ -24,7 +24,6 @@ H = np.pi / 2
 EACH = 2
 DIFFERENT = {
     "canadarm2": {"k1.f1", "k2.f2", "k3.f1"},
-    "crx10ia": {"k2.f1"},
     "gen3": {"k1.f1"},
     "rcrrrr": {"k1.f1", "k2.f1"},
     "sawyer": {"k2.f1"},

@@ -12,7 +12,7 @@ from rankdrop.robot.open import robot_names
 
 with (Path(__file__).resolve().parents[1] / "data" / "catalogue.csv").open(encoding="utf-8", newline="") as _stream:
     FROM_FILES = frozenset(row["name"] for row in csv.DictReader(_stream))
-FEW = frozenset({"ur20", "kr16", "crx10ia", "m1013", "fr3", "meca500", "tiago"})
+FEW = frozenset({"ur20", "kr16", "hc10", "m1013", "fr3", "meca500", "tiago"})
 """Of each form one: offset wrist, spherical wrist, 7R, a slide."""
 
 

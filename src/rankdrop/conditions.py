@@ -13,7 +13,7 @@ from rankdrop.atlas.search import check_numbers
 from rankdrop.derived.conditions import Conditions
 from rankdrop.derived.data import ConditionSettings, Step
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
@@ -40,8 +40,6 @@ MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
-_LONG = 4.0  # where less time is left, fewer configurations are tried [s]
-_FEWEST = 50
 _PLAIN = ("auto", "auto", 0.0, None, 0, POINTS, True, False)  # what the shipped conditions answer
 
 
@@ -76,7 +74,9 @@ def conditions(
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
         snap: lengths up to this are taken for zero [m].
         coranks: the highest corank to derive; None for all.
-        seconds: time limit; what was derived by then is returned, and what is left is told. So it is after Ctrl-C.
+        seconds: limit by the clock. A third of it is the limit on the work done, counted in steps, so that the result
+            is the same on a machine three times as busy. What was derived by then is returned, and what is left is
+            told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand.
@@ -108,7 +108,7 @@ def conditions(
         if shipped is not None:
             return replace(shipped, settings=replace(shipped.settings, seconds=seconds))
     begun = monotonic()
-    work = Work(seconds, seed, progress)
+    work = Work(seconds / WALL, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths, snap=snap)
     check_method(asked, method)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
@@ -264,12 +264,12 @@ def _cloud(
     tested = agree = 0
     over = []
     for corank in range(1, generic_rank - lowest + 1):
-        if not points or work.interrupted or (corank > 1 and work.left < 0):
+        if not points or work.interrupted or (corank > 1 and work.left_by_clock < 0):
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)
         try:
-            met = cloud(chain.robot, chain.task, corank, _few(wanted, work.left), work.seed, work.left)
+            met = cloud(chain.robot, chain.task, corank, wanted, work.seed, work.left_by_clock)
             if not len(met.q):
                 break
             met = met.up_to(generic_rank - lowest)
@@ -285,8 +285,3 @@ def _cloud(
                 f"family, q = ({q}) is one"
             )
     return Check(tested, agree), over
-
-
-def _few(wanted: int, seconds: float) -> int:
-    """Fewer points where little time is left."""
-    return wanted if seconds >= _LONG else max(int(wanted * seconds / _LONG), min(wanted, _FEWEST))

@@ -39,7 +39,7 @@ REFERENCES = {"LOCAL": BODY, "LOCAL_WORLD_ALIGNED": WORLD_ALIGNED, "WORLD": SPAC
 def arm(name: str) -> tuple[Robot, PinocchioArm]:
     """The arm read by rankdrop and by Pinocchio from the same file."""
     file = FILES[name]
-    robot = open_robot(file.path, tip=file.tip)
+    robot = open_robot(file.path, tip=file.tip, as_written=True)
     return robot, PinocchioArm(pin.buildModelFromUrdf(str(file.path)), robot)
 
 
@@ -107,7 +107,7 @@ def test_singular_values(name: str, rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("name", XACROS)
 def test_a_xacro_is_the_arm_that_it_expands_to(name: str, tmp_path: Path, rng: np.random.Generator) -> None:
     file = XACROS[name]
-    robot = open_robot(file.path, tip=file.tip, packages=file.packages)
+    robot = open_robot(file.path, tip=file.tip, packages=file.packages, as_written=True)
     expanded = tmp_path / "expanded.urdf"
     expanded.write_text(expand(file), encoding="utf-8")
     other = PinocchioArm(pin.buildModelFromUrdf(str(expanded)), robot)

@@ -11,7 +11,7 @@ from rankdrop.derived.data import ConditionsData
 from rankdrop.derived.record import conditions_to_dict
 from rankdrop.derived.text import sections_of
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.reading.lint import lint
 from rankdrop.exact.reading.record import LintResult
 from rankdrop.exact.signs.aspects import Between, Flags, between, configuration_flags
@@ -53,7 +53,7 @@ class Conditions(ConditionsData):
             )  # fmt: skip
         pieces = [piece for family in whole.families for piece in family.pieces]
         try:
-            return lint(condition, pieces, whole.chain, work=Work(seconds, self.settings.seed))
+            return lint(condition, pieces, whole.chain, work=Work(seconds / WALL, self.settings.seed))
         except OutOfTime as end:
             raise OptionError(
                 "time ran out before the condition was decided", got=f"{seconds:g} s",

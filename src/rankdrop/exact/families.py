@@ -57,7 +57,7 @@ def real_sets(
             piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
             thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
-            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
+            what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
             left.append(f"{what}: {len(waiting)} of {len(drops)} sets were not looked at for real points")
             if isinstance(stop, KeyboardInterrupt):
                 work.interrupt()

@@ -79,7 +79,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
                 _explore(chain.columns, order, waiting, found, tree, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             tree.complete = False
-            what = "time ran out" if isinstance(stop, OutOfTime) else "interrupted"
+            what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
             tree.left.append(
                 f"{what} while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
                 "to the end"

@@ -78,8 +78,8 @@ def angle(text: str) -> tuple[float, float]:
         (the number itself, 0.0) where the rule says nothing.
 
     Example:
-        >>> angle("1.5708"), angle("0.7854"), angle("0.35")
-        ((1.5707963267948966, -3.673205103346574e-06), (0.7853981633974483, -1.8366025517843093e-06), (0.35, 0.0))
+        >>> angle("1.5708"), angle("0.35")
+        ((1.5707963267948966, -3.673205103380...e-06), (0.35, 0.0))
     """
     value = float(text)
     match = _DECIMAL.fullmatch(text.strip())
@@ -98,4 +98,4 @@ def angle(text: str) -> tuple[float, float]:
         if exact == 0 or written not in ways:
             return value, 0.0
         taken = float(exact)
-    return taken, taken - value
+        return taken, float(exact - written) if taken != value else 0.0

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from rankdrop.robot.changes import Change
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.model import Robot
-from rankdrop.robot.structure import Change, squared
+from rankdrop.robot.structure import squared
 from rankdrop.tolerances import NOTHING
 
 

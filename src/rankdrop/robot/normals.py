@@ -1,8 +1,9 @@
 """The axes of a chain at q = 0 as lines, and the common normals between consecutive ones.
 
 Between axis i and axis i+1 runs a common normal x_i. Parallel axes have many: there it starts where the frame of the
-joint stands, or where the normal before ended. Where the joints carry frames that follow either convention of Denavit
-and Hartenberg, the normals are directed as theirs.
+joint stands, or where the normal before ended; but where the arm is, if these are far off. (The feet of normals between
+axes that are nearly parallel are: tables of calibrated arms have offsets of 300 m.) Where the joints carry frames that
+follow either convention of Denavit and Hartenberg, the normals are directed as theirs.
 """
 
 from __future__ import annotations
@@ -12,6 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.robot.model import Array, JointKind, Robot
+
+FAR = 2.0
+"""Frames farther from their axis's place in the arm than this times its size are no part of it."""
+_NOTHING = 1e-12  # share of the coordinates at which a length is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,34 @@ class Normal:
     direction: Array
     near: Array
     far: Array
+
+
+def anchors(robot: Robot) -> Array:
+    """(N, 3) a point of every axis near the arm [m]: from the tip on, the one nearest to the next.
+
+    It depends on frames where slides are: their lines go through their frames.
+    """
+    point = np.array(robot.home[:3, 3])
+    found = np.zeros((len(robot.joints), 3))
+    for i, joint in reversed(list(enumerate(robot.joints))):
+        slides = joint.kind is JointKind.PRISMATIC
+        point = _nearest(Line(joint.screw[:3], joint.frame[:3, 3]) if slides else _turning_line(joint.screw), point)
+        found[i] = point
+    return found
+
+
+def extent(robot: Robot) -> float:
+    """Length of the way along `anchors` to the tip [m]; 1 where it is nothing."""
+    points = np.vstack([anchors(robot), robot.home[:3, 3]])
+    total = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return total if total > _NOTHING * float(np.abs(points).max()) else 1.0
+
+
+def astray(robot: Robot) -> list[bool]:
+    """Which frames stand so far from the anchor of their axis that they are not on the arm."""
+    far = FAR * extent(robot)
+    pairs = zip(robot.joints, anchors(robot), strict=True)
+    return [float(np.linalg.norm(joint.frame[:3, 3] - anchor)) > far for joint, anchor in pairs]
 
 
 def axis_lines(robot: Robot, *, length: float) -> list[Line]:
@@ -76,9 +109,12 @@ def common_normals(robot: Robot, lines: list[Line], *, angle: float, length: flo
         length: axes this near meet; frames this near to an axis stand on it [m].
     """
     between: list[Normal] = []
+    far = FAR * extent(robot)
+    near = anchors(robot)
     for i in range(len(lines) - 1):
         before = between[-1] if between else None
-        between.append(_normal(lines[i], lines[i + 1], robot.joints[i].frame, before, angle, length))
+        place = (robot.joints[i].frame, near[i], far)
+        between.append(_normal(lines[i], lines[i + 1], place, before, angle, length))
     if not between:  # one joint alone
         x = _perpendicular(lines[0].direction)
         return [Normal(x, lines[0].point, lines[0].point)] * 2
@@ -100,8 +136,14 @@ def _turning_line(screw: Array) -> Line:
     return Line(omega, np.cross(omega, screw[:3]))
 
 
-def _normal(one: Line, two: Line, hint: Array, before: Normal | None, angle: float, length: float) -> Normal:
-    """Common normal of two axes; `hint` is the frame of the joint between, `before` the normal before."""
+def _normal(
+    one: Line, two: Line, place: tuple[Array, Array, float], before: Normal | None, angle: float, length: float
+) -> Normal:
+    """Common normal of two axes; `place`: frame of the joint between, where the arm is, and what is far from there.
+
+    `before` is the normal before.
+    """
+    hint, anchor, far_off = place
     cross = np.cross(one.direction, two.direction)
     if np.linalg.norm(cross) > angle:
         x = cross / np.linalg.norm(cross)
@@ -111,8 +153,9 @@ def _normal(one: Line, two: Line, hint: Array, before: Normal | None, angle: flo
     else:
         start = before.far if before is not None else one.point
         on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < length
-        origin = hint[:3, 3] if on_axis else start
-        near = one.point + one.direction * float((origin - one.point) @ one.direction)
+        near = _nearest(one, hint[:3, 3] if on_axis else start)
+        if np.linalg.norm(near - anchor) > far_off:
+            near = _nearest(one, anchor)
         # where axis two crosses the plane: the axes are parallel to `angle` only, and part far away
         way = float((near - two.point) @ one.direction) / float(two.direction @ one.direction)
         far = two.point + two.direction * way
@@ -135,6 +178,11 @@ def _feet(one: Line, two: Line) -> tuple[Array, Array]:
     dot = float(a @ b)
     s, t = np.linalg.solve([[1.0, -dot], [dot, -1.0]], [float(a @ gap), float(b @ gap)])
     return one.point + s * a, two.point + t * b
+
+
+def _nearest(line: Line, point: Array) -> Array:
+    """The point of a line that is nearest to a point."""
+    return line.point + line.direction * float((point - line.point) @ line.direction)
 
 
 def _distance(point: Array, line: Line) -> float:

@@ -8,31 +8,40 @@ import numpy as np
 
 from rankdrop.robot.model import Array
 from rankdrop.robot.transform import cos_sin
-from rankdrop.tolerances import NOTHING
+from rankdrop.tolerances import NOTHING, SQUARE
 
 STEP = pi / 12
 """Angles between parts of an arm are multiples of 15°, or nothing is known of them."""
 
 
-def exact_angle(value: float, angle: float) -> float:
-    """The multiple of 15° that is within `angle` of a value, else the value itself [rad]."""
-    nearest = round(value / STEP) * STEP
+def step_for(angle: float) -> float:
+    """Angles are multiples of this to a tolerance [rad]: of 15° but for noise, of 90° where more is forgiven.
+
+    One of 7 angles is a multiple of 15° to 1°: that would be chance.
+    """
+    return STEP if angle <= SQUARE else pi / 2
+
+
+def exact_angle(value: float, angle: float, step: float = STEP) -> float:
+    """The multiple of a step, of 15°, that is within `angle` of a value, else the value itself [rad]."""
+    nearest = round(value / step) * step
     return nearest if abs(value - nearest) <= angle else value
 
 
 def exact_rotation(turn: Array, angle: float) -> Array:
-    """(3, 3) the rotation by a multiple of 15° that one is to within `angle`, else the one given.
+    """(3, 3) the rotation by a multiple of `step_for(angle)` that one is to within `angle`, else the one given.
 
     Rotations by quarter turns about coordinate axes, and those times one by 15°, 30° … about a coordinate axis: they
     have one entry of ±1. Every direction moves by at most `angle`.
     """
+    step = step_for(angle)
     row, column = np.unravel_index(int(np.argmax(np.abs(turn))), (3, 3))
     rows, columns = [(row + k) % 3 for k in (1, 2)], [(column + k) % 3 for k in (1, 2)]
     sign = float(np.sign(turn[row, column]))
     block = turn[np.ix_(rows, columns)]
     # det(turn) = sign · det(block), so the block is a rotation or one with its last column reversed
-    nearest = round(atan2(block[1, 0] - sign * block[0, 1], block[0, 0] + sign * block[1, 1]) / STEP)
-    c, s = cos_sin(nearest * STEP)
+    nearest = round(atan2(block[1, 0] - sign * block[0, 1], block[0, 0] + sign * block[1, 1]) / step)
+    c, s = cos_sin(nearest * step)
     found = np.zeros((3, 3))
     found[row, column] = sign
     found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
@@ -40,10 +49,11 @@ def exact_rotation(turn: Array, angle: float) -> Array:
 
 
 def exact_direction(direction: Array, angle: float) -> Array:
-    """(3,) the direction at a multiple of 15° in a coordinate plane that one is to within `angle`; else that one."""
+    """(3,) the direction in a coordinate plane, at a multiple of `step_for(angle)`, near one; else that one."""
+    step = step_for(angle)
     out = int(np.argmin(np.abs(direction)))
     i, j = (out + 1) % 3, (out + 2) % 3
-    c, s = cos_sin(round(atan2(direction[j], direction[i]) / STEP) * STEP)
+    c, s = cos_sin(round(atan2(direction[j], direction[i]) / step) * step)
     found = np.zeros(3)
     found[i], found[j] = c, s
     return found if float(np.linalg.norm(found - direction)) <= angle else direction

@@ -8,74 +8,37 @@ Lengths are worked out about the axes that were squared, so that a twist that is
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import atan2, pi
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from rankdrop.robot.changes import Change, changes_between
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
-from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
-from rankdrop.robot.squaring import STEP, exact_angle, exact_direction, exact_rotation, tidy
+from rankdrop.robot.normals import astray, axis_lines, common_normals, extent, frame_at
+from rankdrop.robot.numbers import Numbers, along, between, parallel_runs
+from rankdrop.robot.squaring import exact_angle, exact_direction, exact_rotation, step_for, tidy
 from rankdrop.robot.transform import rotation, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
 _SAME = 1e-13
 """Rebuilt numbers that differ by no more are the arm's own [1, m]: the rounding of a chain of products."""
+_PASSES = 5
+"""Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
 ORDINARY = (0.03, 30.0)
 """Sizes of arms [m] for which `MEETING` is meant; beyond them it goes with the arm, which then is in other units."""
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """One number of the chain that was made exact.
-
-    Attributes:
-        kind: "twist" (angle from one axis to the next), "angle" (about an axis, from one common normal to the next),
-            "distance" (between two axes along their normal), "offset" (along an axis, between two normals), "base" and
-            "tip" (how far the first axis is turned in the base, the tip in the last link; 0 after).
-        joints: numbers from 1 in the chain, mimic joints counted: the two joints of a twist or a distance, the one of
-            all else.
-        before, after: its value [rad, m].
-    """
-
-    kind: str
-    joints: tuple[int, ...]
-    before: float
-    after: float
-
-    @property
-    def by(self) -> float:
-        """How far it was moved [rad, m]; 180° and −180° are the same."""
-        by = self.after - self.before
-        return abs(_wrapped(by) if self.turns else by)
-
-    @property
-    def turns(self) -> bool:
-        """Whether it is an angle."""
-        return self.kind not in ("distance", "offset")
-
-
-@dataclass(frozen=True, slots=True)
-class _Numbers:
-    """Denavit and Hartenberg's numbers of one joint and the link after it."""
-
-    phase: float  # [rad]
-    d: float  # [m]
-    a: float  # [m]
-    twist: float  # [rad]
 
 
 def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
     """The arm whose structure holds exactly where it holds to small tolerances.
 
-    Twists and the angles between common normals become multiples of 15°, distances and offsets zero, also those that
+    Twists and the angles between common normals become multiples of 15° (with a wider tolerance for angles than that of
+    noise: the latter of 90°, since more would be chance), distances and offsets zero, also those that
     cancel along parallel axes. What is left is kept; limits, names, velocities, mimic relations and notes are too.
 
     Args:
         robot: any arm.
-        angle: how exact an angle has to be [rad]. Every axis turns against the one before by no more.
+        angle: how exact an angle has to be [rad]; between the tip and the last link never less than 2e-5.
         length: how exact a length has to be [m]; None is 2 µm, for arms of 3 cm to 30 m.
 
     Returns:
@@ -90,11 +53,15 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
         (array([ 0., -1.,  0.]), ['twist', 'offset'])
     """
     limit = meeting(robot) if length is None else length
-    framed = _frames_squared(robot, angle)
-    found = _sections_squared(framed, angle, limit)
+    found = robot
+    for _ in range(_PASSES):
+        before, found = found, _sections_squared(_frames_squared(found, angle), angle, limit)
+        if _same(before, found):
+            found = before
+            break
     if _same(robot, found):
         return robot, ()
-    return found, _changes(robot, found, angle, limit)
+    return found, changes_between(robot, found, angle=angle, length=limit)
 
 
 def meeting(robot: Robot) -> float:
@@ -104,50 +71,42 @@ def meeting(robot: Robot) -> float:
     return MEETING * (size / low if size < low else max(size / high, 1.0))
 
 
-def extent(robot: Robot) -> float:
-    """Sum of the distances between the points where consecutive links are joined, and to the tip [m]; 1 if zero."""
-    points = [line.point for line in _points(robot)] + [robot.home[:3, 3]]
-    total = float(sum(np.linalg.norm(two - one) for one, two in pairwise(points)))
-    return total if total > NOTHING**2 else 1.0
-
-
-def _points(robot: Robot) -> list[Line]:
-    lines = axis_lines(robot, length=0.0)
-    return [
-        Line(line.direction, line.point + line.direction * float((joint.frame[:3, 3] - line.point) @ line.direction))
-        for line, joint in zip(lines, robot.joints, strict=True)
-    ]
+_Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
 
 
 def _frames_squared(robot: Robot, angle: float) -> Robot:
-    """Every link's pose in the one before, and every axis in its link, made exact."""
-    old, new = np.eye(4), np.eye(4)
+    """Every link's pose in the one before, and every axis in its link, made exact.
+
+    Frames far from the arm are carried along as they are: a small turn of them would be a long way of the axes.
+    """
+    old, new, stray = np.eye(4), np.eye(4), False
     joints = []
-    for joint in robot.joints:
+    for joint, far in zip(robot.joints, astray(robot), strict=True):
         after_old = np.asarray(joint.frame)
-        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, angle)
-        screw = _screw_squared(joint, (old, new), (after_old, after_new), angle)
+        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, 0.0 if far or stray else angle)
+        screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), angle)
         joints.append(replace(joint, screw=screw, frame=after_new))
-        old, new = after_old, after_new
-    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, angle)
+        old, new, stray = after_old, after_new, far
+    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, 0.0 if stray else min(angle, SQUARE))
     return replace(robot, joints=tuple(joints), home=home)
 
 
-def _pose_squared(pose: Array, angle: float) -> Array:
+def _pose_squared(pose: Array, angle: float, length: float = 0.0) -> Array:
+    """Pose of one frame in another, rotation exact; parts of the way up to `length` are zero."""
     found = np.eye(4)
     found[:3, :3] = exact_rotation(pose[:3, :3], angle)
-    found[:3, 3] = tidy(pose[:3, 3])
+    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3]))
     return found
 
 
-def _screw_squared(joint: Joint, before: tuple[Array, Array], after: tuple[Array, Array], angle: float) -> Array:
+def _screw_squared(joint: Joint, before: _Frame, after: _Frame, angle: float) -> Array:
     """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
-    own = [_in_frame(joint.screw, old) for old, _ in (after, before)]
+    own = [_in_frame(joint.screw, old) for old, _, _ in (after, before)]
     use = 0 if joint.kind is JointKind.PRISMATIC or _miss(own[0]) <= _miss(own[1]) + NOTHING else 1
-    frame = (after, before)[use][1]
+    _, frame, far = (after, before)[use]
     direction, point, pitch = _line_of(own[use], joint.kind)
-    axis, point = frame[:3, :3] @ exact_direction(direction, angle), frame[:3, :3] @ tidy(point) + frame[:3, 3]
-    return _screw(joint.kind, axis, point, pitch)
+    axis = frame[:3, :3] @ exact_direction(direction, 0.0 if far else angle)
+    return _screw(joint.kind, axis, frame[:3, :3] @ tidy(point) + frame[:3, 3], pitch)
 
 
 def _in_frame(screw: Array, frame: Array) -> Array:
@@ -177,87 +136,41 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     """Denavit and Hartenberg's numbers made exact, and the arm built of them again where that changes one."""
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    given = _numbers(lines, normals)
-    made = [_exact(one, angle, length) for one in given]
+    made = [_exact(one, angle, length) for one in between(lines, normals)]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
-    if all(_near(one, other) for one, other in zip(given, made, strict=True)):
-        return robot
-    old = frame_at(normals[0].direction, lines[0].direction, normals[0].far)
-    pose = old.copy()
+    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
         after = frame_at(normals[i + 1].direction, lines[i].direction, normals[i + 1].near)
-        moved = pose @ np.linalg.inv(after)
+        frame = pose @ _pose_squared(np.linalg.inv(after) @ joint.frame, angle, length)
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
-        joints.append(replace(joint, screw=screw, frame=moved @ joint.frame))
+        joints.append(replace(joint, screw=screw, frame=frame))
         pose = pose @ translation(numbers.a, 0.0, 0.0) @ rotation("x", numbers.twist)
-    return replace(robot, joints=tuple(joints), home=moved @ robot.home)
+    home = joints[-1].frame @ _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, min(angle, SQUARE))
+    found = replace(robot, joints=tuple(joints), home=home)
+    return robot if _same(robot, found) else found
 
 
-def _numbers(lines: Sequence[Line], normals: Sequence[Normal]) -> list[_Numbers]:
-    """Denavit and Hartenberg's numbers, the link after the last joint without length and twist."""
-    found = []
-    for i, line in enumerate(lines):
-        before, after, z = normals[i], normals[i + 1], line.direction
-        phase = _turn(before.direction, after.direction, z)
-        d = float((after.near - before.far) @ z)
-        a = twist = 0.0
-        if i + 1 < len(lines):
-            twist = _turn(z, lines[i + 1].direction, after.direction)
-            a = float((after.far - after.near) @ after.direction)
-        found.append(_Numbers(phase, d, a, twist))
-    return found
-
-
-def _turn(one: Array, two: Array, about: Array) -> float:
-    return atan2(float(np.cross(one, two) @ about), float(one @ two))
-
-
-def _exact(given: _Numbers, angle: float, length: float) -> _Numbers:
+def _exact(given: Numbers, angle: float, length: float) -> Numbers:
     d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x))) for x in (given.d, given.a))
-    return _Numbers(exact_angle(given.phase, angle), d, a, exact_angle(given.twist, angle))
+    phase = exact_angle(given.phase, angle, step_for(angle))  # that of a joint that turns counts from anywhere
+    return Numbers(phase, d, a, exact_angle(given.twist, angle))
 
 
-def _cancelled(made: Sequence[_Numbers], slides: Sequence[bool], length: float) -> list[_Numbers]:
+def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -> list[Numbers]:
     """Offsets along parallel axes add up; where they cancel but for `length`, they cancel exactly."""
     found = list(made)
-    for run in _parallel_runs(found):
+    for run in parallel_runs(found):
         if run[0] == 0 or run[-1] == len(found) - 1 or any(slides[k] for k in run):
             continue  # no normal before the first axis and after the last; the offset of a slide is a variable
-        signs = [1.0]
-        for k in run[:-1]:
-            signs.append(signs[-1] * (1.0 if abs(found[k].twist) < 1.0 else -1.0))
-        along = [sign * found[k].d for sign, k in zip(signs, run, strict=True)]
-        if 0.0 < abs(sum(along)) <= length:
-            last = max(i for i, d in enumerate(along) if d != 0.0)
-            rest = sum(along[:last])
-            found[run[last]] = replace(found[run[last]], d=-signs[last] * rest)
+        offsets = along(found, run)
+        if 0.0 < abs(sum(offsets)) <= length:
+            last = max(i for i, d in enumerate(offsets) if d != 0.0)
+            place = run[last]
+            same_way = offsets[last] == found[place].d
+            found[place] = replace(found[place], d=-sum(offsets[:last]) if same_way else sum(offsets[:last]))
     return found
-
-
-def _parallel_runs(made: Sequence[_Numbers]) -> list[list[int]]:
-    """Indices of axes, parted where two that follow each other are not exactly parallel."""
-    runs = [[0]]
-    for i, one in enumerate(made[:-1]):
-        if _parallel(one.twist):
-            runs[-1].append(i + 1)
-        else:
-            runs.append([i + 1])
-    return runs
-
-
-def _parallel(twist: float) -> bool:
-    return round(twist / STEP) % 12 == 0 and twist == round(twist / STEP) * STEP
-
-
-def _near(one: _Numbers, other: _Numbers) -> bool:
-    turns = one.phase - other.phase, one.twist - other.twist
-    return all(abs(x) <= _SAME for x in (*map(_wrapped, turns), one.d - other.d, one.a - other.a))
-
-
-def _wrapped(angle: float) -> float:
-    return (angle + pi) % (2 * pi) - pi
 
 
 def _same(one: Robot, two: Robot) -> bool:
@@ -265,36 +178,3 @@ def _same(one: Robot, two: Robot) -> bool:
     for mine, other in zip(one.joints, two.joints, strict=True):
         pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]
     return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
-
-
-def _changes(old: Robot, new: Robot, angle: float, length: float) -> tuple[Change, ...]:
-    """What the chain's numbers were and became. Both are told about normals chosen alike."""
-    lines, others = axis_lines(old, length=length), axis_lines(new, length=length)
-    before = _numbers(lines, common_normals(old, lines, angle=angle, length=length))
-    after = _numbers(others, common_normals(new, others, angle=angle, length=length))
-    first, last = (_apart(x, y) for x, y in zip(_ends(old, lines), _ends(new, others), strict=True))
-    ends = [Change("base", (1,), first, 0.0), Change("tip", (len(lines),), last, 0.0)]
-    return (*_differences(before, after), *(change for change in ends if change.by > NOTHING))
-
-
-def _differences(before: Sequence[_Numbers], after: Sequence[_Numbers]) -> Iterable[Change]:
-    for number, (one, other) in enumerate(zip(before, after, strict=True), start=1):
-        for kind, joints, x, y in (
-            ("angle", (number,), one.phase, other.phase),
-            ("offset", (number,), one.d, other.d),
-            ("distance", (number, number + 1), one.a, other.a),
-            ("twist", (number, number + 1), one.twist, other.twist),
-        ):
-            change = Change(kind, joints, x, y)
-            if change.by > NOTHING:
-                yield change
-
-
-def _ends(robot: Robot, lines: Sequence[Line]) -> tuple[Array, Array]:
-    """Direction of the first axis in the base, axes of the tip in the last link (its frame)."""
-    return lines[0].direction, robot.joints[-1].frame[:3, :3].T @ robot.home[:3, :3]
-
-
-def _apart(one: Array, two: Array) -> float:
-    """Angle between two directions or two rotations that are near [rad]."""
-    return float(np.linalg.norm(one - two)) / (np.sqrt(2.0) if one.ndim == 2 else 1.0)

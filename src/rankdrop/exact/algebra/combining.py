@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import combinations, permutations
 from math import prod
 
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.ring import Ring
@@ -37,6 +38,7 @@ def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
     t = f.context().gens()[k]
     while g != 0 and g.degrees()[k] >= len(divisor) - 1:
         top = coefficients(g, k)[-1]
+        tick(20 + len(f) * len(top) + len(g) * len(divisor[-1]))
         g = g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1)
     if k < ring.angles:
         degree[k] = int(g.degrees()[k]) if g != 0 else 0
@@ -72,4 +74,6 @@ def combined(ring: Ring, f: Polynomial, g: Polynomial, k: int) -> Polynomial:
     """Two conditions of degree 2 in a variable combined into one of degree 1; others into one without the variable."""
     if f.degrees()[k] == g.degrees()[k] == 2:
         return f * coefficients(g, k)[2] - g * coefficients(f, k)[2]
-    return f.resultant(g, ring.names[k])
+    found = f.resultant(g, ring.names[k])
+    tick(100 + 5 * len(f) * len(g) + 50 * len(found))
+    return found

@@ -12,6 +12,7 @@ from itertools import combinations, product
 
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
@@ -48,6 +49,7 @@ def decompose(
         OutOfTime: the deadline has passed.
     """
     work.check()
+    tick(100)
     choices = [_atoms(ring, pins, form, work) for form in conditions if form[0] != 0]
     if not all(choices):
         return []

@@ -14,6 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 
@@ -68,10 +69,12 @@ class Evaluator:
 
     def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
         """f at a point; variables that the point gives no value to are not in f."""
+        tick(3 + 0.12 * len(f))
         return int(reduced(f)(*(point.get(name, 0) for name in self._names)))
 
     def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
         """f modulo P with every variable but those left at a point."""
+        tick(10 + len(f))
         return reduced(f).subs({name: point[name] for name in self._names if name not in left and name in point})
 
     def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
@@ -126,6 +129,7 @@ def roots(values: Sequence[int]) -> list[int]:
         return []
     if len(kept) == 2:
         return [-kept[0] * pow(kept[1], -1, P) % P]
+    tick(20 * len(kept))
     return [int(root) for root, _ in flint().nmod_poly(kept, P).roots()]
 
 
@@ -134,6 +138,7 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
     if f == 0 or g == 0:
         return
     eliminated = f.resultant(g, "x")
+    tick(100 + 3 * len(f) * len(g))
     if eliminated == 0:
         return
     module = flint()
@@ -168,6 +173,7 @@ def rank(rows: Sequence[Sequence[int]]) -> int:
     """Rank modulo P of a matrix of residues."""
     if not rows or not rows[0]:
         return 0
+    tick(15)
     return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], P).rank())
 
 

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any
 
 from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom, Factors, order
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 
@@ -100,6 +101,7 @@ class Ring:
         """p · Π (1 + t_j²)^m_j in half-angle tangents, and the m_j (one per revolute joint): the degrees of p."""
         p = self.reduce(p)
         terms = list(p.terms())
+        tick(20 + 20 * len(terms))
         n = self.angles
         degree = tuple(max((e[2 * k] + e[2 * k + 1] for e, _ in terms), default=0) for k in range(n))
         powers: dict[tuple[int, int, int], Polynomial] = {}
@@ -146,6 +148,7 @@ class Ring:
 
     def split(self, f: Polynomial) -> tuple[Any, tuple[tuple[Polynomial, int], ...], tuple[tuple[Atom, int], ...]]:
         """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here."""
+        tick(100 + 15 * len(f))
         content, found = f.factor()
         letters, atoms = [], []
         for factor, multiplicity in found:
@@ -216,6 +219,7 @@ class Ring:
         n = self.angles
         if any(degrees[k] % 2 for k in range(n)):
             return None
+        tick(20 + 20 * len(f))
         powers: dict[tuple[int, int], Polynomial] = {}
 
         def power(k: int, e: int) -> Polynomial:
@@ -258,7 +262,9 @@ class Ring:
                 total = self.zero
                 for place, column in enumerate(columns):
                     if row[column] != 0:
-                        part = row[column] * minor(columns[:place] + columns[place + 1 :])
+                        below = minor(columns[:place] + columns[place + 1 :])
+                        tick(2 + 0.3 * len(row[column]) * len(below))
+                        part = row[column] * below
                         total = total - part if place % 2 else total + part
                 minors[columns] = self.reduce(total)
             return minors[columns]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rankdrop.exact.algebra.atom import TANGENT
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.ring import Ring
@@ -66,6 +67,7 @@ def substituted(f: Polynomial, solved: Solved) -> Polynomial:
         if part != 0:
             total += part * top * powers[len(parts) - 1 - power]
         top = top * solved.numerator
+    tick(20 + 2 * len(f) + (0.5 * len(solved.numerator) + 1) * len(total))
     return total
 
 

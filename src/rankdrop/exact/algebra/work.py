@@ -1,4 +1,4 @@
-"""What a derivation carries along: its deadline, its source of random points, what it had to assume."""
+"""What a derivation carries along: its limits, its source of random points, what it had to assume."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from math import inf
 from time import monotonic
 from typing import Any
 
+from rankdrop.exact.algebra.effort import spent
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive
 
@@ -18,15 +19,26 @@ GRACE = 5.0
 """Time left after the user has asked to stop [s]."""
 
 
+WALL = 3.0
+"""Seconds by the clock for each second of work: a machine so many times busier finds the same."""
+
+
 class OutOfTime(Exception):
-    """The time limit has passed; whoever catches it says what is left."""
+    """A limit has passed; whoever catches it says what is left.
+
+    Args:
+        words: which limit.
+    """
+
+    def __init__(self, words: str = "the limit on work was met") -> None:
+        super().__init__(words)
 
 
 class Work:
     """One derivation in progress.
 
     Args:
-        seconds: time limit from now on; infinity for none.
+        seconds: limit on work from now on, see `effort`; infinity for none. By the clock `WALL` times as long.
         seed: of the random points.
         progress: called now and then as progress(label, done, total).
 
@@ -40,7 +52,8 @@ class Work:
     """
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
-        self._end = monotonic() + seconds
+        self._end = spent() + seconds
+        self._wall = monotonic() + WALL * seconds
         self.seed = seed
         self._progress = progress
         self.rng = random.Random(seed)
@@ -53,10 +66,12 @@ class Work:
         """Call this in every loop that may be long.
 
         Raises:
-            OutOfTime: the time limit has passed.
+            OutOfTime: the limit has passed.
         """
-        if monotonic() > self._end:
+        if spent() > self._end:
             raise OutOfTime
+        if monotonic() > self._wall:
+            raise OutOfTime("time ran out by the clock, on a busy machine")
 
     def show(self, label: str, done: int, total: int) -> None:
         """Tell how far the derivation is."""
@@ -65,27 +80,34 @@ class Work:
 
     @contextmanager
     def share(self, part: float) -> Iterator[None]:
-        """Until the end of the block the time limit is this part of the time that is left."""
+        """Until the end of the block the limit is this part of the work that is left."""
         end = self._end
-        self._end = end if part >= 1.0 else monotonic() + part * self.left
+        self._end = end if part >= 1.0 else spent() + part * self.left
         try:
             yield
         finally:
             self._end = end
 
     def again(self) -> Work:
-        """A derivation begun anew, with the same deadline."""
-        return Work(self.left, self.seed, self._progress)
+        """A derivation begun anew, with the same limits."""
+        new = Work(self.left, self.seed, self._progress)
+        new._wall = self._wall
+        return new
 
     def interrupt(self) -> None:
         """Stop: `GRACE` is left to put in order what was found."""
         self.interrupted = True
-        self._end = min(self._end, monotonic() + GRACE)
+        self._wall = min(self._wall, monotonic() + GRACE)
 
     @property
     def left(self) -> float:
-        """Seconds until the time limit."""
-        return self._end - monotonic()
+        """Work until the limit [s]."""
+        return self._end - spent()
+
+    @property
+    def left_by_clock(self) -> float:
+        """Time until the outermost limit [s]."""
+        return self._wall - monotonic()
 
     def assume(self, f: Polynomial) -> None:
         """Keep a factor in lengths alone as assumed ≠ 0."""

@@ -10,7 +10,7 @@ from rankdrop.exact.arm.geometry import Section, decimals
 from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import JointKind, Robot
 
-MANY = 8
+MANY = 14
 """More different lengths than this stay numbers unless letters are asked for."""
 
 Place = tuple[int, str]

@@ -1,0 +1,269 @@
+"""The nearest arm of exact structure, to tolerances that the user names, and whether there is one to name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
+from math import ceil, degrees, floor, log10, pi, radians
+
+from rankdrop.errors import OptionError
+from rankdrop.robot.changes import Change
+from rankdrop.robot.model import JointKind, Robot
+from rankdrop.robot.normals import extent
+from rankdrop.robot.numbers import Numbers, along, numbers_of, parallel, parallel_runs
+from rankdrop.robot.structure import meeting, squared
+from rankdrop.tolerances import NOTHING, SQUARE
+
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}
+_TURNS = {"deg": radians(1.0), "°": radians(1.0), "rad": 1.0, "mrad": 1e-3}
+_ONE = re.compile(r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°]+)\s*")
+_Fact = tuple[str, tuple[int, ...]]  # what, of which joints
+_WIDEST = radians(5.0)  # angles are multiples of 15°: at half of that every angle would be one
+_LONGEST = 0.1  # of the arm's size: with more it is another arm
+_WIDER = (1.0, 1.5, 2.0, 3.0)  # a frame may have to turn by more than the axes in it do
+NEAR = 0.015
+"""Structure is near where it is missed by this share of the arm's size, or this angle [rad]: Gen3's 12 mm of 1.2 m are,
+20 mm between the axes of an elbow are a design."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far an arm may be from an ideal one.
+
+    Attributes:
+        length: [m]; None is what files are read with, `squared`.
+        angle: [rad]; None is 2e-5.
+    """
+
+    length: float | None = None
+    angle: float | None = None
+
+    @property
+    def text(self) -> str:
+        """As it is typed: "1mm,0.5deg"."""
+        parts = [] if self.length is None else [f"{self.length * 1e3:.12g}mm"]
+        return ",".join(parts + ([] if self.angle is None else [f"{degrees(self.angle):.12g}deg"]))
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """An ideal arm that is near.
+
+    Attributes:
+        gained: what holds in it exactly and in the arm itself only nearly, in words, the most telling first.
+        length, angle: the largest change of a length [m] and of an angle [rad] on the way to it; 0 for none.
+        tolerance: with which `ideal` finds it, in round numbers.
+    """
+
+    gained: tuple[str, ...]
+    length: float
+    angle: float
+    tolerance: Tolerance
+
+    @property
+    def text(self) -> str:
+        """One line, without the command: "this arm is within 0.3 mm, 0.06° of one with a spherical wrist"."""
+        parts = [f"{self.length * 1e3:.2g} mm"] if self.length else []
+        parts += [f"{degrees(self.angle):.2g}°"] if self.angle else []
+        more = f" and {len(self.gained) - 2} more" if len(self.gained) > 2 else ""
+        joint = ", " if more else " and "
+        return f"this arm is within {', '.join(parts)} of one with {joint.join(self.gained[:2])}{more}"
+
+
+def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
+    """A tolerance as it is typed: a length, an angle or both, each with its unit.
+
+    Args:
+        text: "1mm,0.5deg", "0.3 mm", "1mrad".
+        where: of errors.
+
+    Raises:
+        OptionError: no number with a unit, two of one kind, not positive, an angle above 5°.
+
+    Example:
+        >>> read_tolerance("1mm, 0.5deg").length, read_tolerance("0.3 mm").angle
+        (0.001, None)
+    """
+    allowed = "a length (µm, um, mm, cm, m), an angle (deg, °, rad, mrad) or both, such as 1mm,0.5deg"
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        match = _ONE.fullmatch(part)
+        units = next((u for u in (_UNITS, _TURNS) if match is not None and match[2] in u), None)
+        if match is None or units is None:
+            raise OptionError("this is not a tolerance", where=where, got=repr(text), allowed=allowed)
+        key = "length" if units is _UNITS else "angle"
+        if key in found:
+            raise OptionError(f"the {key} is given twice", where=where, got=repr(text), allowed=allowed)
+        found[key] = float(match[1]) * units[match[2]]
+    given = Tolerance(**found)
+    _check(given, where)
+    return given
+
+
+def ideal(
+    robot: Robot, *, length: float | None = None, angle: float | None = None
+) -> tuple[Robot, tuple[Change, ...]]:
+    """The nearest arm whose structure is exact, to a tolerance, and what was moved.
+
+    Axes that are parallel, or at a multiple of 15°, to `angle` are exactly so; those that come within `length` meet,
+    three of them in one point where the offset between is as small; offsets along parallel axes that cancel to `length`
+    cancel. It is `squared` with other tolerances: everything else is kept, and the result is `robot` itself where
+    nothing changes. A length changes by more than `length` where an axis is turned about a frame that is far from it.
+
+    Args:
+        robot: any arm.
+        length: [m]; None takes 2 µm.
+        angle: [rad]; None takes 2e-5.
+
+    Raises:
+        OptionError: not positive, an angle above 5°, a length above a tenth of the arm.
+    """
+    _check(Tolerance(length, angle), "ideal")
+    size = extent(robot)
+    if length is not None and length > _LONGEST * size:
+        raise OptionError(
+            "the length is too large for this arm: it would be another one", where="ideal", got=f"{length:g} m",
+            allowed=f"up to {_LONGEST * size:.2g} m, a tenth of its size",
+        )  # fmt: skip
+    return squared(robot, angle=SQUARE if angle is None else angle, length=length)
+
+
+def near_ideal(robot: Robot) -> Near | None:
+    """The ideal arm within `NEAR`, where it has structure that the arm misses; else None.
+
+    Its tolerance is the smallest of two digits that finds all of it.
+    """
+    found, changes = squared(robot, angle=NEAR, length=NEAR * extent(robot))
+    gained = structure_words(found, robot)
+    if not gained:
+        return None
+    length, twist, angle = (
+        max((change.by for change in changes if change.kind in kinds), default=0.0)
+        for kinds in (("distance", "offset"), ("twist",), ("twist", "angle", "base", "tip"))
+    )
+    far = length if length > meeting(robot) else None
+    for wider, turn in product(_WIDER, dict.fromkeys((0.0, twist, angle))):
+        tolerance = _wide(Tolerance(far, turn if turn > SQUARE else None), wider)
+        near = _found_with(robot, tolerance, gained)
+        if near is not None and near.length < (tolerance.length or 0.0) / 2:  # another number set it
+            near = _found_with(robot, _wide(replace(tolerance, length=near.length), 1.0), gained) or near
+        if near is not None:
+            return near
+    return None
+
+
+def _wide(given: Tolerance, factor: float) -> Tolerance:
+    """A tolerance times a factor, rounded up to two digits."""
+    length = None if given.length is None else _round_up(given.length * factor, 1e-3)
+    return Tolerance(length, None if given.angle is None else _round_up(given.angle * factor, radians(1.0)))
+
+
+def _found_with(robot: Robot, tolerance: Tolerance, gained: tuple[str, ...]) -> Near | None:
+    if tolerance.angle is not None and tolerance.angle > _WIDEST:
+        return None
+    made, moved = squared(robot, angle=tolerance.angle or SQUARE, length=tolerance.length)
+    if structure_words(made, robot) != gained:
+        return None
+    length, angle = (max((x.by for x in moved if x.turns is turns), default=0.0) for turns in (False, True))
+    return Near(gained, length if length > meeting(robot) else 0.0, angle if angle > SQUARE else 0.0, tolerance)
+
+
+def structure_words(robot: Robot, less: Robot | None = None) -> tuple[str, ...]:
+    """What holds between the axes, in words for after "with", the most telling first.
+
+    Args:
+        robot: an arm of exact structure.
+        less: what holds in this arm too is left out.
+    """
+    known = set(_holding(less)) if less is not None else set()
+    new = [one for one in _holding(robot) if one not in known and not _follows(one, known)]
+    return tuple(_merged(new, len(robot.joints)))
+
+
+def _follows(fact: _Fact, known: set[_Fact]) -> bool:
+    """Whether no offset along parallel axes is what each of them had without."""
+    what, joints = fact
+    return what == "flush" and len(joints) > 1 and all((what, (joint,)) in known for joint in joints)
+
+
+def _check(given: Tolerance, where: str) -> None:
+    for name, value, unit in (("length", given.length, "m"), ("angle", given.angle, "rad")):
+        if value is not None and not value > 0:
+            raise OptionError(f"the {name} of a tolerance is positive", where=where, got=f"{value:g} {unit}")
+    if given.angle is not None and given.angle > _WIDEST:
+        raise OptionError(
+            "the angle is too large", where=where, got=f"{degrees(given.angle):.3g}°", allowed="up to 5°: "
+            "angles of an ideal arm are multiples of 15°",
+        )  # fmt: skip
+
+
+def _round_up(value: float, unit: float) -> float:
+    """The next number of two digits above a value, in the unit."""
+    share = value / unit * (1 + 1e-6)  # the value itself is inside
+    power = 10.0 ** (floor(log10(share)) - 1)
+    return float(f"{ceil(share / power) * power:.3g}") * unit
+
+
+def _holding(robot: Robot) -> list[_Fact]:
+    """Facts of exact structure: (what, joints from 1)."""
+    numbers = numbers_of(robot, angle=NOTHING, length=NOTHING)
+    slides = [joint.kind is JointKind.PRISMATIC for joint in robot.joints]
+    found: list[_Fact] = []
+    for i in range(len(numbers) - 2):
+        if not any(slides[i : i + 3]) and _point(numbers, i):
+            found.append(("point", (i + 1, i + 2, i + 3)))
+    for run in parallel_runs(numbers):
+        found += [("parallel", (i + 1, j + 1)) for i, j in pairwise(run)]
+        inside = run[0] > 0 and run[-1] < len(numbers) - 1 and not any(slides[k] for k in run)
+        if inside and abs(sum(along(numbers, run))) < NOTHING:
+            found.append(("flush", tuple(k + 1 for k in run)))
+    for i, (one, _) in enumerate(pairwise(numbers)):
+        pair = (i + 1, i + 2)
+        if abs(one.a) < NOTHING and not slides[i] and not slides[i + 1]:
+            found.append(("common", pair) if parallel(one.twist) else ("meeting", pair))
+        if abs(abs(one.twist) - pi / 2) < NOTHING:
+            found.append(("square", pair))
+    return found
+
+
+def _point(numbers: Sequence[Numbers], i: int) -> bool:
+    first, middle = numbers[i], numbers[i + 1]
+    lengths = first.a, middle.d, middle.a
+    return all(abs(x) < NOTHING for x in lengths) and not parallel(first.twist) and not parallel(middle.twist)
+
+
+def _merged(facts: Sequence[_Fact], n: int) -> list[str]:
+    """Facts in words; what follows from a point is left out."""
+    points = [joints for what, joints in facts if what == "point"]
+    names: dict[tuple[int, ...], str] = {(1, 2, 3): "a spherical shoulder"} if n > 3 else {}
+    names[n - 2, n - 1, n] = "a spherical wrist"
+    points.sort(key=lambda joints: (joints not in names, -joints[0]))
+    words = [names.get(joints, f"axes {_listed(joints)} in one point") for joints in points]
+    within = {pair for joints in points for pair in pairwise(joints)} | {(joints[1],) for joints in points}
+    said = {"parallel": "axes {} parallel", "common": "axes {} on one line", "meeting": "axes {} meeting",
+            "square": "axes {} at right angles", "flush": "no offset along axes {}"}  # fmt: skip
+    for what, text in said.items():
+        kept = [joints for kind, joints in facts if kind == what]
+        for joints in _chained(kept) if what in ("parallel", "common") else kept:
+            if what == "flush" and len(joints) == 1:
+                words += [] if joints in within else [f"no offset along axis {joints[0]}"]
+            elif joints not in within or what == "square":
+                words.append(text.format(_listed(joints)))
+    return words
+
+
+def _chained(pairs: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """Pairs (2, 3), (3, 4) as (2, 3, 4)."""
+    found: list[tuple[int, ...]] = []
+    for pair in sorted(pairs):
+        if found and found[-1][-1] == pair[0]:
+            found[-1] = (*found[-1], *pair[1:])
+        else:
+            found.append(pair)
+    return found
+
+
+def _listed(joints: Sequence[int]) -> str:
+    return " and ".join(map(str, joints)) if len(joints) == 2 else ", ".join(map(str, joints))

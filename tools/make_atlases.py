@@ -1,47 +1,86 @@
 """Write the atlases that are shipped: one JSON file for each arm of the catalogue, and the index of their fingerprints.
 
-    .venv/bin/python tools/make_atlases.py            # all arms, about two minutes
+    .venv/bin/python tools/make_atlases.py            # what is missing or stale, two processes
+    .venv/bin/python tools/make_atlases.py --all      # every arm anew
     .venv/bin/python tools/make_atlases.py pa10 ur5   # these, and the index anew
 
-An atlas in which some fresh point is unexplained, a row unsound or a family unnamed is not written.
-They hold no exact conditions: what these say in addition is text, and derived anew in seconds where it is wanted.
+It can be stopped and started again: a file that is there, of this version and of this arm, is kept. An atlas in which
+some fresh point is unexplained, a row unsound or a family unnamed is not written, and ends the run with exit code 1.
+They hold no exact conditions: those are shipped beside them (tools/make_conditions.py).
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
+from multiprocessing import Pool
 from pathlib import Path
+from time import process_time
 
 from rankdrop.analyze import analyze
 from rankdrop.known import INDEX, SEED, STARTS
+from rankdrop.record import robot_to_dict
+from rankdrop.result import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.version import VERSION
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "atlases"
+PROCESSES = 2
 
 
-def write(name: str) -> None:
-    """Analyse one arm and write its file."""
-    found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="off")
+def write(name: str) -> tuple[str, bool, str]:
+    """(name, whether its file was written, what to print) of one arm."""
+    begun = process_time()
+    found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="off", threads=1)
+    spent = f"{process_time() - begun:.1f} s CPU"
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
-        raise SystemExit(f"{name}: the analysis is not verified; nothing was written")
+        return name, False, f"NOT WRITTEN, the analysis is not verified, {spent}"
     text = json.dumps(found.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
-    print(f"{name}: {len(found.families)} families, {len(text) / 1000:.0f} kB", flush=True)
+    part = FOLDER / f"{name}.part"
+    part.write_text(text + "\n", encoding="utf-8")
+    part.replace(FOLDER / f"{name}.json")
+    return name, True, f"{len(found.families)} families, {len(text) / 1000:.0f} kB, {spent}"
+
+
+def stale(name: str) -> bool:
+    """Whether an arm's file is missing, of another version, or of an arm that has changed since."""
+    path = FOLDER / f"{name}.json"
+    if not path.is_file():
+        return True
+    found, robot = Analysis.from_dict(json.loads(path.read_text(encoding="utf-8"))), open_robot(name)
+    changed = robot_to_dict(robot, found.task, 0) != robot_to_dict(found.robot, found.task, 0)
+    return changed or found.settings.version != VERSION
 
 
 def write_index() -> None:
-    """Fingerprint -> names, of all files that are there."""
+    """Fingerprint -> names, of all files that are there; those of arms that are gone are removed."""
     index: dict[str, list[str]] = {}
     for path in sorted(FOLDER.glob("*.json")):
-        if path.name != INDEX:
+        if path.name != INDEX and path.stem not in robot_names():
+            path.unlink()
+        elif path.name != INDEX:
             index.setdefault(coarse_fingerprint(open_robot(path.stem)), []).append(path.stem)
     (FOLDER / INDEX).write_text(json.dumps(index, indent=1) + "\n", encoding="utf-8")
 
 
-if __name__ == "__main__":
+def main(arguments: list[str]) -> int:
+    """Analyse, write, and tell how far it is."""
     FOLDER.mkdir(exist_ok=True)
-    for arm in sys.argv[1:] or robot_names():
-        write(arm)
+    named = [one for one in arguments if not one.startswith("--")]
+    everything = named or "--all" in arguments
+    names = named or [name for name in robot_names() if everything or stale(name)]
+    refused = []
+    with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
+        for done, (name, written, told) in enumerate(pool.imap_unordered(write, names), 1):
+            print(f"{done}/{len(names)} {name}: {told}", flush=True)
+            if not written:
+                refused.append(name)
     write_index()
+    print(f"not written: {', '.join(refused) or 'none'}")
+    return 1 if refused else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

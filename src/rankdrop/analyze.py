@@ -31,6 +31,7 @@ def analyze(
     seed: int = 0,
     limits: bool = False,
     exact: str = "auto",
+    fresh: bool = False,
     threads: int = 0,
     length_scale: float | None = None,
     progress: Progress | None = None,
@@ -54,6 +55,7 @@ def analyze(
         seed: of every random choice; same seed, same result, on any number of threads.
         limits: stay within the joint limits; otherwise the whole torus.
         exact: "auto", exact conditions where python-flint is installed and 5 s are enough; "on", required, 60 s; "off".
+        fresh: derive them even where the exact conditions of this arm are shipped with rankdrop.
         threads: of the core; 0 uses every processor.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
         progress: called as progress(label, done, total).
@@ -105,7 +107,7 @@ def analyze(
     joined = None
     if unfinished is None:
         joined = join(
-            robot, resolved, rank, here, exact=exact, limits=limits, seed=seed, tolerances=tolerances,
+            robot, resolved, rank, here, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
     return Analysis(

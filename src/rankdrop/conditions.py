@@ -27,6 +27,7 @@ from rankdrop.exact.settled import covered, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
+from rankdrop.known_conditions import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import out_of_units
@@ -40,6 +41,7 @@ MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
+_PLAIN = ("auto", "auto", 0.0, None, 0, POINTS, True, False)  # what the shipped conditions answer
 
 
 def conditions(
@@ -55,6 +57,7 @@ def conditions(
     points: int = POINTS,
     special: bool = True,
     steps: bool = False,
+    fresh: bool = False,
     progress: Progress | None = None,
 ) -> Conditions:
     """Derive the singularity conditions of an arm exactly, and check them.
@@ -79,6 +82,8 @@ def conditions(
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand.
         special: also derive the arms whose lengths break an assumption.
+        fresh: derive them even where the conditions of this arm are shipped with rankdrop. Those answer the question
+            with all its defaults (but for the time limit), and are what a derivation gives.
         progress: called as progress(label, done, total).
 
     Returns:
@@ -97,6 +102,12 @@ def conditions(
     """
     check_robot(robot)
     _check(method, coranks, seconds, points, snap, seed)
+    asked_plainly = (method, lengths, snap, coranks, seed, points, special, steps) == _PLAIN
+    if asked_plainly and not fresh:
+        anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
+        shipped = known_conditions(robot, task, anew=anew)
+        if shipped is not None:
+            return replace(shipped, settings=replace(shipped.settings, seconds=seconds))
     begun = monotonic()
     work = Work(seconds / WALL, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths, snap=snap)

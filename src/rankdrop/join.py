@@ -13,6 +13,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.match import match
 from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.joined import AGREES, ASKED, DIFFERS, NOT_DERIVED, ExactRow, Joined
+from rankdrop.known_conditions import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -41,10 +42,13 @@ def join(
     exact: str = "auto",
     limits: bool = False,
     seed: int = 0,
+    fresh: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
     tolerances: Tolerances = DEFAULT,
 ) -> Joined | None:
     """Derive the families of every corank by the rank tree, and match them with those found numerically.
+
+    The families of the catalogue's arms are shipped, and then taken from there.
 
     Args:
         robot, task, generic_rank: of the analysis.
@@ -52,6 +56,7 @@ def join(
         exact: "auto", where python-flint is installed, the arm can be treated, and time allows; "on", required; "off".
         limits: the rows are those within the joint limits.
         seed: of every random choice.
+        fresh: derive them even where the conditions of this arm are shipped; those have the same families.
         progress: called as progress(label, done, total).
         tolerances: of the analysis.
 
@@ -67,7 +72,8 @@ def join(
         return None
     seconds = SECONDS[exact]
     try:
-        derived = conditions(
+        shipped = None if fresh or seed else known_conditions(robot, task)
+        derived = shipped or conditions(
             robot, task, method="tree", seconds=seconds, seed=seed, points=0, special=False, progress=progress
         )
     except RankdropError as error:

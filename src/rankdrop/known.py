@@ -61,7 +61,7 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
     """
     there = in_metres(robot)
     mine = geometry(there)
-    for name in _index().get(coarse_fingerprint(there), ()):
+    for name in candidates(there):
         found = shipped(name)
         if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
             named = _named_after(found, there)
@@ -77,6 +77,14 @@ def _out_of_metres(found: Analysis, robot: Robot) -> Analysis:
         found, robot=robot, families=tuple(family_from_metres(family, robot, power) for family in found.families),
         task=replace(found.task, length_scale=length), settings=replace(found.settings, length_scale=length),
     )  # fmt: skip
+
+
+def candidates(robot: Robot) -> tuple[str, ...]:
+    """Names of the arms with a shipped analysis that may be this one: their coarse fingerprint is the same.
+
+    Makers build one geometry under several names: the robot's own name comes first.
+    """
+    return tuple(sorted(_index().get(coarse_fingerprint(robot), ()), key=lambda name: (name != robot.name, name)))
 
 
 def known_names() -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from known.arms import every_arm
 from known.members import members
 
 from rankdrop.atlas.monitor import Monitor
@@ -11,12 +12,11 @@ from rankdrop.atlas.which import Met, families_at, families_near, place_words
 from rankdrop.errors import ConfigurationError
 from rankdrop.known import shipped
 from rankdrop.local.block import singular_values
-from rankdrop.robot.open import robot_names
 
 EACH = 5
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", every_arm())
 def test_random_members_of_every_family_are_attributed_to_it(name):
     found = shipped(name)
     robot, task = found.robot, found.task

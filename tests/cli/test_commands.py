@@ -164,6 +164,18 @@ def test_robots_lists_the_catalogue(run) -> None:
     listed = json.loads(run("robots", "--json").out)
     assert [entry["name"] for entry in listed] == list(robot_names())
     assert all(entry["n"] > 0 and entry["source"] for entry in listed)
+    makers = [line.strip() for line in text.splitlines() if line and not line.startswith(" ")]
+    assert makers.index("ABB") < makers.index("KUKA") < makers.index("Yaskawa") < makers.index("Documents")
+
+
+def test_robots_finds_the_arms_of_a_maker(run) -> None:
+    listed = json.loads(run("robots", "fanuc", "--json").out)
+    assert len(listed) >= 5
+    assert {entry["maker"] for entry in listed} == {"FANUC"}
+    text = run("robots", "fanuc").out
+    assert all(entry["name"] in text for entry in listed)
+    assert "pa10" not in text
+    assert "No arm of the catalogue fits 'robbie'" in run("robots", "robbie").out
 
 
 def table(path: Path) -> list[dict[str, str]]:

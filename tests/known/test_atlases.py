@@ -1,6 +1,6 @@
 """The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
 
-All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py` (one minute); two by default.
+All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py` (ten minutes); two by default.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
+from known.arms import every_arm
 from rankdrop.analyze import analyze
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.row import soundness
@@ -37,7 +38,7 @@ def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
     assert known_names() == robot_names()
     files = [item for item in (resources.files("rankdrop") / "atlases").iterdir() if item.name.endswith(".json")]
     assert len(files) == len(robot_names()) + 1
-    assert sum(len(item.read_bytes()) for item in files) < 1_500_000
+    assert sum(len(item.read_bytes()) for item in files) < 5_000_000
 
 
 @pytest.mark.parametrize("name", robot_names())
@@ -54,7 +55,7 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert known == found
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", every_arm())
 def test_every_family_is_sound_at_fresh_points(name):
     found = shipped(name)
     for number, family in enumerate(found.families):
@@ -66,7 +67,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", every_arm())
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)

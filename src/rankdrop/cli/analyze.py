@@ -24,6 +24,7 @@ def analyze(
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     exact: Literal["auto", "on", "off"] = "auto",
+    fresh: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
     seed: Whole = 0,
     threads: Whole = 0,
@@ -48,6 +49,7 @@ def analyze(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         limits: Look within the joint limits only; otherwise in the whole joint space.
         exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
+        fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).
         starts: Random starts for each corank.
         seed: Of every random choice; the same seed gives the same result.
         threads: Processors to use; 0 means all. The result does not depend on it.
@@ -64,7 +66,8 @@ def analyze(
     model, task = open_arm(robot, arm)
     with reporter(quiet=quiet) as report:
         analysis = run(
-            model, task, starts=starts, seed=seed, limits=limits, exact=exact, threads=threads, progress=report
+            model, task, starts=starts, seed=seed, limits=limits, exact=exact, fresh=fresh, threads=threads,
+            progress=report,
         )
     seconds = monotonic() - begun
     steps: list[Callable[[], None]] = []

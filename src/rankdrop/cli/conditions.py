@@ -34,6 +34,7 @@ def conditions(
     seed: Whole = 0,
     points: Whole = 1000,
     steps: Annotated[bool, _SWITCH] = False,
+    fresh: Annotated[bool, _SWITCH] = False,
     test: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     flags: _ANGLES = None,
     from_: Annotated[str | None, Parameter(name="--from", allow_leading_hyphen=True)] = None,
@@ -73,6 +74,7 @@ def conditions(
         seed: Of every random choice.
         points: Singular configurations to find numerically, as a check; 0 for none.
         steps: Print the derivation of corank 1 step by step.
+        fresh: Derive anew what is shipped for the catalogue's arms.
         test: A condition: is it exactly the singular set, too small, or too large?
         flags: A configuration: the signs of the determinant's factors there (arms without redundancy).
         from_: A configuration; with --to: which families part the two.
@@ -102,7 +104,8 @@ def conditions(
     with reporter(quiet=quiet) as report:
         found = run(
             model, task, method=method, lengths=letters, snap=snap, seconds=time_limit, seed=seed, points=points,
-            coranks=1 if question and coranks is None else coranks, steps=steps, special=not question, progress=report,
+            coranks=1 if question and coranks is None else coranks, steps=steps, special=not question,
+            fresh=fresh, progress=report,
         )  # fmt: skip
     answer = question.answer(found)
     written: list[Callable[[], None]] = []

@@ -45,14 +45,15 @@ class Conditions(ConditionsData):
             OptionError: a mistake in the text; the singular set is not known, because the derivation ended early; or
                 the time limit has passed.
         """
-        if not self.complete:
+        whole = self if self.anew is None else self.anew()
+        if not whole.complete:
             raise OptionError(
-                "the singular set is not completely derived: nothing can be held against it", got="; ".join(self.left),
+                "the singular set is not completely derived: nothing can be held against it", got="; ".join(whole.left),
                 mend="allow more time: seconds=…", typed="allow more time: --time-limit",
             )  # fmt: skip
-        pieces = [piece for family in self.families for piece in family.pieces]
+        pieces = [piece for family in whole.families for piece in family.pieces]
         try:
-            return lint(condition, pieces, self.chain, work=Work(seconds / WALL, self.settings.seed))
+            return lint(condition, pieces, whole.chain, work=Work(seconds / WALL, self.settings.seed))
         except OutOfTime as end:
             raise OptionError(
                 "time ran out before the condition was decided", got=f"{seconds:g} s",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rankdrop.exact.arm.chain import Chain
@@ -74,6 +74,7 @@ class ConditionsData:
         seconds: spent.
         settings: what was asked for.
         chain: the arm over the exact ring, in which conditions are polynomials.
+        anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
     """
 
     robot: Robot
@@ -97,6 +98,7 @@ class ConditionsData:
     seconds: float
     settings: ConditionSettings
     chain: Chain
+    anew: Callable[[], ConditionsData] | None = None
 
     @property
     def verified(self) -> bool:

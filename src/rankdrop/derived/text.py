@@ -194,7 +194,8 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     if found.method != "tree" and not found.disagreements and not found.left:
         lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(found.method, found.method)} agree")
     lines += [f"DISAGREEMENT: {one}" for one in found.disagreements]
-    lines.append(f"Time taken: {found.seconds:.1f} s.")
+    shipped = f"As shipped with rankdrop {found.settings.version}; --fresh derives it anew."
+    lines.append(shipped if found.anew else f"Time taken: {found.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
 
 

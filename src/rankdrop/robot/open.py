@@ -26,18 +26,32 @@ from rankdrop.robot.xml_file import read_xml
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 _BLANK = "\ufeff \t\r\n"
 _FORMATS = "DH or screw TOML, URDF, xacro or MJCF"
+_SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
+_SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
 _FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
 
 
 @dataclass(frozen=True, slots=True)
 class CatalogEntry:
-    """One arm of the catalogue: name, one line about it, number of variables, task, and where its numbers are from."""
+    """One arm of the catalogue.
+
+    Attributes:
+        name: that `open_robot` takes.
+        maker: "" for arms of documents and textbooks.
+        about: one line.
+        n: number of variables.
+        task: that it is made for.
+        source: where its numbers are from.
+        aliases: other names that `open_robot` takes.
+    """
 
     name: str
+    maker: str
     about: str
     n: int
     task: str
     source: str
+    aliases: tuple[str, ...]
 
 
 def open_robot(
@@ -107,8 +121,31 @@ def robot_names() -> tuple[str, ...]:
 
 def catalog_entries() -> tuple[CatalogEntry, ...]:
     """What the catalogue holds, by name."""
-    robots = [_from_catalog(name) for name in robot_names()]
-    return tuple(CatalogEntry(arm.name, arm.about, arm.n, arm.task, arm.source.reference) for arm in robots)
+    return tuple(_entry(name) for name in robot_names())
+
+
+def search_catalog(text: str) -> tuple[CatalogEntry, ...]:
+    """The arms whose name, other names, maker or description hold every word of a text, in any spelling.
+
+    Example:
+        >>> [entry.name for entry in search_catalog("kuka iiwa")]
+        ['iiwa14', 'iiwa7']
+    """
+    words = [_plain(word) for word in text.split()]
+
+    def told(entry: CatalogEntry) -> str:
+        return _plain(" ".join((entry.name, *entry.aliases, entry.maker, entry.about)))
+
+    return tuple(entry for entry in catalog_entries() if all(word in told(entry) for word in words))
+
+
+@cache
+def _entry(name: str) -> CatalogEntry:
+    document = tomllib.loads(_catalog_files()[name].read_text(encoding="utf-8"))
+    n = sum(_SEVERAL.get(joint.get("kind", ""), 1) for joint in document["joints"])
+    texts = {key: str(document.get(key, "")) for key in ("maker", "about", "source")}
+    task, aliases = document.get("task", "pose"), tuple(document.get("aliases", ()))
+    return CatalogEntry(name, texts["maker"], texts["about"], n, task, texts["source"], aliases)
 
 
 @cache
@@ -188,22 +225,27 @@ def _plain(name: str) -> str:
 
 
 def _same_names(name: str) -> list[str]:
-    return [known for known in robot_names() if _plain(known) == _plain(name)]
+    plain = _plain(name)
+    by_name = [known for known in robot_names() if _plain(known) == plain]
+    return by_name or [entry.name for entry in catalog_entries() if plain in map(_plain, entry.aliases)]
 
 
 def _close_names(name: str) -> list[str]:
     """Names that may be meant: equal but for spelling, then inside name or description, then alike."""
     plain = _plain(name[:80])
-    inside = [entry.name for entry in catalog_entries() if plain in _plain(f"{entry.name} {entry.about}")]
+    inside = [entry.name for entry in search_catalog(name[:80])]
     alike = difflib.get_close_matches(name.lower()[:80], robot_names(), n=3, cutoff=0.5)
-    return _same_names(name) or (inside if 1 <= len(inside) <= 3 and len(plain) > 1 else alike)
+    return _same_names(name) or (inside if 1 <= len(inside) <= _SUGGESTED and len(plain) >= _TELLING else alike)
 
 
 def _unknown(name: str) -> UnknownRobotError:
     shown = name if len(name) <= 500 else name[:499] + "…"
     is_path = "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
     what = "there is no such file" if is_path else "there is no such robot in the catalogue and no such file"
-    allowed = None if is_path else ", ".join(robot_names())
+    allowed = None if is_path else f"a file, or one of {len(robot_names())} names: rankdrop robots lists them"
     close = [] if is_path else _close_names(name)
     mend = f"did you mean {' or '.join(close)}?" if close else None
+    fitting = 0 if is_path or len(_plain(name)) < _TELLING else len(search_catalog(name[:80]))
+    if fitting > _SUGGESTED:
+        mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)

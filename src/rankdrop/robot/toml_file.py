@@ -20,8 +20,9 @@ from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, pri
 from rankdrop.robot.toml_lines import TomlLines
 from rankdrop.robot.transform import from_xyz_rpy
 
-_DH_FILE_KEYS = ("name", "convention", "task", "about", "source", "notes", "lengths", "base", "tool", "joints")
-_SCREW_FILE_KEYS = ("name", "order", "task", "about", "source", "notes", "lengths", "home", "joints")
+_HEAD = ("name", "maker", "aliases", "task", "about", "source", "notes", "lengths")
+_DH_FILE_KEYS = (*_HEAD, "convention", "base", "tool", "joints")
+_SCREW_FILE_KEYS = (*_HEAD, "order", "home", "joints")
 _SCREW_KEYS = ("kind", "screw", "axis", "point", "pitch", "axes", "name", "lower", "upper", "velocity")
 _KEYS_OF = {
     "prismatic": ("axis",),

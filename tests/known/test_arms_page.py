@@ -1,0 +1,102 @@
+"""docs/arms.md is true: its rows are those of the shipped results, and of the makers' files analysed now.
+
+The 98 files of `data/arms` anew: `pytest -m slow tests/known/test_arms_page.py` (a quarter of an hour); two by default.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from rankdrop import known_conditions as shelf
+from rankdrop.known import shipped
+from rankdrop.robot.open import robot_names
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "arms.md").read_text(encoding="utf-8")
+QUICK = ("m1509_blue", "cr5_robot")
+AT_LEAST = 94
+"""Of the makers' files so many end with exit code 0 from both commands."""
+LONGEST = 20.0
+"""CPU seconds that one command may take for one of them."""
+
+
+def _tool() -> ModuleType:
+    """The tool that writes the page, from its file."""
+    spec = importlib.util.spec_from_file_location("make_arms_page", ROOT / "tools" / "make_arms_page.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+TOOL = _tool()
+NAMES = [one["name"] for one in TOOL.skeletons()]
+ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in NAMES]
+
+
+def rows(heading: str) -> dict[str, list[str]]:
+    """The cells of a table of the page, by the name of the arm."""
+    lines = PAGE.partition(f"## {heading}\n")[2].partition("\n## ")[0].splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| `")]
+    return {row[0].strip("`"): row for row in cells}
+
+
+CATALOGUE, FILES = rows("The catalogue"), rows("Arms from their makers' files")
+
+
+def codes(row: list[str]) -> tuple[int, int]:
+    """The exit codes that a row tells: 0 and 0 where it is silent."""
+    found = re.search(r"exit codes (\d+), (\d+): (.+)", row[4])
+    if found is None:
+        return 0, 0
+    assert len(found[3]) > 10, "an arm that does not end well is listed with its reason"
+    return int(found[1]), int(found[2])
+
+
+def test_the_page_has_every_arm() -> None:
+    assert tuple(CATALOGUE) == robot_names()
+    assert list(FILES) == NAMES
+    assert len(NAMES) == 98
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_a_row_of_the_catalogue_is_what_is_shipped(name: str) -> None:
+    row, found = CATALOGUE[name], shipped(name)
+    assert row[2] == TOOL.families_per_corank(found)
+    assert row[3] == TOOL.explained(found)
+    assert codes(row)[0] == 0, "an analysis that is not verified is not shipped"
+    assert (name in shelf.conditions_names()) == (codes(row)[1] == 0)
+
+
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", shelf.conditions_names())
+def test_a_row_names_letters_or_numbers_as_they_are_shipped(name: str) -> None:
+    derived = shelf.shipped_conditions(name)
+    assert CATALOGUE[name][4].startswith("letters" if derived.letters else "numbers")
+
+
+def test_nearly_all_of_the_makers_files_end_well_and_the_others_say_why() -> None:
+    fine = [name for name, row in FILES.items() if codes(row) == (0, 0)]
+    assert len(fine) >= AT_LEAST
+    assert f"{len(fine)} of {len(FILES)} end with exit code 0 from both commands" in PAGE
+
+
+def test_no_arm_of_the_page_took_long() -> None:
+    for row in (*CATALOGUE.values(), *FILES.values()):
+        assert max(map(float, row[6].split(" + "))) < LONGEST or row[0].strip("`") in CATALOGUE, row[0]
+
+
+@pytest.mark.parametrize("name", ANEW)
+def test_a_makers_file_fares_as_its_row_says(name: str) -> None:
+    row = TOOL.skeleton_row(name)
+    assert list(row.cells()[:6]) == FILES[name][:6]
+    assert (row.analyze_exit, row.conditions_exit) == codes(FILES[name])
+    assert max(row.analyze_cpu, row.conditions_cpu) < LONGEST

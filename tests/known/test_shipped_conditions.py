@@ -1,0 +1,192 @@
+"""The exact conditions that come with the package are those of the catalogue's arms, and what a derivation gives.
+
+All of them derived anew and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rankdrop import known_conditions as shelf
+from rankdrop.analyze import analyze
+from rankdrop.cli import exits, main
+from rankdrop.conditions import conditions
+from rankdrop.derived.conditions import Conditions
+from rankdrop.derived.stored import from_stored, to_stored
+from rankdrop.errors import ResultFileError
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.frames import BODY
+from rankdrop.known import candidates
+from rankdrop.record import json_text
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.version import VERSION
+
+SHIPPED = shelf.conditions_names()
+QUICK = ("planar3r", "puma560", "scara")
+ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in SHIPPED]
+
+
+def through_json(found: Conditions) -> Any:
+    """What a file gives back."""
+    return json.loads(json.dumps(to_stored(found), allow_nan=False))
+
+
+def printed(found: Conditions) -> list[str]:
+    """All that is printed, less the line that tells the time or the source."""
+    return str(found).splitlines()[:-1]
+
+
+def same(one: Conditions, other: Conditions) -> None:
+    """All outputs of two derivations are the same, letter by letter."""
+    assert json_text(one.to_dict()) == json_text(other.to_dict())
+    assert printed(one) == printed(other)
+    assert one.latex() == other.latex()
+    assert one.code("python") == other.code("python")
+    assert one.code("c") == other.code("c")
+
+
+@pytest.fixture(scope="module")
+def derived() -> dict[str, Conditions]:
+    """Derivations made once: with letters, with half angles and slides, with numbers and long polynomials."""
+    return {name: conditions(open_robot(name), fresh=True) for name in ("scara", "stanford", "ur5e", "rcrrrr")}
+
+
+@pytest.fixture
+def stored(monkeypatch: pytest.MonkeyPatch, derived: dict[str, Conditions]) -> dict[str, Any]:
+    """Records of them in place of what is shipped."""
+    records = {name: through_json(found) for name, found in derived.items()}
+    monkeypatch.setattr(shelf, "_record", records.get)
+    return records
+
+
+@pytest.mark.parametrize("name", ["scara", "stanford", "ur5e", "rcrrrr"])
+def test_what_is_read_back_is_what_was_derived(name: str, derived: dict[str, Conditions]) -> None:
+    robot, found = open_robot(name), derived[name]
+    chain = exact_chain(robot)
+    again = from_stored(through_json(found), robot, chain.task, chain)
+    same(again, found)
+    for mine, other in zip(again.families, found.families, strict=True):
+        assert [str(one.polynomial) for one in mine.conditions] == [str(one.polynomial) for one in other.conditions]
+        afresh = replace(mine)  # without what was kept: written again from the polynomials
+        assert (afresh.texts, afresh.latex) == (other.texts, other.latex)
+        assert afresh.equations == other.equations
+        q = np.random.default_rng(3).uniform(-3, 3, (50, robot.n))
+        for a, b in zip(mine.equations, other.equations, strict=True):
+            assert np.array_equal(a(q), b(q))
+
+
+def test_only_what_is_complete_is_stored(derived: dict[str, Conditions]) -> None:
+    with pytest.raises(ResultFileError, match="only a complete derivation"):
+        to_stored(replace(derived["scara"], complete=False, left=("something",)))
+
+
+@pytest.mark.parametrize("key", ["families", "letters", "explained", "settings"])
+def test_a_damaged_record_is_refused(key: str, derived: dict[str, Conditions]) -> None:
+    robot = open_robot("scara")
+    chain = exact_chain(robot)
+    record = through_json(derived["scara"])
+    del record[key]
+    with pytest.raises(ResultFileError, match="damaged"):
+        from_stored(record, robot, chain.task, chain)
+    with pytest.raises(ResultFileError, match="not conditions that can be read"):
+        from_stored({**record, "schema": "rankdrop/conditions/99"}, robot, chain.task, chain)
+
+
+@pytest.mark.usefixtures("stored")
+def test_the_plain_question_is_answered_from_the_shelf_and_no_other() -> None:
+    robot = open_robot("scara")
+    assert conditions(robot).anew is not None
+    assert conditions(robot, robot.task, seconds=7.0).settings.seconds == 7.0
+    assert conditions(robot, seconds=7.0).anew is not None
+    others: list[dict[str, Any]] = [
+        {"fresh": True}, {"seed": 1}, {"points": 50}, {"coranks": 1}, {"method": "tree"}, {"lengths": "numbers"},
+        {"snap": 1e-6}, {"special": False}, {"steps": True}, {"task": "position"},
+    ]  # fmt: skip
+    for options in others:
+        assert conditions(robot, **options).anew is None, options
+
+
+def test_another_arm_or_version_is_derived(stored: dict[str, Any]) -> None:
+    robot = open_robot("ur5e")
+    assert "ur5e" in candidates(robot)
+    assert shelf.known_conditions(robot) is not None
+    assert shelf.known_conditions(robot, replace(exact_chain(robot).task, frame=BODY)) is None
+    screw = robot.joints[3].screw.copy()
+    screw[0] += 1e-11  # one fingerprint, but not the same numbers
+    bent = (*robot.joints[:3], replace(robot.joints[3], screw=screw), *robot.joints[4:])
+    turned = robot.joints[2].frame.copy()
+    turned[:3, :2] *= -1
+    frames = (*robot.joints[:2], replace(robot.joints[2], frame=turned), *robot.joints[3:])
+    for other in (replace(robot, joints=bent), replace(robot, joints=frames), replace(robot, lengths=(("b", 0.425),))):
+        assert "ur5e" in candidates(other)
+        assert shelf.known_conditions(other) is None
+    stored["ur5e"]["settings"]["version"] = "0.0.0"
+    assert shelf.known_conditions(robot) is None
+
+
+@pytest.mark.usefixtures("stored")
+def test_other_names_are_kept() -> None:
+    robot = open_robot("scara")
+    joints = tuple(replace(joint, name=f"axis_{i}") for i, joint in enumerate(robot.joints))
+    found = conditions(replace(robot, name="mine", joints=joints))
+    assert found.anew is not None
+    record = found.to_dict()
+    assert record["robot"]["name"] == "mine"
+    assert record["families"][0]["pinned"][0]["joint"] == "axis_1"
+
+
+@pytest.mark.usefixtures("stored")
+def test_a_condition_is_tested_against_sets_derived_anew() -> None:
+    found = conditions(open_robot("scara"))
+    assert found.anew is not None
+    assert found.test("sin(q2) = 0").verdict == "exact"
+    assert found.test("q2 = 0").verdict != "exact"
+
+
+def test_analyze_says_the_same_with_and_without_the_shelf(stored: dict[str, Any]) -> None:
+    robot = open_robot("stanford")
+    asked: list[str] = []
+    records = [json_text(analyze(robot, starts=300, fresh=fresh).to_dict()) for fresh in (False, True)]
+    assert records[0] == records[1]
+    stored["stanford"]["families"][0]["conditions"][0] = "from the shelf"
+    found = analyze(robot, starts=300).exact
+    assert found is not None
+    asked += found.families[0].conditions
+    assert "from the shelf" in asked
+
+
+@pytest.mark.usefixtures("stored")
+def test_the_command_says_where_it_has_them_from(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.run(["conditions", "scara", "--quiet"]) == exits.FINE
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"Verified. As shipped with rankdrop {VERSION}; --fresh derives it anew." in shown
+    assert main.run(["conditions", "scara", "--quiet", "--fresh"]) == exits.FINE
+    assert "Verified. Time taken:" in " ".join(capsys.readouterr().out.split())
+
+
+def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
+    assert len(SHIPPED) > 0.9 * len(robot_names())
+    assert set(SHIPPED) <= set(robot_names())
+    files = [item for item in (resources.files("rankdrop") / "derivations").iterdir() if item.name.endswith(".json")]
+    assert sum(len(item.read_bytes()) for item in files) < 6_000_000
+
+
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> None:
+    found = shelf.known_conditions(open_robot(name))
+    assert found is not None, "stale: run tools/make_conditions.py"
+    assert found.verified
+    assert found.lowest == 0
+
+
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", ANEW)
+def test_derived_anew_it_is_the_same(name: str) -> None:
+    same(shelf.shipped_conditions(name), conditions(open_robot(name), fresh=True))

@@ -1,0 +1,231 @@
+"""Write docs/arms.md: how every arm of the catalogue, and every skeleton of tests/data/arms, fares at default settings.
+
+    .venv/bin/python tools/make_arms_page.py                 # what is not measured yet, two processes, then the page
+    .venv/bin/python tools/make_arms_page.py --all           # everything anew
+    .venv/bin/python tools/make_arms_page.py --page          # the page from what is there
+    .venv/bin/python tools/make_arms_page.py kr16 m1509_blue # these anew, then the page
+
+Each arm is analysed and its conditions are derived from nothing, as `rankdrop analyze` and `rankdrop conditions` do;
+what was measured is kept in build/arms, so that the run can be stopped and started again.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import sys
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from multiprocessing import Pool
+from pathlib import Path
+from time import process_time
+
+from rankdrop.analyze import analyze
+from rankdrop.cli import exits
+from rankdrop.conditions import conditions
+from rankdrop.derived.conditions import Conditions
+from rankdrop.exact.arm.structure import structure_of
+from rankdrop.joined import AGREES, NOT_DERIVED
+from rankdrop.result import Analysis
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import catalog_entries, open_robot
+from rankdrop.version import VERSION
+
+ROOT = Path(__file__).resolve().parents[1]
+ARMS = ROOT / "tests" / "data" / "arms"
+PAGE = ROOT / "docs" / "arms.md"
+KEPT = ROOT / "build" / "arms"
+PROCESSES = 2
+_REASON = 160  # characters of a reason that a cell of a table may have
+HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near", "CPU s")
+
+INTRODUCTION = f"""# Arms
+
+How every arm of the catalogue fares at default settings, and how {{count}} arms of many makers do that are read from
+their own files. Written by `tools/make_arms_page.py` with rankdrop {VERSION}; the tests hold it true.
+
+- **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3, found numerically.
+- **explained**: the share of fresh singular points that these families explain, the lowest of all coranks.
+- **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
+  and agree with what was found; else why not.
+- **near**: structure that the arm misses by little, where there is some.
+- **CPU s**: processor seconds of `rankdrop analyze` and of `rankdrop conditions`, one after the other, nothing taken
+  from what is shipped.
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One arm, as both commands left it."""
+
+    name: str
+    about: str
+    families: str
+    explained: str
+    exact: str
+    near: str
+    analyze_exit: int
+    conditions_exit: int
+    reason: str
+    analyze_cpu: float
+    conditions_cpu: float
+
+    @property
+    def fine(self) -> bool:
+        """Whether both commands ended with exit code 0."""
+        return self.analyze_exit == self.conditions_exit == exits.FINE
+
+    def cells(self) -> tuple[str, ...]:
+        """The cells of its line in the table."""
+        exact = self.exact if self.fine else f"{self.exact}; exit codes {self.analyze_exit}, {self.conditions_exit}: " \
+                                             f"{self.reason}"  # fmt: skip
+        cpu = f"{self.analyze_cpu:.1f} + {self.conditions_cpu:.1f}"
+        return (f"`{self.name}`", self.about, self.families, self.explained, exact, self.near, cpu)
+
+
+def row_of(name: str, about: str, robot: Robot) -> Row:
+    """Analyse an arm and derive its conditions, both at default settings and from nothing."""
+    begun = process_time()
+    found = analyze(robot, fresh=True)
+    between = process_time()
+    derived = conditions(robot, fresh=True)
+    ended = process_time()
+    return Row(
+        name=name,
+        about=about,
+        families=families_per_corank(found),
+        explained=explained(found),
+        exact=exactness(found, derived),
+        near=", ".join(one.text for one in structure_of(derived.chain).near) or "–",
+        analyze_exit=exits.FINE if found.complete and found.verified else exits.UNEXPLAINED,
+        conditions_exit=exits.FINE if derived.verified else exits.UNEXPLAINED,
+        reason=_short(_reasons(found, derived)),
+        analyze_cpu=round(between - begun, 1),
+        conditions_cpu=round(ended - between, 1),
+    )
+
+
+def families_per_corank(found: Analysis) -> str:
+    """ "3/4/1"; "none" where the rank never drops."""
+    counts = [len(found.of_corank(one.corank)) for one in found.coranks if one.converged]
+    return "/".join(map(str, counts)) or "none"
+
+
+def explained(found: Analysis) -> str:
+    """The lowest share of fresh points explained, cut to three decimals: 1.000 means all."""
+    shares = [one.completeness for one in found.coranks if one.completeness.tested]
+    if not shares:
+        return "–"
+    return f"{min(int(1000 * one.explained / one.tested) for one in shares) / 1000:.3f}"
+
+
+def exactness(found: Analysis, derived: Conditions) -> str:
+    """Whether and how the exact conditions are known, and whether the analysis agrees."""
+    how = "letters" if derived.letters else "numbers"
+    if not derived.complete:
+        return "not complete"
+    if not derived.verified:
+        return f"{how}, not verified"
+    status = found.exact.status if found.exact is not None else AGREES
+    told = {AGREES: "", NOT_DERIVED: " (not within analyze's time)"}
+    return how + told.get(status, ", differs")
+
+
+def _reasons(found: Analysis, derived: Conditions) -> Iterable[str]:
+    """Why one of the two did not end well."""
+    for one in found.coranks:
+        if one.completeness.explained < one.completeness.tested:
+            yield f"corank {one.corank}: {one.completeness.explained} of {one.completeness.tested} points explained"
+    yield from (f"row {row.id} has no name" for row in found.families if not row.named)
+    for row in found.families:
+        if row.soundness.singular < row.soundness.tested:
+            yield f"row {row.id}: {row.soundness.singular} of {row.soundness.tested} solutions singular"
+    if found.exact is not None and not found.exact.holds:
+        yield from found.exact.disagreements or (found.exact.reason,)
+    yield from (*derived.left, *derived.disagreements)
+
+
+def _short(reasons: Iterable[str]) -> str:
+    text = "; ".join(reasons).replace("|", "∣")
+    return text if len(text) <= _REASON else text[: _REASON - 2] + " …"
+
+
+def skeletons() -> list[dict[str, str]]:
+    """The list of tests/data/arms: name, source, base, tip, joints."""
+    with (ARMS / "arms.csv").open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def catalogue_row(name: str) -> Row:
+    """The row of an arm of the catalogue."""
+    about = next(entry.about for entry in catalog_entries() if entry.name == name)
+    return row_of(name, about, open_robot(name))
+
+
+def skeleton_row(name: str) -> Row:
+    """The row of a skeleton."""
+    one = next(one for one in skeletons() if one["name"] == name)
+    robot = open_robot(ARMS / f"{name}.urdf", base=one["base"], tip=one["tip"])
+    return row_of(name, f"{one['joints']} joints, {one['source'].split('/')[0].replace('+', '/')}", robot)
+
+
+def measure(task: tuple[str, str]) -> str:
+    """Measure one arm, keep its row, and say how it went."""
+    kind, name = task
+    row = catalogue_row(name) if kind == "catalogue" else skeleton_row(name)
+    folder = KEPT / kind
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.json").write_text(json.dumps(asdict(row), ensure_ascii=False, indent=1), encoding="utf-8")
+    return f"{name}: {' | '.join(row.cells()[2:])}"
+
+
+def kept(kind: str, name: str) -> Row | None:
+    """What was measured of an arm, if it was."""
+    path = KEPT / kind / f"{name}.json"
+    return Row(**json.loads(path.read_text(encoding="utf-8"))) if path.is_file() else None
+
+
+def tasks() -> list[tuple[str, str]]:
+    """(which list, name) of every arm on the page."""
+    own = [("catalogue", entry.name) for entry in catalog_entries()]
+    return own + [("skeletons", one["name"]) for one in skeletons()]
+
+
+def table(rows: Iterable[Row]) -> list[str]:
+    """The rows in Markdown."""
+    lines = [f"| {' | '.join(HEADS)} |", "|---|---|---|---|---|---|---|"]
+    return lines + [f"| {' | '.join(row.cells())} |" for row in rows]
+
+
+def page() -> str:
+    """The whole page, from what was measured."""
+    found = {task: kept(*task) for task in tasks()}
+    missing = [name for (_, name), row in found.items() if row is None]
+    if missing:
+        raise SystemExit(f"not measured: {', '.join(missing)}")
+    rows = {kind: [row for (k, _), row in found.items() if k == kind and row] for kind in ("catalogue", "skeletons")}
+    parts = [INTRODUCTION.format(count=len(rows["skeletons"])), "## The catalogue", "", *table(rows["catalogue"]), ""]
+    fine = sum(row.fine for row in rows["skeletons"])
+    parts += ["## Arms from their makers' files", "",
+              f"{fine} of {len(rows['skeletons'])} end with exit code 0 from both commands; the reason stands with the "
+              "others. The files are in `tests/data/arms`, reduced to joints and links, their numbers word for word.",
+              "", *table(rows["skeletons"])]  # fmt: skip
+    return "\n".join(parts) + "\n"
+
+
+def main(arguments: list[str]) -> int:
+    """Measure, tell how far it is, write the page."""
+    named = {one for one in arguments if not one.startswith("--")}
+    wanted = [task for task in tasks() if task[1] in named]
+    if not named and "--page" not in arguments:
+        wanted = [task for task in tasks() if "--all" in arguments or kept(*task) is None]
+    with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
+        for done, told in enumerate(pool.imap_unordered(measure, wanted), 1):
+            print(f"{done}/{len(wanted)} {told}", flush=True)
+    PAGE.write_text(page(), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

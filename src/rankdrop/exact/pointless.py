@@ -37,8 +37,8 @@ def pointless(chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: i
         return []
     sets = "1 set that may be real has" if len(lost) == 1 else f"{len(lost)} sets that may be real have"
     return [
-        f"{sets} no point modulo 2^61 − 11913, by which sets are told apart: what singular configurations there are inside "
-        "is not known; letters for the lengths avoid this"
+        f"{sets} no point modulo 2^61 − 11913, by which sets are told apart: what singular configurations there are "
+        "inside is not known; letters for the lengths avoid this"
     ]
 
 

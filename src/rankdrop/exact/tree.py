@@ -129,11 +129,12 @@ def _explore(
                 drop = Drop(part, here)
                 if not any(part.inside(other.piece) for other in found if other.rank == here):
                     found.append(drop)
-            elif part.codimension < bound:
-                # the same set only: two sets might each leave their intersection to the other
-                if not any(part.codimension == other.codimension and part.inside(other) for other in seen):
-                    seen.append(part)
-                    waiting.append(part)
+            # the same set only: two sets might each leave their intersection to the other
+            elif part.codimension < bound and not any(
+                part.codimension == other.codimension and part.inside(other) for other in seen
+            ):
+                seen.append(part)
+                waiting.append(part)
         tree.pointless += [(part, order, part.codimension >= bound) for part in work.pointless.values()]
         work.pointless.clear()
         waiting.remove(piece)

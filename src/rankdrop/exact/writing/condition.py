@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from math import atan2, pi, tau
 
@@ -103,8 +104,9 @@ class Condition:
             shifts: θ_j = q_j + shifts[j − 1] [rad]; those of slides are 0.
         """
         found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
+        largest = self._largest
         for part in self.waves:
-            value, kind = float(part.number), "cos"
+            value, kind = float(part.number / largest), "cos"
             harmonics, powers = [0] * n, [0] * n
             for factor, power in part.factors:
                 if isinstance(factor, Wave):
@@ -123,6 +125,11 @@ class Condition:
         )
 
     @cached_property
+    def _largest(self) -> Fraction:
+        """The largest number of the Fourier form: whole numbers of a thousand digits are no floats."""
+        return max((abs(part.number) for part in self.waves), default=Fraction(1))
+
+    @cached_property
     def relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
         """(turns, value) of Σ turns_j θ_j = value where the condition says just that."""
         cosine = sine = 0.0
@@ -133,9 +140,9 @@ class Condition:
             one = part.factors[0][0]
             turns.add(one.turns)
             if one.kind == "cos":
-                cosine = float(part.number)
+                cosine = float(part.number / self._largest)
             else:
-                sine = float(part.number)
+                sine = float(part.number / self._largest)
         if len(turns) != 1:
             return None
         kept = turns.pop()

@@ -28,7 +28,6 @@ def conditions(
     arm: ArmOptions = NO_OPTIONS,
     method: str = "auto",
     lengths: str = "auto",
-    snap: float = 0.0,
     coranks: Whole | None = None,
     time_limit: float = 60.0,
     seed: Whole = 0,
@@ -68,7 +67,6 @@ def conditions(
         method: For corank 1: auto, decoupling, suppression, tree, determinant, cofactors, decomposition, reciprocity or
             singular-vector. All give the same set.
         lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
-        snap: Lengths up to this are taken for zero [m].
         coranks: The highest corank to derive; else all.
         time_limit: Seconds; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
@@ -100,10 +98,10 @@ def conditions(
     model, task = open_arm(robot, arm)
     letters = lengths_of(lengths)
     question = Question(model, test, flags, from_, to, deg=deg)
-    question.check(exact_chain(model, task, lengths=letters, snap=snap))
+    question.check(exact_chain(model, task, lengths=letters))
     with reporter(quiet=quiet) as report:
         found = run(
-            model, task, method=method, lengths=letters, snap=snap, seconds=time_limit, seed=seed, points=points,
+            model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
             coranks=1 if question and coranks is None else coranks, steps=steps, special=not question,
             fresh=fresh, progress=report,
         )  # fmt: skip

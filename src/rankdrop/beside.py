@@ -18,6 +18,7 @@ from rankdrop.atlas.equation import Equation
 from rankdrop.atlas.members import lies, wrapped
 from rankdrop.atlas.system import System
 from rankdrop.atlas.unit import rescaled, slides_of
+from rankdrop.explanation.data import ExplanationData
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.record import Record, plain, robot_to_dict
@@ -33,8 +34,8 @@ from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metre
 
 POINTS = 200
 """Of each family, at most: σ is known to a few percent by then."""
-SEARCHED = 5
-"""Of them whose nearest singular configuration is looked for, a tenth of a second each at most."""
+SEARCHED = 20
+"""Of them whose nearest singular configuration is looked for: some milliseconds each."""
 _STARTS = 32  # of each of these searches: q itself is nearly singular, and most of them end there
 
 
@@ -85,6 +86,25 @@ class Nearby:
     singular: int
     searched: int
     distance: Spread | None
+
+
+@dataclass(frozen=True, slots=True)
+class Here:
+    """The arm itself, at one configuration and where the ideal arm is singular next to it.
+
+    Attributes:
+        number: counted from 1, of the largest singular value that vanishes for the ideal arm there.
+        sigma: it, of the arm itself, at the configuration [1].
+        distance: from there to where the ideal arm is singular [rad]; 0 where it is so here, None where none was found.
+        q: (n,) that place [rad, m].
+        there: the singular value of the arm itself there [1].
+    """
+
+    number: int
+    sigma: float
+    distance: float | None
+    q: tuple[float, ...] | None
+    there: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +159,7 @@ def idealised(robot: Robot, tolerance: Tolerance) -> Idealised:
     """
     found, changes = ideal_of(robot, length=tolerance.length, angle=tolerance.angle)
     if changes:
-        found = replace(found, notes=(*found.notes, _note(tolerance, changes)))
+        found = replace(found, name=f"{robot.name}_ideal", notes=(*found.notes, _note(tolerance, changes)))
     return Idealised(robot, found, tolerance, changes)
 
 
@@ -169,9 +189,9 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Place], *, seed: int =
         >>> from rankdrop.robot.ideal import read_tolerance
         >>> from rankdrop.robot.open import open_robot
         >>> arm = idealised(open_robot("gen3_6dof"), read_tolerance("1.1mm"))
-        >>> wrist = nearby(arm, analyze(arm.ideal, starts=300).task, analyze(arm.ideal, starts=300).of_corank(1))
-        >>> all(0 < one.sigma.median < 1e-2 for one in wrist if "wrist" in one.name)
-        True
+        >>> found = analyze(arm.ideal, starts=300, exact="off")
+        >>> [(one.id, one.sigma.median < 1e-3) for one in nearby(arm, found.task, found.of_corank(1))]
+        [('k1.f1', True), ('k1.f2', True), ('k1.f3', True)]
     """
     plain_task = task_in_metres(replace(task, length_scale=task.scale(arm.ideal)), arm.ideal)
     real, model = in_metres(arm.real), in_metres(arm.ideal)
@@ -184,7 +204,7 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Place], *, seed: int =
 def _points(given: Robot, model: Robot, task: Task, family: Place, seed: int) -> Array:
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
-    equations = [rescaled(one, slides_of(given), power) for one in family.equations]
+    equations = tuple(rescaled(one, slides_of(given), power) for one in family.equations)
     found = np.empty((0, model.n))
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
@@ -211,14 +231,47 @@ def _spread(values: ArrayLike) -> Spread:
     return Spread(float(x.min()), float(np.median(x)), float(x.max()))
 
 
-def sections_of(arm: Idealised, nearby: Sequence[Nearby] = ()) -> tuple[Section, ...]:
-    """What was moved, and what the arm itself does there, as tables."""
+def here(arm: Idealised, found: ExplanationData) -> Here:
+    """The arm itself at the configuration explained, and where the ideal arm is singular next to it.
+
+    Args:
+        arm: from `idealised`.
+        found: the explanation of `arm.ideal`.
+    """
+    r, task = found.rank.generic_rank, task_in_metres(found.task, arm.ideal)
+    corank, q, distance = found.rank.corank, found.q, 0.0
+    if not corank and found.far.nearest is not None:
+        nearest = found.far.nearest
+        corank, q, distance = nearest.corank, np.array(nearest.q), nearest.distance
+    number = max(r - max(corank, 1) + 1, 1)
+    rows = into_metres(arm.real, np.stack([found.q, q]))
+    sigma = singular_values(in_metres(arm.real), rows, task)[:, number - 1]
+    if not corank:
+        return Here(number, float(sigma[0]), None, None, None)
+    return Here(number, float(sigma[0]), distance, tuple(q.tolist()), float(sigma[1]))
+
+
+def here_section(arm: Idealised, here: Here) -> Section:
+    """The same in two lines."""
+    name = f"σ{here.number}"
+    lines = [f"{name} of the arm itself here: {_short(here.sigma)}"]
+    if here.distance is None or here.there is None:
+        lines.insert(0, "no singular configuration of the ideal arm was found from here")
+    elif here.distance == 0.0:
+        lines = [f"the ideal arm is singular here; this arm's {name} here is {_short(here.there)}"]
+    else:
+        away = f"{np.degrees(here.distance):.2g}° from here"
+        lines.insert(0, f"the ideal arm is singular {away}; this arm's {name} there is {_short(here.there)}")
+    return Section("Ideal arm", "" if arm.changes else arm.moved, tuple(lines))
+
+
+def moved_section(arm: Idealised) -> Section:
+    """What was moved, and by how much."""
     rows = tuple((one.name, ", ".join(map(str, one.joints)), *_moved(one)) for one in arm.changes)
-    moved = Section(
+    return Section(
         "Ideal arm", arm.moved, columns=("number", "joints", "from", "to", "by") if rows else (), rows=rows,
         texts=(0, 1), notes=("what is not listed is as it was",) if rows else (),
     )  # fmt: skip
-    return (moved, there_section(nearby)) if nearby else (moved,)
 
 
 def there_section(nearby: Sequence[Nearby]) -> Section:

@@ -43,15 +43,24 @@ class Place(Protocol):
     """What is read of a family, numeric or exact."""
 
     @property
-    def id(self) -> str: ...
+    def id(self) -> str:
+        """"k1.f1"."""
+
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """In words."""
+
     @property
-    def corank(self) -> int: ...
+    def corank(self) -> int:
+        """Rank lost on it."""
+
     @property
-    def equations(self) -> tuple[Equation, ...]: ...
+    def equations(self) -> tuple[Equation, ...]:
+        """All that has to hold."""
+
     @property
-    def witness(self) -> tuple[float, ...]: ...
+    def witness(self) -> tuple[float, ...]:
+        """A configuration on it."""
 
 
 @dataclass(frozen=True, slots=True)

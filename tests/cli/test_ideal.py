@@ -59,7 +59,8 @@ def test_conditions_of_the_ideal_arm_with_what_the_arm_itself_does(run, tmp_path
 
 
 def test_analyze_a_calibrated_arm_as_its_drawing(run) -> None:
-    ended = run("analyze", CALIBRATED, "--ideal", TOLERANCE, "--starts", "500", "--exact", "off", "--quiet", "--json", "-")
+    options = ("--starts", "500", "--exact", "off", "--quiet", "--json", "-")
+    ended = run("analyze", CALIBRATED, "--ideal", TOLERANCE, *options)
     record = json.loads(ended.out)
     assert [row["corank"] for row in record["families"]].count(1) == 3
     assert len(record["ideal"]["families"]) == len(record["families"])

@@ -11,8 +11,9 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice
+from math import prod
 
-from rankdrop.exact.algebra.effort import tick
+from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import P, reduced
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
@@ -21,9 +22,11 @@ from rankdrop.exact.algebra.work import Work
 _EACH = 6  # polynomials kept of those in the same variables
 _LENGTH = 1_000_000  # letters stand at random whole numbers up to this
 _MINORS = 400  # of all choices of rows and columns
-_TERMS = 6_000  # of a resultant that is kept
+_TERMS = 6_000  # that a resultant may have
 _COST = {1: 10**6, 2: 60_000, 3: 4_000}  # product of the numbers of terms of two polynomials, by their variables
 _ROUNDS = 5  # eliminations behind one another: one for each joint but one
+_SINGLE = 40  # degree of a polynomial in one variable that is put into others
+_LIMIT = 3.0  # work after which there is no proof [s]
 _SEED = 61
 
 
@@ -53,18 +56,20 @@ def barren(
     known = _Known(ring)
     lengths = {name: rng.randrange(1, _LENGTH) for name in ring.letters}
     for f in conditions:
-        known.add(turned.half(f.subs(lengths)))
+        known.add(turned.half(f.subs(lengths), [int(d) for d in f.degrees()]))
     here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
+    until = spent() + _LIMIT
     for minor in islice(_minors(ring, here, order), _MINORS):
         work.check()
-        known.add(turned.half(ring.to_half(minor)[0]))
+        f, degree = ring.to_half(minor)
+        known.add(turned.half(f, [2 * int(d) for d in degree]))  # of a lower degree it vanishes at π, too
         if known.barren:
             return True
     for _ in range(_ROUNDS):
-        fresh = list(known.eliminated(work))
+        fresh = list(known.eliminated(work, until))
         if known.barren:
             return True
-        if not fresh:
+        if not fresh or spent() > until:
             break
     return False
 
@@ -94,14 +99,14 @@ class _Turned:
             self._bottoms.append(1 - gens[k] * u)
         self._slides = gens[ring.angles :]
 
-    def half(self, f: Polynomial) -> Polynomial:
-        """f · Π (1 − u_j t_j)^degree at the turned angles."""
-        degrees = [int(d) for d in f.degrees()[: self._angles]]
+    def half(self, f: Polynomial, degrees: Sequence[int]) -> Polynomial:
+        """f · Π (1 − u_j t_j)^degree at the turned angles; the degrees are those it counts for."""
+        degrees = degrees[: self._angles]
         powers: dict[tuple[int, int], Polynomial] = {}
         one = self.context.constant(1)
         total = self.context.constant(0)
         g = reduced(f)
-        tick(20 + 40 * len(f))
+        tick(20 + 12 * len(f))
         for e, value in g.to_dict().items():
             term = one * int(value)
             for k, degree in enumerate(degrees):
@@ -164,25 +169,34 @@ class _Known:
                 f = quotient
         return f
 
-    def eliminated(self, work: Work) -> Iterator[Polynomial]:
-        """Resultants of pairs in few variables together, which are kept as well."""
+    def eliminated(self, work: Work, until: float) -> Iterator[Polynomial]:
+        """Resultants of pairs in few variables together, which are kept as well; none begun after so much work."""
         names = [str(g) for g in (self._kept[0].context().gens() if self._kept else ())]
-        singles = list(self._single.values())
+        singles = [f for f in self._single.values() if f.total_degree() <= _SINGLE]
         pool = sorted([*singles, *self._kept], key=len)
         pairs = []
         for f, g in combinations(pool, 2):
             one, two = ({k for k in range(self._moving) if h.degrees()[k]} for h in (f, g))
             if one & two and len(f) * len(g) <= _COST.get(len(one | two), 0):
-                pairs += [(len(one | two), len(f) * len(g), f, g, k) for k in one & two]
+                pairs += [(len(one | two), len(f) * len(g), f, g, k) for k in one & two if _size(f, g, k) <= _TERMS]
         for _, cost, f, g, k in sorted(pairs, key=lambda pair: pair[:2]):
             key = (id(f), id(g), k)
             if key in self._tried:
                 continue
             self._tried.add(key)
             work.check()
+            if f.gcd(g).total_degree() > 0:
+                continue  # the resultant is zero
             both = f.resultant(g, names[k])
-            tick(50 + 3 * cost + 5 * len(both))
+            tick(50 + 1.5 * cost + 2 * _size(f, g, k))
             if self.add(both):
                 yield both
-            if self.barren:
+            if self.barren or spent() > until:
                 return
+
+
+def _size(f: Polynomial, g: Polynomial, place: int) -> int:
+    """Number of terms that the resultant of two polynomials may have."""
+    one, two = (list(map(int, h.degrees())) for h in (f, g))
+    a, b = one[place], two[place]
+    return prod(1 + b * x + a * y for k, (x, y) in enumerate(zip(one, two, strict=True)) if k != place)

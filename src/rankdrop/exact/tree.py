@@ -15,15 +15,18 @@ from itertools import combinations, islice
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.barren import barren
 
 _STAGE = 0.5  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
 _TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
+_FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds
 _SHORT = 4  # a minor with so short factors is taken at once
 
 
@@ -75,6 +78,8 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     for order in range(generic, lowest, -1):
         waiting = [whole]
         try:
+            if order < generic and barren(chain.ring, chain.columns, order, {}, (), work):
+                break  # nowhere is the rank as low
             with work.share(1.0 if order == lowest + 1 else _STAGE):
                 _explore(chain.columns, order, waiting, found, tree, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
@@ -120,6 +125,9 @@ def _explore(
     while waiting:
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
+        if piece.several and piece.codimension > 2 and barren(piece.ring, columns, order, piece.pins, piece.equations, work):
+            waiting.remove(piece)  # nothing inside it is of a lower rank
+            continue
         minors = _chosen(columns, piece, order, work)
         last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
         cuts = with_points(meet(piece, minors, work) if last else cut(piece, minors[0], work), work)
@@ -164,7 +172,7 @@ def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Ite
         return
     ring = piece.ring
     remaining: Variety | None = piece
-    for atom, _ in ring.factor(_parting(columns, piece, ranks, work)).atoms:
+    for atom in _atoms(ring, _parting(columns, piece, ranks, work)):
         if remaining is None or atom.value == "pi":
             continue  # sets with a further joint at π have been taken apart from this one
         whole = remaining
@@ -175,6 +183,14 @@ def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Ite
             yield from _by_rank(columns, part, work)
     if remaining is not None:
         yield remaining
+
+
+def _atoms(ring: Ring, minor: Polynomial) -> list[Atom]:
+    """The irreducible conditions under one of which a minor vanishes; a very long one as it stands."""
+    if len(minor) <= _FACTORED:
+        return [atom for atom, _ in ring.factor(minor).atoms]
+    f = primitive(ring.to_half(minor)[0])
+    return [Atom(0, "", f, str(f))]
 
 
 def _parting(columns: list[list[Polynomial]], piece: Variety, ranks: list[int], work: Work) -> Polynomial:
@@ -243,5 +259,7 @@ def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int,
 
 
 def _weight(piece: Variety, minor: Polynomial) -> int:
+    if len(minor) > _FACTORED:
+        return len(minor)
     atoms: list[tuple[Atom, int]] = list(piece.ring.factor(minor).atoms)
     return sum(atom.weight for atom, _ in atoms)

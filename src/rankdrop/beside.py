@@ -278,8 +278,9 @@ def moved_section(arm: Idealised) -> Section:
     """What was moved, and by how much."""
     rows = tuple((one.name, ", ".join(map(str, one.joints)), *_moved(one)) for one in arm.changes)
     return Section(
-        "Ideal arm", arm.moved, columns=("number", "joints", "from", "to", "by") if rows else (), rows=rows,
-        texts=(0, 1), notes=("what is not listed is as it was",) if rows else (),
+        "What was moved", "" if rows else arm.moved,
+        columns=("number", "joints", "from", "to", "by") if rows else (), rows=rows, texts=(0, 1),
+        notes=("what is not listed is as it was",) if rows else (),
     )  # fmt: skip
 
 
@@ -314,7 +315,7 @@ def _away(one: Nearby) -> tuple[str, str]:
 
 
 def _degrees(distance: float) -> str:
-    return f"{np.degrees(distance):.2g}°" if distance > DEFAULT.singular else "0°"
+    return f"{np.degrees(distance):.2g}°".replace("-", "−") if distance > DEFAULT.singular else "0°"
 
 
 def _short(value: float) -> str:

@@ -29,7 +29,7 @@ NEAR = {
     "jaka_pro12": 2.6e-4, "jaka_s5": 2.6e-4, "jaka_zu20": 2.6e-4, "kr10r1420": 0.02, "kr210l150": 9.8e-4,
     "m0609": 0.0062, "m1n6s200": 0.007, "piper": 8.8e-5, "rml63": 1.1e-4, "so101": 1.8e-4, "vs060": 0.01,
 }  # fmt: skip
-"""Arms of the catalogue with a small offset, by design or in their makers' files: the largest that an ideal arm lacks."""
+"""Arms of the catalogue with a small offset, by design or in their makers' files: an ideal arm lacks it [m]."""
 CALIBRATED = 1e-3, 3e-4  # rad, m: how far a calibrated arm is from its drawing
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -104,9 +104,9 @@ class Condition:
             shifts: θ_j = q_j + shifts[j − 1] [rad]; those of slides are 0.
         """
         found: dict[tuple[str, tuple[int, ...], tuple[int, ...]], float] = {}
-        unit = _power_of_two(part.number for part in self.waves)
+        largest = self._largest
         for part in self.waves:
-            value, kind = float(part.number * unit), "cos"
+            value, kind = float(part.number / largest), "cos"
             harmonics, powers = [0] * n, [0] * n
             for factor, power in part.factors:
                 if isinstance(factor, Wave):
@@ -125,20 +125,24 @@ class Condition:
         )
 
     @cached_property
+    def _largest(self) -> Fraction:
+        """The largest number of the Fourier form: whole numbers of a thousand digits are no floats."""
+        return max((abs(part.number) for part in self.waves), default=Fraction(1))
+
+    @cached_property
     def relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:
         """(turns, value) of Σ turns_j θ_j = value where the condition says just that."""
         cosine = sine = 0.0
         turns: set[tuple[tuple[int, int], ...]] = set()
-        unit = _power_of_two(part.number for part in self.waves)
         for part in self.waves:
             if len(part.factors) != 1 or not isinstance(part.factors[0][0], Wave):
                 return None
             one = part.factors[0][0]
             turns.add(one.turns)
             if one.kind == "cos":
-                cosine = float(part.number * unit)
+                cosine = float(part.number / self._largest)
             else:
-                sine = float(part.number * unit)
+                sine = float(part.number / self._largest)
         if len(turns) != 1:
             return None
         kept = turns.pop()
@@ -159,15 +163,6 @@ class Condition:
         value = -rest / slope
         sign = notation.minus if value < 0 else ""
         return f"{name.format(j)} = {sign}{notation.number(abs(value))}" + (unit if value else "")
-
-
-def _power_of_two(numbers: Iterable[Fraction]) -> Fraction:
-    """What brings the largest of them near 1: those of calibrated arms have more digits than a float has range.
-
-    A power of two, so that every ratio keeps its last bit.
-    """
-    bits = max((abs(one.numerator).bit_length() - one.denominator.bit_length() for one in numbers), default=0)
-    return Fraction(1, 2**bits) if bits >= 0 else Fraction(2**-bits)
 
 
 def _phase(harmonics: Sequence[int], shifts: Sequence[float] | None) -> float:

@@ -2,8 +2,8 @@
 
 Where the rank is lower than r every minor of order r vanishes, so every resultant of two of them does, and every
 resultant of these, down to polynomials in one variable. If these have no common zero but t = ±i, where no configuration
-is, there is none. All is done modulo P with every angle turned by a random one, so that no solution stands at θ = π, where
-half-angle tangents are infinite, and with letters at random values: what is shown holds for almost all lengths.
+is, there is none. All is done modulo P with every angle turned by a random one, so that no solution stands at θ = π,
+where half-angle tangents are infinite, and with letters at random values: what is shown holds for almost all lengths.
 """
 
 from __future__ import annotations

@@ -125,7 +125,8 @@ def _explore(
     while waiting:
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
-        if piece.several and piece.codimension > 2 and barren(piece.ring, columns, order, piece.pins, piece.equations, work):
+        hard = piece.several and piece.codimension > 2
+        if hard and barren(piece.ring, columns, order, piece.pins, piece.equations, work):
             waiting.remove(piece)  # nothing inside it is of a lower rank
             continue
         minors = _chosen(columns, piece, order, work)

@@ -71,7 +71,7 @@ def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: rando
         for place in range(system[0].context().nvars())
     ]
     sliced = sorted((reduced(f).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree()))
-    tick(sum(20 + len(f) + (len(g) * len(sliced[0]) if dimension == 2 else 0) for f, g in zip(system, sliced, strict=True)))
+    tick(sum(20 + len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
         return False if common.is_constant() else (True if roots(dense(common, 0)) else None)

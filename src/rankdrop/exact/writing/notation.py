@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from decimal import Decimal
 from fractions import Fraction
 from math import pi
 
@@ -121,7 +122,9 @@ def _rescaled(form: Product, exact: bool, every: bool) -> Product:
 def _readable(value: Fraction) -> str:
     if value.denominator == 1 and value.numerator <= LONG:
         return str(value.numerator)
-    short = f"{float(value):.{DIGITS}g}"
+    short = f"{Decimal(value.numerator) / Decimal(value.denominator):.{DIGITS}g}".replace("e+", "e")
+    if "e" not in short:
+        short = f"{float(value):.{DIGITS}g}"  # without zeros at the end
     if value.denominator > 1 and Fraction(short) != value and value.denominator <= 12:
         return f"{value.numerator}/{value.denominator}"
     return short

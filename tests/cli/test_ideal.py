@@ -116,4 +116,4 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
     assert "this arm is within 0.45 mm, 0.094° of one with axes 2, 3, 4 parallel" in text
     assert "see --ideal 0.46mm,0.095deg" in text
     assert max(map(len, ended.out.splitlines())) <= 100
-    assert len(ended.out.splitlines()) < 400
+    assert len(ended.out.splitlines()) < 380

@@ -39,7 +39,7 @@ POINTS = 1000
 MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
-_LETTERS = 0.35  # of the time left that the tree may take with letters that nobody asked for
+_LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
 _PLAIN = ("auto", "auto", None, 0, POINTS, True, False)  # what the shipped conditions answer
 
 

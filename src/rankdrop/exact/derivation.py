@@ -84,12 +84,20 @@ def corank_one(
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
-        return _suppressed(chain, reason, tree, work, steps)
+        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    return _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
+    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
+    return _by_tree_if_open(compared, method, tree)
+
+
+def _by_tree_if_open(found: CorankOne, asked: str, tree: Tree) -> CorankOne:
+    """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
+    if asked != "auto" or not found.left or found.disagreements or not tree.complete:
+        return found
+    return CorankOne("tree", f"{found.reason}; the method {found.method} was tried and did not finish", found.steps)
 
 
 def _tree_lines(tree: Tree) -> tuple[str, ...]:
@@ -143,7 +151,7 @@ def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
     told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
-    left = tuple(f"suppression did not finish {one}" for one in found.left)
+    left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
 

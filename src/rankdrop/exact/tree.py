@@ -23,7 +23,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.barren import barren
 
-_STAGE = 0.5  # share of the time left that one rank may take
+_STAGE = 0.7  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
 _TOGETHER = 4  # minors that vanish together on a last set: more conditions show sooner that there is none
 _FACTORED = 150  # terms of a trigonometric minor that is factored to tell sets apart: longer ones take seconds

@@ -14,6 +14,9 @@ from rankdrop.units import exponent, shifted
 MANY = 14
 """More different lengths than this stay numbers unless letters are asked for."""
 
+ODD = 1
+"""Different twists that are no quarter turns, such as the 60° of a wrist, beyond which lengths stay numbers."""
+
 Place = tuple[int, str]
 """(index of a section, "a" or "d")."""
 
@@ -97,9 +100,10 @@ def _values(found: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Pl
 
 
 def _without_structure(found: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
-    """Whether letters would make conditions too long: twists that are no quarter turns, or too many lengths."""
+    """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
     turns = [t for s in found for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
-    return len({abs(value) for value in values.values()}) > MANY or any(t.quarters is None for t in turns)
+    odd = {abs(t.sin) for t in turns if t.quarters is None}
+    return len({abs(value) for value in values.values()}) > MANY or len(odd) > ODD
 
 
 def _free(name: str, taken: Container[str]) -> str:

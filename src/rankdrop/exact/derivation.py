@@ -27,6 +27,7 @@ from rankdrop.units import out_of_units
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
 """What can be asked for."""
 _SHOWN = 40  # conditions that are printed
+_LONG = 400  # terms of a condition beyond which the methods done by hand take minutes
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
@@ -82,6 +83,10 @@ def corank_one(
     if found is not None:
         return _decoupled(chain, found, tree, steps)
     six = chain.task.rows == (0, 1, 2, 3, 4, 5)
+    longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
+    if method == "auto" and tree.complete and longest > _LONG:
+        reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
+        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
         return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)

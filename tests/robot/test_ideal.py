@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from known.arms import KINDS
 from reference.kinematics import pose
 
 from rankdrop.errors import OptionError
@@ -19,7 +20,7 @@ from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, s
 from rankdrop.robot.model import Robot
 from rankdrop.robot.normals import extent
 from rankdrop.robot.numbers import numbers_of
-from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.open import open_robot
 from rankdrop.tolerances import SQUARE
 from robot.test_structure import noisy
 
@@ -77,7 +78,7 @@ def test_a_length_beyond_a_tenth_of_the_arm_makes_another_arm() -> None:
     assert "up to" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
     found, changes = ideal(noisy(arm, rng, *CALIBRATED), length=1e-3, angle=radians(0.5))
@@ -139,9 +140,31 @@ def test_what_was_moved_is_told_with_its_joints() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [name for name in robot_names() if name != "gen3"])
-def test_arms_of_the_catalogue_are_near_no_other(name: str) -> None:
+@pytest.mark.parametrize("name", [name for name in KINDS if name != "gen3"])
+def test_most_arms_are_near_no_other(name: str) -> None:
     assert near_ideal(open_robot(name)) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "gained", "millimetres"),
+    [
+        ("kr10r1420", ("axes 3 and 4 meeting",), 20.0), ("vs060", ("axes 3 and 4 meeting",), 10.0),
+        ("baxter", ("a spherical wrist",), 10.0), ("piper", ("a spherical wrist",), 0.088259),
+        ("rml63", ("a spherical wrist",), 0.10734), ("jaka_s5", ("axes 5 and 6 meeting",), 0.26137),
+        ("gen3_6dof", ("a spherical wrist", "no offset along axes 2 and 3"), 1.0),
+        ("j2n7s300", ("a spherical shoulder", "axes 3, 4, 5 in one point"), 11.4),
+        ("h2017", ("no offset along axes 2 and 3",), 9.9), ("kr210l150", ("no offset along axes 2 and 3",), 0.976),
+        ("so101", ("no offset along axes 2, 3, 4",), 0.1778),
+    ],
+)  # fmt: skip
+def test_arms_with_a_small_offset_by_design_or_by_calibration_are_told(
+    name: str, gained: tuple[str, ...], millimetres: float
+) -> None:
+    near = near_ideal(open_robot(name))
+    assert near is not None
+    assert near.gained == gained
+    assert near.length == pytest.approx(millimetres * 1e-3)
+    assert near.angle == 0.0
 
 
 def wrist(a: float = 0.0, d: float = 0.0, twist: float = 0.0) -> Robot:

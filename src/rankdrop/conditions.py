@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
 from time import monotonic
 
 from rankdrop._handles import check_robot
@@ -41,7 +40,7 @@ MOST_POINTS = 100_000
 """More of them take longer than any derivation."""
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
-_PLAIN = ("auto", "auto", 0.0, None, 0, POINTS, True, False)  # what the shipped conditions answer
+_PLAIN = ("auto", "auto", None, 0, POINTS, True, False)  # what the shipped conditions answer
 
 
 def conditions(
@@ -50,7 +49,6 @@ def conditions(
     *,
     method: str = "auto",
     lengths: str | Mapping[str, float] = "auto",
-    snap: float = 0.0,
     coranks: int | None = None,
     seconds: float = 60.0,
     seed: int = 0,
@@ -73,7 +71,6 @@ def conditions(
         method: for corank 1: "auto", or one of `METHODS`; the result says what was chosen and why. All give the same
             set. Every corank above comes from the rank tree.
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
-        snap: lengths up to this are taken for zero [m].
         coranks: the highest corank to derive; None for all.
         seconds: limit by the clock. A third of it is the limit on the work done, counted in steps, so that the result
             is the same on a machine three times as busy. What was derived by then is returned, and what is left is
@@ -101,8 +98,8 @@ def conditions(
         [('θ2 = 0 or π',)]
     """
     check_robot(robot)
-    _check(method, coranks, seconds, points, snap, seed)
-    asked_plainly = (method, lengths, snap, coranks, seed, points, special, steps) == _PLAIN
+    _check(method, coranks, seconds, points, seed)
+    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN
     if asked_plainly and not fresh:
         anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
         shipped = known_conditions(robot, task, anew=anew)
@@ -110,7 +107,7 @@ def conditions(
             return replace(shipped, settings=replace(shipped.settings, seconds=seconds))
     begun = monotonic()
     work = Work(seconds / WALL, seed, progress)
-    asked = exact_chain(robot, task, lengths=lengths, snap=snap)
+    asked = exact_chain(robot, task, lengths=lengths)
     check_method(asked, method)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
@@ -145,14 +142,14 @@ def conditions(
         left=tuple(left),
         seconds=monotonic() - begun,
         settings=ConditionSettings(
-            method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), snap=snap, coranks=coranks,
+            method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), coranks=coranks,
             seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
         ),
         chain=chain,
     )  # fmt: skip
 
 
-def _check(method: str, coranks: int | None, seconds: float, points: int, snap: float, seed: int) -> None:
+def _check(method: str, coranks: int | None, seconds: float, points: int, seed: int) -> None:
     if method not in METHODS:
         raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if coranks is not None and coranks < 1:
@@ -161,8 +158,6 @@ def _check(method: str, coranks: int | None, seconds: float, points: int, snap: 
         raise OptionError("the time limit is positive", where="seconds", got=seconds)
     if not 0 <= points <= MOST_POINTS:
         raise OptionError("points is outside the range", got=points, allowed=f"0 … {MOST_POINTS}")
-    if not 0 <= snap < inf:
-        raise OptionError("a length to snap is not negative", where="snap", got=snap)
     check_numbers(1, seed, 0)
 
 

@@ -303,7 +303,6 @@ def test_flags_of_a_redundant_arm_are_refused(pa10: Conditions) -> None:
         (("puma560", "--coranks", "0"), "at least 1"),
         (("puma560", "--points", "-1"), "0 … 100000"),
         (("puma560", "--seed", "-1"), "seed is outside the range"),
-        (("puma560", "--snap", "-1"), "not negative"),
         (("puma560", "--lengths", "x=3"), "a2 = 0.4318 m"),
         (("puma560", "--lengths", "a=0.4318,a=1"), "each letter once"),
         (("puma560", "--lengths", "a=long"), "the unit is not one that fits"),

@@ -122,14 +122,6 @@ def test_equal_lengths_share_a_letter_with_their_sign() -> None:
     assert_exact(robot, "position")
 
 
-def test_short_lengths_are_taken_for_zero_on_request_and_said() -> None:
-    robot = standard_dh("nearly", [(0.001, HALF, 0.1, 0), (0.4, 0, 0, 0), (0.3, HALF, 0.002, 0), (0, 0, 0.1, 0)])
-    assert not exact_chain(robot, "position").remarks
-    chain = exact_chain(robot, "position", snap=0.005)
-    assert any("taken as 0" in remark for remark in chain.remarks)
-    assert len(chain.letters) < len(exact_chain(robot, "position").letters)
-
-
 @pytest.mark.parametrize("angle", [0.0, HALF, -HALF, pi, -pi, 0.3, -2.9, 1e-8])
 def test_a_turn_is_exact_and_says_its_error(angle: float) -> None:
     found = turn(angle)

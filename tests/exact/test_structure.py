@@ -76,14 +76,6 @@ def test_near_structures_of_gen3_are_told_in_millimetres():
     assert near[5, 6, 7].miss == pytest.approx(0.00035, abs=1e-5)
 
 
-def test_snapped_lengths_make_the_structure_and_are_told():
-    structure = structure_of(exact_chain(open_robot("gen3"), snap=0.013))
-    assert structure.srs
-    assert not structure.near
-    assert any("taken as 0" in sentence for sentence in structure.sentences())
-    assert any("within 1e-06 rad" in sentence for sentence in structure.sentences())
-
-
 def test_an_offset_far_from_zero_is_no_near_structure():
     assert structure_of(exact_chain(open_robot("panda"))).near == ()
 

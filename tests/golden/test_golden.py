@@ -38,6 +38,8 @@ CONDITIONS = {
     "steps-100.txt": (
         100, "conditions canadarm2 --steps --coranks 1 --points 200 --lengths a=0.635,c=0.504,d=6.85 --quiet",
     ),
+    "ideal-100.txt": (100, "conditions gen3 --ideal 13mm --quiet"),
+    "ideal-explain-80.txt": (80, "explain gen3_6dof --ideal 1.1mm --q 0.1,0.5,1,0.3,0.01,0.2"),
     "test-80.txt": (80, "conditions puma560 --quiet --test 'sin(q5)*(a3*sin(q3)+d4*cos(q3))'"),
 }  # fmt: skip
 

@@ -20,10 +20,17 @@ from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, s
 from rankdrop.robot.model import Robot
 from rankdrop.robot.normals import extent
 from rankdrop.robot.numbers import numbers_of
-from rankdrop.robot.open import open_robot
+from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.tolerances import SQUARE
 from robot.test_structure import noisy
 
+NEAR = {
+    "baxter": 0.01, "gen3": 0.01275, "gen3_6dof": 0.001, "gen3_lite": 0.01, "h2017": 0.0099, "h2515": 0.0099,
+    "irb6640": 0.011, "j2n6s300": 0.0098, "j2n7s300": 0.011, "j2s6s300": 0.0098, "j2s7s300": 0.011,
+    "jaka_pro12": 2.6e-4, "jaka_s5": 2.6e-4, "jaka_zu20": 2.6e-4, "kr10r1420": 0.02, "kr210l150": 9.8e-4,
+    "m0609": 0.0062, "m1n6s200": 0.007, "piper": 8.8e-5, "rml63": 1.1e-4, "so101": 1.8e-4, "vs060": 0.01,
+}  # fmt: skip
+"""Arms of the catalogue with a small offset, by design or in their makers' files: an ideal arm lacks it [m]."""
 CALIBRATED = 1e-3, 3e-4  # rad, m: how far a calibrated arm is from its drawing
 
 
@@ -84,7 +91,7 @@ def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.ra
     found, changes = ideal(noisy(arm, rng, *CALIBRATED), length=1e-3, angle=radians(0.5))
     assert ideal(found, length=1e-3, angle=radians(0.5))[0] is found
     assert changes
-    if name != "gen3":  # its 0.35 mm go too
+    if NEAR.get(name, 1.0) > 1e-3 and name != "gen3":  # offsets below the tolerance, and Gen3's 0.35 mm, go too
         assert structure_words(arm) == structure_words(found)
     if name not in ("rcrrrr", "fetch8"):  # frames far from the axes, a link of 33 mm: small turns of them are long ways
         assert all(change.by < (0.005 if change.turns else 1.5e-3) for change in changes)
@@ -140,31 +147,15 @@ def test_what_was_moved_is_told_with_its_joints() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [name for name in KINDS if name != "gen3"])
-def test_most_arms_are_near_no_other(name: str) -> None:
-    assert near_ideal(open_robot(name)) is None
-
-
-@pytest.mark.parametrize(
-    ("name", "gained", "millimetres"),
-    [
-        ("kr10r1420", ("axes 3 and 4 meeting",), 20.0), ("vs060", ("axes 3 and 4 meeting",), 10.0),
-        ("baxter", ("a spherical wrist",), 10.0), ("piper", ("a spherical wrist",), 0.088259),
-        ("rml63", ("a spherical wrist",), 0.10734), ("jaka_s5", ("axes 5 and 6 meeting",), 0.26137),
-        ("gen3_6dof", ("a spherical wrist", "no offset along axes 2 and 3"), 1.0),
-        ("j2n7s300", ("a spherical shoulder", "axes 3, 4, 5 in one point"), 11.4),
-        ("h2017", ("no offset along axes 2 and 3",), 9.9), ("kr210l150", ("no offset along axes 2 and 3",), 0.976),
-        ("so101", ("no offset along axes 2, 3, 4",), 0.1778),
-    ],
-)  # fmt: skip
-def test_arms_with_a_small_offset_by_design_or_by_calibration_are_told(
-    name: str, gained: tuple[str, ...], millimetres: float
-) -> None:
+@pytest.mark.parametrize("name", robot_names())
+def test_few_arms_of_the_catalogue_are_near_another_one_and_by_an_offset_of_theirs(name: str) -> None:
     near = near_ideal(open_robot(name))
-    assert near is not None
-    assert near.gained == gained
-    assert near.length == pytest.approx(millimetres * 1e-3)
-    assert near.angle == 0.0
+    if name in NEAR:
+        assert near is not None
+        assert near.length == pytest.approx(NEAR[name], rel=0.05)
+        assert near.angle == 0.0
+    else:
+        assert near is None
 
 
 def wrist(a: float = 0.0, d: float = 0.0, twist: float = 0.0) -> Robot:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,9 +10,11 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
+    from rankdrop.beside import Idealised, Nearby
     from rankdrop.result import Analysis
     from rankdrop.task import Task
 
@@ -22,6 +24,7 @@ def analyze(
     /,
     *,
     arm: ArmOptions = NO_OPTIONS,
+    ideal: IDEAL = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     exact: Literal["auto", "on", "off"] = "auto",
     fresh: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -47,6 +50,8 @@ def analyze(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
+            What the arm itself does on the families of the ideal one is told.
         limits: Look within the joint limits only; otherwise in the whole joint space.
         exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
         fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).
@@ -57,47 +62,60 @@ def analyze(
         quiet: No progress.
     """
     from rankdrop.analyze import analyze as run
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.beside import nearby
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
 
     check_target(json, "--json")
     begun = monotonic()
-    model, task = open_arm(robot, arm)
+    model, task, made = open_ideal(robot, arm, ideal)
     with reporter(quiet=quiet) as report:
         analysis = run(
             model, task, starts=starts, seed=seed, limits=limits, exact=exact, fresh=fresh, threads=threads,
             progress=report,
         )
+    there = () if made is None else nearby(made, analysis.task, analysis.families, seed=seed)
     seconds = monotonic() - begun
+    record = analysis.to_dict()
+    if made is not None:
+        record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: _print(analysis, task, seconds=seconds))
+        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds))
     if json is not None:
-        steps.append(lambda: write_json(analysis.to_dict(), json))
+        steps.append(lambda: write_json(record, json))
     do_all(steps)
     return _exit_code(analysis)
 
 
-def _print(analysis: Analysis, task: Task, *, seconds: float) -> None:
+def _print(analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float) -> None:
     from rich.text import Text
 
     from rankdrop.atlas.cells import legend
+    from rankdrop.beside import moved_section, there_section
     from rankdrop.checks import sampled, unseen
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.exact_text import exact_section
+    from rankdrop.cli.ideal import near_line, of_ideal
+    from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show, verdict_line
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
     starts = {"starts": f"{settings.starts:,} per corank {where}, seed {settings.seed}"}
-    verdict = verdict_line(analysis.verdict)
+    starts |= near_line(analysis.robot, made)
+    verdict = verdict_line(of_ideal(analysis.verdict, made))
     show(console, [verdict, ""])
     show(console, arm_section(analysis.robot, task, analysis.generic_rank, starts))
     show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
+    if made is not None:
+        print_sections([moved_section(made)], first=False)
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary))
+    if there:
+        print_sections([there_section(there)], first=False)
     key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
     checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
+    from rankdrop.beside import Idealised, Nearby
     from rankdrop.cli.question import Answer
     from rankdrop.derived.conditions import Conditions
     from rankdrop.task import Task
@@ -26,9 +29,9 @@ def conditions(
     /,
     *,
     arm: ArmOptions = NO_OPTIONS,
+    ideal: IDEAL = None,
     method: str = "auto",
     lengths: str = "auto",
-    snap: float = 0.0,
     coranks: Whole | None = None,
     time_limit: float = 60.0,
     seed: Whole = 0,
@@ -65,10 +68,11 @@ def conditions(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
+            What the arm itself does on the families of the ideal one is told.
         method: For corank 1: auto, decoupling, suppression, tree, determinant, cofactors, decomposition, reciprocity or
             singular-vector. All give the same set.
         lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
-        snap: Lengths up to this are taken for zero [m].
         coranks: The highest corank to derive; else all.
         time_limit: Seconds; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
@@ -86,8 +90,9 @@ def conditions(
         json: Write everything as JSON.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.beside import nearby
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
     from rankdrop.conditions import conditions as run
@@ -97,20 +102,25 @@ def conditions(
     for option, target in targets.items():
         check_target(target, option)
     check_different(targets)
-    model, task = open_arm(robot, arm)
+    model, task, made = open_ideal(robot, arm, ideal)
     letters = lengths_of(lengths)
     question = Question(model, test, flags, from_, to, deg=deg)
-    question.check(exact_chain(model, task, lengths=letters, snap=snap))
+    question.check(exact_chain(model, task, lengths=letters))
     with reporter(quiet=quiet) as report:
         found = run(
-            model, task, method=method, lengths=letters, snap=snap, seconds=time_limit, seed=seed, points=points,
+            model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
             coranks=1 if question and coranks is None else coranks, steps=steps, special=not question,
             fresh=fresh, progress=report,
         )  # fmt: skip
     answer = question.answer(found)
+    answer = replace(answer, verdict=of_ideal(answer.verdict, made))
+    there = () if made is None else nearby(made, task, found.families, seed=seed)
+    record = {**found.to_dict(), **answer.record}
+    if made is not None:
+        record |= {"sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there)}
     written: list[Callable[[], None]] = []
     if STDOUT not in targets.values():
-        written.append(lambda: _print(found, task, answer))
+        written.append(lambda: _print(found, task, answer, made, there))
     if latex is not None:
         written.append(lambda: write_text(found.latex(), latex))
     if python is not None:
@@ -118,7 +128,7 @@ def conditions(
     if c is not None:
         written.append(lambda: write_text(found.code("c"), c))
     if json is not None:
-        written.append(lambda: write_json({**found.to_dict(), **answer.record}, json))
+        written.append(lambda: write_json(record, json))
     do_all(written)
     if found.interrupted:
         return exits.INTERRUPTED
@@ -154,8 +164,10 @@ def lengths_of(text: str) -> str | dict[str, float]:
     return found
 
 
-def _print(found: Conditions, task: Task, answer: Answer) -> None:
+def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None, there: Sequence[Nearby]) -> None:
+    from rankdrop.beside import moved_section, there_section
     from rankdrop.cli.arm import arm_section
+    from rankdrop.cli.ideal import near_line
     from rankdrop.cli.sections import INDENT, print_sections
     from rankdrop.cli.terminal import results, show, verdict_line
     from rankdrop.derived.text import arm_lines
@@ -163,6 +175,8 @@ def _print(found: Conditions, task: Task, answer: Answer) -> None:
     console = results()
     verdict = verdict_line(answer.verdict)
     show(console, [verdict, ""])
-    show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found)))
-    print_sections((*found.sections(width=console.width - INDENT), *answer.sections), first=False)
+    show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found) | near_line(found.robot, made)))
+    moved = () if made is None else (moved_section(made),)
+    beside = (there_section(there),) if there else ()
+    print_sections((*moved, *found.sections(width=console.width - INDENT), *beside, *answer.sections), first=False)
     show(console, ["", verdict])

@@ -9,10 +9,12 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
+    from rankdrop.beside import Here, Idealised
     from rankdrop.explanation.explanation import Explanation
 
 
@@ -23,6 +25,7 @@ def explain(
     q: Annotated[str, Parameter(allow_leading_hyphen=True)],
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
+    ideal: IDEAL = None,
     analysis: str | None = None,
     near: float = NEAR,
     tolerance: float | None = None,
@@ -46,6 +49,8 @@ def explain(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
         deg: Angles without a unit are in degrees.
+        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
+            What the arm itself does where the ideal one is singular is told.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found on the spot.
         near: Near a singularity: within this distance in joint space [rad].
         tolerance: Singular values at or below it count as zero; else 1e-9.
@@ -57,27 +62,33 @@ def explain(
     """
     from dataclasses import replace
 
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.beside import here
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.ideal import open_ideal
     from rankdrop.cli.sections import interrupted
     from rankdrop.explain import explain as run
+    from rankdrop.record import plain
     from rankdrop.result import Analysis
     from rankdrop.tolerances import DEFAULT
 
     check_target(json, "--json")
-    model, task = open_arm(robot, arm)
+    model, task, made = open_ideal(robot, arm, ideal)
     given = parse_configuration(q, model, deg=deg)
     found = run(
         model, given, task, analysis=None if analysis is None else Analysis.load(analysis), near=near, limits=limits,
         evaluations=evaluations, seed=seed,
         tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
     )  # fmt: skip
+    beside = None if made is None else here(made, found)
+    record = found.to_dict()
+    if made is not None and beside is not None:
+        record["ideal"] = {**made.to_dict(found.task), "here": plain(beside)}
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: _print(found, full=full))
+        steps.append(lambda: _print(found, made, beside, full=full))
     if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
+        steps.append(lambda: write_json(record, json))
     do_all(steps)
     return interrupted(found) or EXIT[found.verdict]
 
@@ -85,7 +96,14 @@ def explain(
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
 
 
-def _print(found: Explanation, *, full: bool) -> None:
+def _print(found: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
+    from rankdrop.beside import here_section, moved_section
+    from rankdrop.cli.ideal import near_line
     from rankdrop.cli.sections import print_sections
+    from rankdrop.sections import Section
 
-    print_sections(found.sections(full=full))
+    *sections, last = found.sections(full=full)
+    if made is not None and beside is not None:
+        sections[1:1] = [here_section(made, beside), *([moved_section(made)] if full else [])]
+    sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
+    print_sections([*sections, last])

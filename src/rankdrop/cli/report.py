@@ -9,9 +9,11 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
+    from rankdrop.beside import Idealised
     from rankdrop.cli.progress import Report
     from rankdrop.result import Analysis
     from rankdrop.verdict import Verdict
@@ -25,6 +27,7 @@ def report(
     /,
     *,
     arm: ArmOptions = NO_OPTIONS,
+    ideal: IDEAL = None,
     out: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     format: Format = "html",
     figure: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = (),
@@ -49,6 +52,8 @@ def report(
 
     Args:
         robot: Name in the catalogue, file (.urdf, .xacro, .xml, .toml), or analysis (.json, `rankdrop analyze`).
+        ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
+            What the arm itself does on the families of the ideal one is told.
         out: File of the page; for figures a folder, or a file for a single one. Default: ROBOT.html, ROBOT-figures.
         format: html is the page; pdf, png and svg are figures, and need the extra rankdrop[report].
         figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:
@@ -68,9 +73,9 @@ def report(
         raise OptionError("a time limit is a number from 0 up", where="--exact-seconds", got=exact_seconds)
     given = None if out is None else _checked(out, format)
     with reporter(quiet=quiet) as progress:
-        analysis = _analysis(robot, arm, starts, seed, progress)
+        analysis, made = _analysis(robot, arm, ideal, starts, seed, progress)
         target = given or _checked(_default(analysis, format), format)
-        written, verdict = _written(analysis, target, format, figure, exact_seconds, seed, progress)
+        written, verdict = _written(analysis, made, target, format, figure, exact_seconds, seed, progress)
     for path in written:
         say(f"wrote {path}")
     if not analysis.complete:
@@ -78,25 +83,28 @@ def report(
     return exits.FINE if verdict.holds else exits.UNEXPLAINED
 
 
-def _analysis(robot: str, arm: ArmOptions, starts: int, seed: int, progress: Report) -> Analysis:
-    """The analysis given, the one that is shipped, or a new one."""
+def _analysis(
+    robot: str, arm: ArmOptions, ideal: str | None, starts: int, seed: int, progress: Report
+) -> tuple[Analysis, Idealised | None]:
+    """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop.analyze import analyze
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.ideal import open_ideal
     from rankdrop.errors import OptionError
     from rankdrop.known import known_analysis
     from rankdrop.result import Analysis
 
     if robot.lower().endswith(_ANALYSIS):
-        if arm != NO_OPTIONS:
+        if arm != NO_OPTIONS or ideal is not None:
             raise OptionError("an analysis has its arm and task already", where=robot, mend="leave the options out")
-        return Analysis.load(robot)
-    model, task = open_arm(robot, arm)
+        return Analysis.load(robot), None
+    model, task, made = open_ideal(robot, arm, ideal)
     found = known_analysis(model, task) if arm.length_scale is None else None
-    return found or analyze(model, task, starts=starts, seed=seed, progress=progress)
+    return found or analyze(model, task, starts=starts, seed=seed, progress=progress), made
 
 
 def _written(
     analysis: Analysis,
+    made: Idealised | None,
     target: Path,
     format: Format,
     figure: tuple[str, ...],
@@ -113,7 +121,8 @@ def _written(
     if paper:
         check_figures(analysis, figure)
     shown = content(
-        analysis, exact=not paper and exact_seconds > 0, exact_seconds=exact_seconds, seed=seed, progress=progress
+        analysis, exact=not paper and exact_seconds > 0, exact_seconds=exact_seconds, seed=seed, made=made,
+        progress=progress,
     )
     if not paper:
         write_bytes(page(shown).encode(), str(target))

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
 _BOUNDLESS = 10_000
+_MANY = 24  # rows of one corank: of more, those of calibrated arms, lost motions are told of the largest alone
+_LARGEST = 8
 _LONGEST_UNBROKEN = 6  # "0, π" and "±π/2" stay on one line
 _BAD = "bold red"
 
@@ -135,9 +137,12 @@ def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) ->
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column(no_wrap=True)
     grid.add_column()
+    told = _told(rows)
     for index, row in enumerate(rows, start=1):
         notes = conditions_of(row, exact)
-        if lost:
+        if not notes and row.id not in told:
+            continue
+        if lost and row.id in told:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):
             notes.append(("at", _witness(row)))
@@ -146,6 +151,15 @@ def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) ->
     if grid.row_count:
         yield ""
         yield grid
+    if len(told) < len(rows) and lost:
+        others = len(rows) - len(told)
+        yield Text(f"What is lost on the other {others} rows, which have smaller shares: with --json", style="dim")
+
+
+def _told(rows: tuple[Family, ...]) -> set[str]:
+    """Ids of the rows whose lost motions are told: all of them, or those of the largest shares."""
+    by_share = sorted(rows, key=lambda row: -row.explained.explained)
+    return {row.id for row in (by_share[:_LARGEST] if len(rows) > _MANY else rows)}
 
 
 def _witness(row: Family) -> str:

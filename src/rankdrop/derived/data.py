@@ -28,7 +28,6 @@ class ConditionSettings:
     Attributes:
         method: asked for, for corank 1.
         lengths: "auto", "letters", "numbers", or values by letter [m].
-        snap: lengths up to this were taken for zero [m].
         coranks: the highest one asked for; None for all.
         seconds: time limit. The result depends on it only where it was met.
         seed: of every random choice.
@@ -40,7 +39,6 @@ class ConditionSettings:
 
     method: str
     lengths: str | Mapping[str, float]
-    snap: float
     coranks: int | None
     seconds: float
     seed: int
@@ -59,7 +57,7 @@ class ConditionsData:
         generic_rank: of the task Jacobian almost everywhere; corank k means rank `generic_rank − k`.
         letters: the lengths that are symbols, and their values [m].
         shifts: θ = q + shift, per joint: conditions speak of θ [rad, m].
-        remarks: what was rounded, snapped, or is nearly so.
+        remarks: what was rounded, or is nearly so.
         method, reason: how the conditions of corank 1 were derived, and why so.
         steps: that derivation, step by step.
         families: of every corank that was derived, large ones first.

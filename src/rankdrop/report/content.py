@@ -12,6 +12,7 @@ from rankdrop.atlas.family import Family
 from rankdrop.atlas.slices import Slice, telling_slices
 from rankdrop.atlas.solid import Solid, solids
 from rankdrop.atlas.workspace import Workspace, workspace
+from rankdrop.beside import Idealised, moved_section, nearby, there_section
 from rankdrop.conditions import conditions
 from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import MissingExtraError, RobotError
@@ -20,6 +21,7 @@ from rankdrop.known_conditions import known_conditions
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array
+from rankdrop.sections import Section
 from rankdrop.verdict import Verdict, of_analysis
 
 Progress = Callable[[str, int, int], None]
@@ -46,6 +48,7 @@ class Content:
         solids: families in the cube of three joints.
         workspace: in section.
         sweeps: per family, each joint swept through its witness.
+        beside: what was moved to make the arm ideal, and what the arm itself does; empty for any other arm.
     """
 
     analysis: Analysis
@@ -57,6 +60,7 @@ class Content:
     solids: tuple[Solid, ...]
     workspace: Workspace
     sweeps: tuple[tuple[Sweep, ...], ...]
+    beside: tuple[Section, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -72,7 +76,7 @@ class Content:
 
 def content(
     analysis: Analysis, *, exact: bool = True, exact_seconds: float = EXACT_SECONDS, seed: int = 0,
-    progress: Progress | None = None,
+    made: Idealised | None = None, progress: Progress | None = None,
 ) -> Content:  # fmt: skip
     """Work out all that a report of this analysis shows.
 
@@ -81,6 +85,7 @@ def content(
         exact: derive the exact conditions as well.
         exact_seconds: their time limit.
         seed: of every random choice.
+        made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
     """
     robot, task, families = analysis.robot, analysis.task, analysis.families
@@ -107,7 +112,15 @@ def content(
         solids=sets,
         workspace=section,
         sweeps=swept,
+        beside=_beside(analysis, made, seed),
     )
+
+
+def _beside(analysis: Analysis, made: Idealised | None, seed: int) -> tuple[Section, ...]:
+    if made is None:
+        return ()
+    there = nearby(made, analysis.task, analysis.families, seed=seed)
+    return (moved_section(made), *((there_section(there),) if there else ()))
 
 
 def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from rankdrop.report.sections import (
     workspace_section,
 )
 from rankdrop.report.tables import corank_tables
+from rankdrop.sections import html
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
 """The page's program, in this order."""
@@ -36,8 +37,8 @@ def page(content: Content) -> str:
     script = "\n".join(asset(name) for name in SCRIPTS)
     links = "".join(f'<a href="#{target}">{name}</a>' for target, name in _NAVIGATION)
     sections = (
-        _arm(content), _tables(content), exact_section(content), slice_section(content), solid_section(content),
-        workspace_section(content), line_section(content), verification_section(content),
+        _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
+        solid_section(content), workspace_section(content), line_section(content), verification_section(content),
     )  # fmt: skip
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
@@ -113,6 +114,12 @@ def _arm(content: Content) -> str:
         f'<div><div id="verdict"></div><div id="sigma"></div><div id="told"></div><div class="sliders">'
         f"{''.join(sliders)}</div></div></div></section>"
     )
+
+
+def _beside(content: Content) -> str:
+    if not content.beside:
+        return ""
+    return f'<section id="ideal"><h2>Ideal arm</h2><div class="scroll">{html(content.beside)}</div></section>'
 
 
 def _tables(content: Content) -> str:

@@ -19,7 +19,7 @@ from rankdrop.exact.arm.pose import Matrix, identity, inverse, joint_screw, move
 from rankdrop.frames import BODY, WORLD_ALIGNED
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.units import UnitRobot, exponent, in_units, shifted, task_in_units
+from rankdrop.units import UnitRobot, exponent, in_units, task_in_units
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Chain:
         letters: value [m] of each length that is a symbol, by its name.
         written: how each length reads: (section index, "a" or "d") -> (sign, letter); absent for numbers and zeros.
             Index n is the tip: its x ("a") and z ("d") in the frame of link n, for tasks that depend on them.
-        remarks: what was rounded or snapped on the way.
+        remarks: what was rounded on the way.
 
     Conditions are written in the unit of length that the arm was given in. Whatever is computed with floating-point
     numbers is computed in the arm's own one (`units`): `own`, `own_task`, `own_numbers` and `own_polynomial`.
@@ -262,7 +262,6 @@ def exact_chain(
     task: str | Task | None = None,
     *,
     lengths: str | Mapping[str, float] = "auto",
-    snap: float = 0.0,
 ) -> Chain:
     """Make a robot exact: twists as quarter turns or rationals, lengths as letters or decimals.
 
@@ -277,7 +276,6 @@ def exact_chain(
         task: as in `resolve_task`; None is the one that the arm is made for.
         lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns and there are at most `MANY`
             different lengths), or a mapping from letters to values [m]: lengths of that value get the letter.
-        snap: lengths up to this are taken for zero [m].
 
     Raises:
         RobotError: a helical or a mimic joint.
@@ -293,7 +291,7 @@ def exact_chain(
         )
     power = exponent(robot)
     unit = Fraction(10) ** power
-    found, remarks = sections(in_units(robot), snap=shifted(snap, -power))
+    found, remarks = sections(in_units(robot))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
     letters, written = named_lengths(robot, found, lengths, tip)

@@ -20,7 +20,6 @@ from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
 from rankdrop.tolerances import ALIGNED, NOTHING
-from rankdrop.units import UnitRobot, shifted
 
 DIGITS = 12
 """Lengths are read as decimals of so many places of the arm's own unit: far below any drawing, far above rounding."""
@@ -68,12 +67,11 @@ class Section:
     twist: Turn
 
 
-def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], tuple[str, ...]]:
+def sections(robot: Robot) -> tuple[tuple[Section, ...], tuple[str, ...]]:
     """The n sections of a chain, the last one up to the tip's foot on the last axis, and what was rounded.
 
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
-        snap: lengths up to this are taken for zero [m].
 
     Returns:
         (sections, remarks): a remark for each twist, phase or length that had to be changed by more than rounding.
@@ -82,7 +80,6 @@ def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], t
         RobotError: a helical or a mimic joint.
     """
     _check(robot)
-    power = robot.exponent if isinstance(robot, UnitRobot) else 0
     lines, normals = _lines_and_normals(robot)
     remarks: list[str] = []
     found = []
@@ -99,8 +96,8 @@ def sections(robot: Robot, *, snap: float = 0.0) -> tuple[tuple[Section, ...], t
         if i + 1 < len(robot.joints):
             next_z = lines[i + 1].direction
             twist = turn(atan2(float(np.cross(z, next_z) @ after.direction), float(z @ next_z)))
-            a = _length(float((after.far - after.near) @ after.direction), snap, f"a{i + 1}", remarks, power)
-        d = _length(float((after.near - before.far) @ z), snap, f"d{i + 1}", remarks, power)
+            a = _length(float((after.far - after.near) @ after.direction))
+        d = _length(float((after.near - before.far) @ z))
         remarks += _rounded(phase, f"angle of slide {joint.name}") + _rounded(twist, f"twist after {joint.name}")
         found.append(Section(joint.kind, phase, shift, d, a, twist))
     return tuple(found), tuple(remarks)
@@ -132,11 +129,8 @@ def _rounded(given: Turn, what: str) -> list[str]:
     return [f"{what} taken as {degrees:.10g}°, {abs(given.error):.1e} rad from the one given"]
 
 
-def _length(value: float, snap: float, what: str, remarks: list[str], power: int) -> Fraction:
+def _length(value: float) -> Fraction:
     if abs(value) < NOTHING:  # below the grid a file's zero is read to
-        return Fraction(0)
-    if 10.0**-DIGITS < abs(value) <= snap:
-        remarks.append(f"length {what} = {shifted(value, power):.6g} m taken as 0")
         return Fraction(0)
     return Fraction(f"{round(value, DIGITS):.{DIGITS}f}")
 

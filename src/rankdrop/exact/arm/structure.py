@@ -49,7 +49,7 @@ class ExactStructure:
         parallel: groups of two or more axes that are parallel.
         meeting: pairs of consecutive axes that meet in a point.
         near: what is missed by little.
-        remarks: what was rounded or snapped to make the arm exact, from `Chain.remarks`.
+        remarks: what was rounded to make the arm exact, from `Chain.remarks`.
     """
 
     joints: int

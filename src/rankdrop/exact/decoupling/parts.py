@@ -33,8 +33,7 @@ class Place:
     """Where a part was looked at.
 
     Attributes:
-        name: as `analyze` names such a family; "" where no configuration is real, or singular (of corank 1) for the
-            arm as it was given: then lengths were snapped.
+        name: as `analyze` names such a family; "" where no configuration is real, or singular of corank 1.
         roles: out of "shoulder", "elbow", "wrist", as the name says.
         points: (N, n) real configurations on the part, those of corank 1 where there are such; of `Chain.own`.
         lost: one sentence on each direction lost, in a frame where it stands still or at the first point.
@@ -81,7 +80,7 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
     rank = generic_rank(robot, task)
     sigma = singular_values(robot, points, task)
     simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
-    if not simple.any():  # snapped lengths are not the arm's own; or the part lies in a family of higher corank
+    if not simple.any():  # the part lies in a family of higher corank
         return Place("", (), points, ())
     points = points[simple]
     try:

@@ -126,8 +126,12 @@ class Condition:
 
     @cached_property
     def _largest(self) -> Fraction:
-        """The largest number of the Fourier form: whole numbers of a thousand digits are no floats."""
-        return max((abs(part.number) for part in self.waves), default=Fraction(1))
+        """The power of two next to the largest number of the Fourier form: whole numbers of a thousand digits are no
+        floats, and with a power of two every ratio keeps its last bit.
+        """
+        numbers = [part.number for part in self.waves]
+        bits = max((abs(one.numerator).bit_length() - one.denominator.bit_length() for one in numbers), default=0)
+        return Fraction(2) ** bits
 
     @cached_property
     def relation(self) -> tuple[tuple[tuple[int, int], ...], float] | None:

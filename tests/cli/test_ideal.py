@@ -1,0 +1,119 @@
+"""--ideal on the command line, and the line that says that an ideal arm is near."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rankdrop.cli import exits
+
+CALIBRATED = str(Path(__file__).parents[1] / "data" / "ur5_calibrated.toml")
+TOLERANCE = "1mm,0.5deg"
+Q = "0.1,-2,1.5,1,0.005,0"
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    "command", [("conditions", "gen3_6dof", "--coranks", "1", "--points", "0", "--lengths", "numbers"),
+                ("analyze", "gen3_6dof", "--starts", "100", "--exact", "off"),
+                ("explain", "gen3_6dof", "--q", "0,1,1,0.3,0.4,0.5")],
+)  # fmt: skip
+def test_one_line_says_what_is_near_and_what_to_type(run, command: tuple[str, ...]) -> None:
+    ended = run(*command, *(() if command[0] == "explain" else ("--quiet",)))
+    line = "this arm is within 1 mm of one with a spherical wrist and no offset along axes 2 and 3: see --ideal 1.1mm"
+    assert one_line(ended.out).count(line) == 1
+    assert "The arm itself" not in ended.out
+
+
+def test_an_exact_arm_is_told_nothing(run) -> None:
+    assert "--ideal" not in run("explain", "puma560", "--q", "0,0.5,1,0.3,0.4,0.5").out
+    assert "--ideal" not in run("conditions", "puma560", "--quiet").out
+
+
+def test_conditions_of_the_ideal_arm_with_what_the_arm_itself_does(run, tmp_path: Path) -> None:
+    target = tmp_path / "found.json"
+    ended = run("conditions", "gen3", "--ideal", "13mm", "--quiet", "--json", str(target))
+    record = json.loads(target.read_text(encoding="utf-8"))
+    assert ended.code == exits.FINE
+    text = one_line(ended.out)
+    assert text.count("All this is said of the ideal arm within 13mm, not of the arm itself.") == 2
+    assert "Corank 1 rank 5 of 6: 4 families" in text
+    assert "Corank 2 rank 4 of 6: 4 families" in text
+    assert "Corank 3 rank 3 of 6: 1 family" in text
+    assert "d2 2 −12 mm 0 11.8 mm" in text
+    assert "k1.f3 shoulder and wrist:" in text.partition("The arm itself there")[2]
+    assert "see --ideal" not in text
+    made = record["ideal"]
+    assert record["robot"]["name"] == "gen3_ideal"
+    assert made["real"]["name"] == "gen3"
+    assert made["tolerance"]["text"] == "13mm"
+    assert [(one["name"], one["after"]) for one in made["moved"]] == [("d2", 0.0), ("d4", 0.0), ("d6", 0.0)]
+    assert [one["id"] for one in made["families"]] == [one["id"] for one in record["families"]]
+    assert all(0 <= one["sigma"]["least"] <= one["sigma"]["most"] < 0.03 for one in made["families"])
+    assert record["sentence"].endswith("not of the arm itself.")
+
+
+def test_analyze_a_calibrated_arm_as_its_drawing(run) -> None:
+    options = ("--starts", "500", "--exact", "off", "--quiet", "--json", "-")
+    ended = run("analyze", CALIBRATED, "--ideal", TOLERANCE, *options)
+    record = json.loads(ended.out)
+    assert [row["corank"] for row in record["families"]].count(1) == 3
+    assert len(record["ideal"]["families"]) == len(record["families"])
+    first = record["ideal"]["families"][0]
+    assert first["number"] == 6
+    assert first["points"] > 100
+    assert 1e-6 < first["sigma"]["median"] < 1e-3
+    assert first["distance"]["median"] < 0.01
+
+
+def test_explain_says_where_the_ideal_arm_is_singular_and_what_the_arm_itself_does_there(run) -> None:
+    ended = run("explain", CALIBRATED, "--ideal", TOLERANCE, "--q", Q)
+    text = one_line(ended.out)
+    assert "the ideal arm is singular 0.29° from here; this arm's σ6 there is " in text
+    assert "σ6 of the arm itself here: " in text
+    assert "wrist" in text
+    at = one_line(run("explain", CALIBRATED, "--ideal", TOLERANCE, "--q", "0.1,-2,1.5,1,0,0", "--full").out)
+    assert "the ideal arm is singular here; this arm's σ6 here is " in at
+    assert "α1 1, 2 90.094° 90° 0.0941°" in at
+    record = json.loads(run("explain", CALIBRATED, "--ideal", TOLERANCE, "--q", Q, "--json", "-").out)
+    assert record["ideal"]["here"]["distance"] == pytest.approx(0.005, rel=0.05)
+
+
+def test_a_tolerance_within_which_nothing_is_moved_is_told(run) -> None:
+    ended = run("conditions", "scara", "--ideal", "1mm", "--quiet")
+    assert "nothing is moved within 1mm: the arm is as exact as it can be" in one_line(ended.out)
+    assert "not of the arm itself" not in one_line(ended.out)
+    assert ended.code == exits.FINE
+
+
+@pytest.mark.parametrize("typed", ["1", "-1mm", "0mm", "1mm,2mm", "9deg", "1m"])
+@pytest.mark.parametrize("command", [("analyze",), ("conditions",), ("explain", "--q", "0,0,0,0,0,0"), ("report",)])
+def test_what_is_no_tolerance_is_refused(run, command: tuple[str, ...], typed: str) -> None:
+    first, *rest = command
+    ended = run(first, "puma560", *rest, "--ideal", typed)
+    assert ended.code == exits.BAD_INPUT
+    assert ended.err.count("\n") == 1
+
+
+def test_snap_is_gone(run) -> None:
+    assert run("conditions", "gen3", "--snap", "0.013").code == exits.BAD_INPUT
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [("analyze",), ("conditions",), ("explain", "--q", Q)])
+def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tuple[str, ...]) -> None:
+    first, *rest = command
+    ended = run(first, CALIBRATED, *rest)
+    text = one_line(ended.out)
+    assert ended.code in ((exits.NEAR,) if first == "explain" else (exits.FINE, exits.UNEXPLAINED))
+    assert ended.err.count("internal error") == 0
+    assert text.startswith("Verified" if ended.code == exits.FINE else ("ur5_calibrated" if rest else "Incomplete"))
+    assert "this arm is within 0.45 mm, 0.094° of one with axes 2, 3, 4 parallel" in text
+    assert "see --ideal 0.46mm,0.095deg" in text
+    assert max(map(len, ended.out.splitlines())) <= 100
+    assert len(ended.out.splitlines()) < 380

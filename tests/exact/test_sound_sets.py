@@ -1,0 +1,142 @@
+"""No set of configurations is lost: of random structured arms, and where components are small or stand at θ = π."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.barren import barren
+from rankdrop.exact.verify import cloud, explained
+from rankdrop.robot.dh import from_dh
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot
+
+H = np.pi / 2
+
+
+def arm(name: str, alpha, a, d) -> Robot:
+    """A revolute arm from its standard DH table."""
+    rows = [[a[i], alpha[i], d[i], 0.0] for i in range(len(a))]
+    return from_dh(np.array(rows), convention="standard", name=name)
+
+
+def structured(seed: int) -> Robot:
+    """6R to 8R with twists 0 or ±90° and lengths out of a few, zeros among them."""
+    rng = random.Random(f"structured-{seed}")
+    n = rng.choice((6, 6, 7, 7, 7, 8))
+    twists = (H, -H) if rng.random() < 0.6 else (H, -H, 0.0, H)
+    lengths = (0.0, 0.0, 0.2, 0.3, 0.5, 1.0) if rng.random() < 0.5 else (0.0, 0.2, 0.3, 0.5, 1.0)
+    alpha = [*(rng.choice(twists) for _ in range(n - 1)), 0.0]
+    a = [*[rng.choice(lengths) for _ in range(n)][:-1], 0.0]
+    return arm(f"structured{seed}", alpha, a, [rng.choice(lengths) for _ in range(n)])
+
+
+def all_offsets(seed: int) -> Robot:
+    """7R, twists ±90°, no length zero, all different."""
+    rng = random.Random(f"offsets-{seed}")
+    alpha = [*(rng.choice((H, -H)) for _ in range(6)), 0.0]
+    a = [*(round(rng.uniform(0.05, 0.6), 3) for _ in range(6)), 0.0]
+    return arm(f"offsets{seed}", alpha, a, [round(rng.uniform(0.05, 0.6), 3) for _ in range(7)])
+
+
+def lost(robot: Robot, *, points: int = 500, seconds: float = 60.0) -> tuple[bool, int, int, int]:
+    """(complete, families, singular configurations found elsewhere, those on no family) of the rank tree alone."""
+    found = conditions(robot, method="tree", points=0, special=False, seconds=seconds)
+    tested = left = 0
+    for corank in range(1, found.generic_rank + 1):
+        met = cloud(robot, found.task, corank, points, 7)
+        if not len(met.q):
+            break
+        check, over = explained(met, [family.equations for family in found.families if family.corank >= corank])
+        tested, left = tested + check.tested, left + len(over)
+    return found.complete, len(found.families), tested, left
+
+
+WRIST_OFFSETS = arm(
+    "wrist offsets", [-H, H, H, -H, -H, H, 0], [0] * 7, [0.36, 0.0137, 0.42, 0.0131, 0.4, 0.0041, 0.126]
+)
+
+
+def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
+    complete, families, tested, left = lost(WRIST_OFFSETS)
+    assert complete
+    assert families >= 3
+    assert tested >= 1000
+    assert left == 0
+
+
+@pytest.mark.parametrize("seed", [1, 2, 12])
+def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
+    complete, families, tested, left = lost(structured(seed))
+    assert complete
+    assert families >= 5
+    assert tested >= 1000
+    assert left == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 33))
+def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> None:
+    complete, _, tested, left = lost(structured(seed))
+    assert tested >= 500
+    assert left == 0 or not complete
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed: int) -> None:
+    found = conditions(all_offsets(seed))
+    assert found.complete
+    assert found.verified
+    assert len(found.letters) >= 10
+    assert [(family.corank, family.codimension) for family in found.families] == [(1, 2)]
+    assert found.explained.tested >= 1000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 5))
+def test_more_7r_arms_with_all_offsets(seed: int) -> None:
+    test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed)
+
+
+def proven(ring: Ring, *entries) -> bool:
+    """Whether entries of a column are proven to have no common zero."""
+    return barren(ring, [list(entries)], 1, {}, (), Work())
+
+
+def test_elimination_proves_what_is_so_and_nothing_else() -> None:
+    ring = Ring([1, 2, 3])
+    s, c = ring.s, ring.c
+    assert proven(ring, s[1], c[1])
+    long = [s[1] * s[2] + c[3], s[1] * s[2] + c[3] * 2 + 1, c[1] * c[2] + s[3], s[1] + c[2] - 7, c[3] - s[2]]
+    assert proven(ring, *long)
+    assert not proven(ring, s[1], c[2])
+    assert not proven(ring, s[1] - c[2], s[2] - c[3], s[3] - c[1])
+
+
+@pytest.mark.parametrize("corner", ["0", "pi", "pi/2"])
+def test_a_zero_at_a_simple_angle_is_seen_where_tangents_are_infinite_too(corner: str) -> None:
+    ring = Ring([1, 2])
+    cosine, sine = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1)}[corner]
+    s, c = ring.s, ring.c
+    assert not proven(ring, c[1] - cosine, s[1] - sine, s[1] * c[2] - sine * c[2], (c[1] - cosine) * (s[2] + 3))
+
+
+@pytest.mark.parametrize(("name", "lowest"), [("pa10", 4), ("ur5", 4), ("puma560", 5)])
+def test_no_rank_that_is_met_is_proven_away(name: str, lowest: int) -> None:
+    chain = exact_chain(open_robot(name))
+    for order in range(6, lowest - 1, -1):
+        assert not barren(chain.ring, chain.columns, order, {}, (), Work()), order
+
+
+def test_a_7r_arm_with_all_offsets_loses_two_ranks_nowhere() -> None:
+    chain = exact_chain(all_offsets(0))
+    assert not barren(chain.ring, chain.columns, 6, {}, (), Work())
+    assert barren(chain.ring, chain.columns, 5, {}, (), Work())

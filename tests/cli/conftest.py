@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -53,7 +54,8 @@ def process() -> Run:
     """process("analyze", "pa10"): one command line as its own process."""
 
     def once(*argv: str, **environment: str) -> Ended:
-        done = subprocess.run(command(*argv), capture_output=True, text=True, env=environment or None, timeout=120)
+        everything = {**os.environ, **environment}
+        done = subprocess.run(command(*argv), capture_output=True, text=True, env=everything, timeout=120)
         return Ended(done.returncode, done.stdout, done.stderr)
 
     return once

@@ -11,7 +11,7 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
-from known.arms import every_arm
+from known.arms import KINDS
 
 from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -61,7 +61,7 @@ def assert_exact(robot, task=None, *, tolerance: float = 1e-8, **options) -> Non
         assert_same_row_space(numeric(chain, q), task_jacobian(robot, q, chain.task), tolerance)
 
 
-@pytest.mark.parametrize("name", every_arm())
+@pytest.mark.parametrize("name", KINDS)
 @pytest.mark.parametrize("lengths", ["auto", "numbers"])
 def test_every_arm_of_the_catalogue(name: str, lengths: str) -> None:
     assert_exact(open_robot(name), lengths=lengths)

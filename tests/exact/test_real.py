@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
@@ -61,11 +62,13 @@ def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:
     assert not len(found.points)
 
 
-def test_time_that_ran_out_is_told(chain: Chain) -> None:
+def test_a_limit_that_was_met_is_told(chain: Chain) -> None:
     left: list[str] = []
-    sets, not_real = real_sets(chain, [Drop(Variety(chain.ring, {3: "0"}), 5)], Work(0.0), left)
+    work = Work(1.0)
+    tick(1.1e6)
+    sets, not_real = real_sets(chain, [Drop(Variety(chain.ring, {3: "0"}), 5)], work, left)
     assert (sets, not_real) == ([], [])
-    assert left == ["time ran out: 1 of 1 sets were not looked at for real points"]
+    assert left == ["the limit on work was met: 1 of 1 sets were not looked at for real points"]
 
 
 def test_points_of_a_set_have_its_rank(chain: Chain) -> None:

@@ -115,7 +115,8 @@ def test_elimination_proves_what_is_so_and_nothing_else() -> None:
     ring = Ring([1, 2, 3])
     s, c = ring.s, ring.c
     assert proven(ring, s[1], c[1])
-    assert proven(ring, s[1] * s[2] + c[3], s[1] * s[2] + c[3] * 2 + 1, c[1] * c[2] + s[3], s[1] + c[2] - 7, c[3] - s[2])
+    long = [s[1] * s[2] + c[3], s[1] * s[2] + c[3] * 2 + 1, c[1] * c[2] + s[3], s[1] + c[2] - 7, c[3] - s[2]]
+    assert proven(ring, *long)
     assert not proven(ring, s[1], c[2])
     assert not proven(ring, s[1] - c[2], s[2] - c[3], s[3] - c[1])
 

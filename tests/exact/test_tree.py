@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from math import pi
-from time import monotonic
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ pytest.importorskip("flint")
 
 from rankdrop.atlas.system import System
 from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.effort import spent
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.real import reality
@@ -175,11 +175,11 @@ def test_odd_arms_do_not_fail(name: str) -> None:
 
 
 @pytest.mark.parametrize("kinds", ["rrrrrr", *slow("rrrrrrr", "rrrrrrrr")])
-def test_the_time_limit_holds_on_arms_without_structure(kinds: str) -> None:
+def test_the_limit_holds_on_arms_without_structure(kinds: str) -> None:
     robot = random_chain(np.random.default_rng(1), kinds)
-    begun = monotonic()
+    before = spent()
     found = conditions(robot, seconds=2.0)
-    assert monotonic() - begun < 2.0 * 1.2 + 1.0 + 2.0  # this machine may be busy with other tests
+    assert spent() - before < 2.0 * 1.2 + 1.0
     assert not found.complete
     assert found.left
 

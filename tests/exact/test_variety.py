@@ -10,12 +10,13 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact.algebra.decompose import decompose
+from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import half_evaluator
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.variety import Variety, independent
-from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.work import GRACE, WALL, OutOfTime, Work
 
 
 @pytest.fixture(scope="module")
@@ -134,15 +135,41 @@ def test_random_points_lie_on_their_set_and_a_sum_of_squares_has_its_points_too(
     assert all(half_evaluator(ring)(f, point) == 0 for point in points)
 
 
-def test_a_deadline_ends_it(ring: Ring) -> None:
-    with pytest.raises(OutOfTime):
-        decompose(ring, {}, [form(ring.t[1] + ring.t[2], ring)], 1, Work(0.0))
+def test_a_limit_on_work_ends_it(ring: Ring) -> None:
+    work = Work(1.0)
+    tick(1.1e6)
+    with pytest.raises(OutOfTime, match="limit on work"):
+        decompose(ring, {}, [form(ring.t[1] + ring.t[2], ring)], 1, work)
 
 
-def test_a_share_of_the_time_ends_with_its_block() -> None:
+def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
     work = Work(100.0)
+    before = spent()
     with work.share(0.1):
-        assert work.left < 11
-    assert work.left > 90
+        assert work.left == pytest.approx(10.0)
+        tick(9e6)
+        work.check()
+        tick(2e6)
+        with pytest.raises(OutOfTime, match="limit on work"):
+            work.check()
+    assert spent() - before == pytest.approx(11.0)
+    work.check()
+    assert work.left == pytest.approx(89.0)
+    assert work.again().left == pytest.approx(89.0)
+
+
+def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 1000.0
+    monkeypatch.setattr("rankdrop.exact.algebra.work.monotonic", lambda: now)
+    work = Work(100.0)
+    now += 0.9 * WALL * 100.0
+    work.check()
+    assert work.left == pytest.approx(100.0), "time passes, no work is done"
+    now += 0.2 * WALL * 100.0
+    for one in (work, work.again()):
+        with pytest.raises(OutOfTime, match="by the clock"):
+            one.check()
+    work = Work(100.0)
     work.interrupt()
-    assert work.left <= 5
+    assert work.left_by_clock == GRACE
+    assert work.left == pytest.approx(100.0)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from known.arms import KINDS
 
 from rankdrop.analyze import analyze
 from rankdrop.atlas.slices import telling_slices
@@ -107,8 +108,8 @@ def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize("name", known_names())
-def test_the_whole_catalogue_does_not_depend_on_the_unit(name: str, unit: str) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_of_arm_does_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 10_000)
 
 
@@ -143,8 +144,8 @@ def test_exact_conditions_do_not_depend_on_the_unit(name: str, unit: str) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize("name", known_names())
-def test_exact_conditions_of_the_whole_catalogue_do_not_depend_on_the_unit(name: str, unit: str) -> None:
+@pytest.mark.parametrize("name", KINDS)
+def test_exact_conditions_of_every_kind_of_arm_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     pytest.importorskip("flint")
     check_exact(name, unit)
 

@@ -1,18 +1,18 @@
 """The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
 
-All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py` (ten minutes); two by default.
+All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. It is the one
+test that analyses the whole catalogue.
 """
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from importlib import resources
 
 import numpy as np
 import pytest
 
-from known.arms import every_arm
+from known.arms import KINDS
 from rankdrop.analyze import analyze
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.row import soundness
@@ -55,7 +55,7 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert known == found
 
 
-@pytest.mark.parametrize("name", every_arm())
+@pytest.mark.parametrize("name", KINDS)
 def test_every_family_is_sound_at_fresh_points(name):
     found = shipped(name)
     for number, family in enumerate(found.families):
@@ -67,7 +67,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
-@pytest.mark.parametrize("name", every_arm())
+@pytest.mark.parametrize("name", KINDS)
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)
@@ -156,14 +156,8 @@ def test_a_file_that_is_not_there_is_said_so():
         shipped("no such arm")
 
 
-def test_loading_is_quick():
+def test_of_all_files_only_that_of_the_arm_is_read():
+    robot = open_robot("sawyer")
     shipped.cache_clear()
-    robot = open_robot("sawyer")  # the longest file
-    task = resolve_task(None, robot)
-    times = []
-    for _ in range(5):
-        shipped.cache_clear()
-        begin = time.perf_counter()
-        known_analysis(robot, task)
-        times.append(time.perf_counter() - begin)
-    assert min(times) < 0.02  # measured 0.003
+    assert known_analysis(robot, resolve_task(None, robot)) is not None
+    assert shipped.cache_info().misses == 1

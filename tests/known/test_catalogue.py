@@ -1,6 +1,6 @@
-"""Every arm of the catalogue, judged from its JSON alone, as a user's own script would.
+"""Arms of the catalogue, judged from the JSON alone, as a user's own script would.
 
-All arms: `pytest -m slow tests/known/test_catalogue.py` (two minutes); three of them run by default.
+Of each kind: `pytest -m slow tests/known/test_catalogue.py`; three of them run by default.
 """
 
 from __future__ import annotations
@@ -10,16 +10,17 @@ import json
 import numpy as np
 import pytest
 
+from known.arms import KINDS
 from known.truths import text_values
 from rankdrop.analyze import analyze
 from rankdrop.atlas.search import search
 from rankdrop.kinematics import task_jacobian
 from rankdrop.record import json_text
-from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 QUICK = ("irb140", "iiwa14", "stanford")
-ARMS = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names()]
+ARMS = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KINDS]
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from known.arms import KINDS
 from reference.kinematics import pose
 
 from rankdrop.errors import OptionError
@@ -84,7 +85,7 @@ def test_a_length_beyond_a_tenth_of_the_arm_makes_another_arm() -> None:
     assert "up to" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_a_calibrated_arm_has_the_structure_of_its_drawing(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
     found, changes = ideal(noisy(arm, rng, *CALIBRATED), length=1e-3, angle=radians(0.5))

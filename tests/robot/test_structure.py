@@ -7,6 +7,7 @@ from math import atan2, pi
 
 import numpy as np
 import pytest
+from known.arms import KINDS
 from reference.kinematics import exponential, pose
 
 from rankdrop.exact.arm.geometry import sections
@@ -64,7 +65,7 @@ def test_an_exact_arm_is_left_alone(name: str) -> None:
     assert changes == ()
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_noise_is_taken_away_again(name: str, rng: np.random.Generator) -> None:
     arm = open_robot(name)
     found, changes = squared(noisy(arm, rng))
@@ -90,7 +91,7 @@ def same_turn(one: float, other: float, *, exact: bool) -> bool:
     return abs((one - other + pi) % (2 * pi) - pi) < (1e-14 if exact else 1e-4)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", KINDS)
 def test_the_arm_moves_by_no_more_than_its_noise_allows(name: str, rng: np.random.Generator) -> None:
     given = noisy(open_robot(name), rng)
     found, changes = squared(given)

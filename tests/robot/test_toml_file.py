@@ -121,7 +121,7 @@ def test_lengths_are_letters_with_values_in_either_file(head: str) -> None:
 
 BAD = [
     ("convention = 'standard'\n[[joints]]\nalfa = 0\n", 3, "joint 1, alfa: unknown key; got 'alfa'; allowed: a, alpha"),
-    ("convention = 'standard'\nnam = 'x'\n[[joints]]\n", 2, "nam: unknown key; got 'nam'; allowed: name, convention"),
+    ("convention = 'standard'\nnam = 'x'\n[[joints]]\n", 2, "nam: unknown key; got 'nam'; allowed: name, maker, "),
     ("convention = 'craig'\n[[joints]]\n", 1, "no such convention; got 'craig'; allowed: \"standard\" or"),
     ("order = 'v'\n[[joints]]\n", 1, "no such order"),
     ("name = 'x'\n[[joints]]\na = 1\n", 1, "kind of table is not said"),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from known.arms import KINDS
 
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.known import known_analysis
 from rankdrop.robot.model import JointKind
-from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.body import body_of
 from rankdrop.viewer.live import Live
@@ -25,7 +26,7 @@ from rankdrop.viewer.scene import (
 )
 from rankdrop.viewer.slice_box import SliceBox
 
-ARMS = robot_names()
+ARMS = KINDS
 
 
 def volume(vertices: np.ndarray, faces: np.ndarray) -> float:

@@ -56,7 +56,7 @@ def test_pa10_is_closed_form(rng: np.random.Generator) -> None:
         assert [record.distance for record in records] == sorted(record.distance for record in records)
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", [pytest.param(a, marks=pytest.mark.slow if a == "canadarm2" else ()) for a in ARMS])
 def test_the_nearest_family_is_what_the_search_finds(name: str, rng: np.random.Generator) -> None:
     found = analysed(name)
     for q in rng.uniform(-3, 3, (12, found.robot.n)):

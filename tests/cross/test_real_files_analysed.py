@@ -16,7 +16,10 @@ if not os.environ.get("RANKDROP_REQUIRE_CROSS"):
 CASES = [*FILES.items(), *((f"{name}.xacro", file) for name, file in XACROS.items())]
 
 
-@pytest.mark.parametrize("file", [file for _, file in CASES], ids=[name for name, _ in CASES])
+LATE = {"iiwa": pytest.mark.slow}  # offsets of 0.436 mm: a minute
+
+
+@pytest.mark.parametrize("file", [pytest.param(file, id=name, marks=LATE.get(name, ())) for name, file in CASES])
 def test_analysis_runs_to_the_end_and_hides_nothing(file: RealFile) -> None:
     robot = open_robot(str(file.path), tip=file.tip, packages=file.packages)
     analysis = analyze(robot, starts=500, seed=6, exact="off")

@@ -40,7 +40,10 @@ def through_json(found: Conditions) -> Any:
 
 def printed(found: Conditions) -> list[str]:
     """All that is printed, less the line that tells the time or the source."""
-    return str(found).splitlines()[:-1]
+    lines = str(found).splitlines()
+    told = [line for line in lines if not line.startswith(("  Time taken: ", "  As shipped with "))]
+    assert len(told) == len(lines) - 1
+    return told
 
 
 def same(one: Conditions, other: Conditions) -> None:
@@ -166,9 +169,11 @@ def test_analyze_says_the_same_with_and_without_the_shelf(stored: dict[str, Any]
 def test_the_command_says_where_it_has_them_from(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.run(["conditions", "scara", "--quiet"]) == exits.FINE
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"Verified. As shipped with rankdrop {VERSION}; --fresh derives it anew." in shown
+    assert f"As shipped with rankdrop {VERSION}; --fresh derives it anew. Verified" in shown
     assert main.run(["conditions", "scara", "--quiet", "--fresh"]) == exits.FINE
-    assert "Verified. Time taken:" in " ".join(capsys.readouterr().out.split())
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Time taken:" in shown
+    assert "As shipped" not in shown
 
 
 def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:

@@ -142,8 +142,8 @@ def test_what_cannot_be_expanded_names_the_arguments_that_may_be_the_reason_firs
 def test_an_argument_that_the_file_does_not_take_is_refused(tmp_path: Path, macros: Path) -> None:
     pytest.importorskip("xacrodoc")
     path = write(tmp_path, "pack/urdf/macro.xacro")
-    with pytest.raises(RobotError, match="the file has no such argument; got 'lenght'; allowed: length"):
-        open_robot(path, args={"lenght": 1})
+    with pytest.raises(RobotError, match="the file has no such argument; got 'width'; allowed: length"):
+        open_robot(path, args={"width": 1})
 
 
 def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path: Path) -> None:

@@ -5,8 +5,9 @@
     .venv/bin/python tools/make_arms_page.py --page          # the page from what is there
     .venv/bin/python tools/make_arms_page.py kr16 m1509_blue # these anew, then the page
 
-Each arm is analysed and its conditions are derived from nothing, as `rankdrop analyze` and `rankdrop conditions` do;
-what was measured is kept in build/arms, so that the run can be stopped and started again.
+Each skeleton is analysed and its conditions are derived from nothing, as `rankdrop analyze` and `rankdrop conditions`
+do; arms of the catalogue are read from what is shipped, where exact conditions are. What was measured is kept in
+build/arms, so that the run can be stopped and started again.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from rankdrop.conditions import conditions
 from rankdrop.derived.conditions import Conditions
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.joined import AGREES, NOT_DERIVED
+from rankdrop.known import shipped
+from rankdrop.known_conditions import conditions_names, shipped_conditions
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
@@ -51,7 +54,7 @@ their own files. Written by `tools/make_arms_page.py` with rankdrop {VERSION}; t
   and agree with what was found; else why not.
 - **near**: structure that the arm misses by little, where there is some.
 - **CPU s**: processor seconds of `rankdrop analyze` and of `rankdrop conditions`, one after the other, nothing taken
-  from what is shipped.
+  from what is shipped. Rows of the catalogue are read from what is shipped, where exact conditions are; they have none.
 """
 
 
@@ -80,7 +83,7 @@ class Row:
         """The cells of its line in the table."""
         exact = self.exact if self.fine else f"{self.exact}; exit codes {self.analyze_exit}, {self.conditions_exit}: " \
                                              f"{self.reason}"  # fmt: skip
-        cpu = f"{self.analyze_cpu:.1f} + {self.conditions_cpu:.1f}"
+        cpu = f"{self.analyze_cpu:.1f} + {self.conditions_cpu:.1f}" if self.analyze_cpu else "–"
         return (f"`{self.name}`", self.about, self.families, self.explained, exact, self.near, cpu)
 
 
@@ -90,7 +93,11 @@ def row_of(name: str, about: str, robot: Robot) -> Row:
     found = analyze(robot, fresh=True)
     between = process_time()
     derived = conditions(robot, fresh=True)
-    ended = process_time()
+    return _row(name, about, found, derived, between - begun, process_time() - between)
+
+
+def _row(name: str, about: str, found: Analysis, derived: Conditions, one: float, two: float) -> Row:
+    """The row of two results, and of the processor seconds they took; 0 where they were read."""
     return Row(
         name=name,
         about=about,
@@ -101,8 +108,8 @@ def row_of(name: str, about: str, robot: Robot) -> Row:
         analyze_exit=exits.FINE if found.complete and found.verified else exits.UNEXPLAINED,
         conditions_exit=exits.FINE if derived.verified else exits.UNEXPLAINED,
         reason=_short(_reasons(found, derived)),
-        analyze_cpu=round(between - begun, 1),
-        conditions_cpu=round(ended - between, 1),
+        analyze_cpu=round(one, 1),
+        conditions_cpu=round(two, 1),
     )
 
 
@@ -158,8 +165,10 @@ def skeletons() -> list[dict[str, str]]:
 
 
 def catalogue_row(name: str) -> Row:
-    """The row of an arm of the catalogue."""
+    """The row of an arm of the catalogue, from what is shipped; without exact conditions there, from nothing."""
     about = next(entry.about for entry in catalog_entries() if entry.name == name)
+    if name in conditions_names():
+        return _row(name, about, shipped(name), shipped_conditions(name), 0.0, 0.0)
     return row_of(name, about, open_robot(name))
 
 

@@ -17,7 +17,7 @@ from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import real_sets
 from rankdrop.exact.merge import alone, merge
-from rankdrop.exact.real import real_points, reality
+from rankdrop.exact.real import full_rank, real_points, reality
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -113,3 +113,9 @@ def test_every_family_has_a_witness_of_its_corank() -> None:
     for family in found.families:
         sigma = singular_values(found.robot, np.array([family.witness]), found.task)[0]
         assert int((sigma > 1e-9).sum()) == found.generic_rank - family.corank
+
+
+def test_gradients_that_are_small_but_no_rounding_count() -> None:
+    flat, steep = np.diag([1.0, 2e-6])[None], np.diag([1.0, 1e-7])[None]  # small; what a double zero leaves
+    assert full_rank(flat, 2).all()
+    assert not full_rank(steep, 2).any()

@@ -13,7 +13,7 @@ from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import half_evaluator
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import form, plainly_positive
+from rankdrop.exact.algebra.solving import Solved, form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import GRACE, WALL, OutOfTime, Work
@@ -173,3 +173,12 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
     work.interrupt()
     assert work.left_by_clock == GRACE
     assert work.left == pytest.approx(100.0)
+
+
+def test_a_set_cut_where_its_solution_has_no_denominator_keeps_both_components(ring: Ring) -> None:
+    t = ring.t
+    a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
+    one = Variety(ring, {}, solved=(Solved(ring.index["t3"], -b, a),), equations=(a * t[3] + b,))
+    parts = cut_half(one, a, Work())
+    assert is_there(ring, parts, {}, a, b), "A = B = 0 with t3 free"
+    assert is_there(ring, parts, {3: "pi"}, a), "A = 0 with θ3 = π"

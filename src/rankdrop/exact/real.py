@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.atlas.system import System
 from rankdrop.exact.algebra.flint import Polynomial
@@ -104,10 +105,13 @@ def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generato
     q = q[good]
     if not equations or not len(q):
         return q, len(q) > 0, strays
-    gradients = np.linalg.svd(system.jacobian(q) @ moving, compute_uv=False)
-    wanted = piece.codimension - len(pinned)
-    smooth = (gradients > _SMOOTH).sum(axis=1) >= wanted
+    smooth = full_rank(system.jacobian(q) @ moving, piece.codimension - len(pinned))
     return (q[smooth], True, strays) if smooth.any() else (q, False, strays)
+
+
+def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:
+    """(k,) whether gradients (k, conditions, joints) of rank `wanted` are more than what rounding leaves of none."""
+    return np.asarray((np.linalg.svd(gradients, compute_uv=False) > _SMOOTH).sum(axis=1) >= wanted)
 
 
 def _discriminant(piece: Variety, f: Polynomial) -> Polynomial | None:

@@ -28,6 +28,7 @@ from rankdrop.tolerances import Tolerances
 WELL = 1e-5  # singular values of D [1/rad] above this are clearly not zero: five times `block_rank`
 APART = 1e-4  # σ of a kept singular value [1] above which a point is not next to a higher corank
 HIGHER = 1e-6  # σ of a kept singular value below which a point has a higher corank
+_MANY = 10  # coupled joints beyond which whole-number relations are looked for between two only
 INTEGER = 1e-7  # a covector whose part outside C is shorter than this lies in C
 DEPENDENT = 1e-14  # smallest eigenvalue of the projector on ker D, restricted to dependent joints
 
@@ -137,9 +138,12 @@ def signatures_of(
 
 
 def candidates(coupled: list[int], n: int) -> NDArray[np.int64]:
-    """(c, n) whole-number covectors on coupled joints: entries ±1 on 2–4 joints, ±1, ±2 on 2; simplest first."""
+    """(c, n) whole-number covectors on coupled joints: entries ±1 on 2–4 joints, ±1, ±2 on 2; simplest first.
+
+    On 2 joints only where there are more than `_MANY`: there would be tens of thousands.
+    """
     found = []
-    for size in (2, 3, 4):
+    for size in (2, 3, 4) if len(coupled) <= _MANY else (2,):
         values = (-2, -1, 1, 2) if size == 2 else (-1, 1)
         for support in combinations(coupled, size):
             for entries in product(values, repeat=size):
@@ -156,11 +160,10 @@ def _relations(conormal: Array, coupled: list[int], n: int) -> list[tuple[Covect
     tried = candidates(coupled, n)
     if not len(tried):
         return [()] * len(conormal)
-    outside = tried[None] - tried[None] @ conormal  # (N, c, n)
-    hits = np.linalg.norm(outside, axis=-1) < INTEGER
     cache: dict[bytes, tuple[Covector, ...]] = {}
     result = []
-    for row in hits:
+    for one in conormal:  # point by point: of all at once a long arm needs gigabytes
+        row = np.linalg.norm(tried - tried @ one, axis=-1) < INTEGER
         key = row.tobytes()
         if key not in cache:
             cache[key] = independent(tried[row])

@@ -26,10 +26,13 @@ def how_far(asked: Asked) -> Far:
         return Far(None, None, away, None, "the configuration is singular")
     if rank.generic_rank == 0:
         return Far(None, None, away, None, "the arm moves nothing")
-    nearest = nearest_singularity(
-        asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed,
-        seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=settings.tolerances,
-    )  # fmt: skip
+    try:
+        nearest = nearest_singularity(
+            asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed,
+            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=settings.tolerances,
+        )  # fmt: skip
+    except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
+        return Far(None, None, away, None, f"{error.what}: {error.got}")
     certificate, reason = _certificate(asked, nearest)
     miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= settings.small else None
     if nearest is None:

@@ -21,6 +21,10 @@ from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom, Factors, order
 from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.work import OutOfTime
+
+MANY = 20_000
+"""Polynomials of more terms than this take minutes and gigabytes to factor."""
 
 
 class Ring:
@@ -147,7 +151,13 @@ class Ring:
         return Factors(content, letters, tuple(sorted([*deficient, *atoms], key=lambda pair: order(pair[0]))))
 
     def split(self, f: Polynomial) -> tuple[Any, tuple[tuple[Polynomial, int], ...], tuple[tuple[Atom, int], ...]]:
-        """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here."""
+        """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here.
+
+        Raises:
+            OutOfTime: it has more than `MANY` terms; factoring cannot be interrupted.
+        """
+        if len(f) > MANY:
+            raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
         tick(100 + 15 * len(f))
         content, found = f.factor()
         letters, atoms = [], []

@@ -10,7 +10,9 @@ from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import OutOfTime, Work
+
+_HUGE = 20_000_000  # products of terms: a second or two
 
 Form = tuple[Polynomial, tuple[int, ...]]
 """A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
@@ -56,8 +58,15 @@ def put(ring: Ring, one: Form, solved: Solved) -> Form:
 
 
 def substituted(f: Polynomial, solved: Solved) -> Polynomial:
-    """f(t_k = N / D) · D^degree."""
+    """f(t_k = N / D) · D^degree.
+
+    Raises:
+        OutOfTime: it would have millions of terms; the product cannot be interrupted.
+    """
     parts = coefficients(f, solved.place)
+    longest = max(len(solved.numerator), len(solved.denominator))
+    if len(f) * longest ** (len(parts) - 1) > _HUGE:
+        raise OutOfTime(f"a condition of {len(f):,} terms would grow too long with a solution of {longest:,} put in")
     powers = [f.context().constant(1)]
     for _ in parts[1:]:
         powers.append(powers[-1] * solved.denominator)

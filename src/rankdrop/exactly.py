@@ -40,7 +40,7 @@ def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], boo
         for text, family in zip(lines, whole, strict=True)
         if text
     ]
-    lines += [f"part of {' and '.join(family.conditions)}" for family in parts]
+    lines += [f"part of {' and '.join(map(_short, family.conditions))}" for family in parts]
     said = [f"or {text}" if place else text for place, text in enumerate(lines)]
     return said, bool(lines) and not parts and not wider & {family.id for family in whole}
 

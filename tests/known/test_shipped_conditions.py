@@ -180,7 +180,7 @@ def test_what_is_shipped_is_of_the_catalogue_and_small() -> None:
     assert len(SHIPPED) > 0.9 * len(robot_names())
     assert set(SHIPPED) <= set(robot_names())
     files = [item for item in (resources.files("rankdrop") / "derivations").iterdir() if item.name.endswith(".json")]
-    assert sum(len(item.read_bytes()) for item in files) < 6_000_000
+    assert sum(len(item.read_bytes()) for item in files) < 8_000_000  # 1.3 MB each for two Kinova wrists at 60°
 
 
 @pytest.mark.shipped

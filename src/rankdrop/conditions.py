@@ -73,8 +73,8 @@ def conditions(
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
         coranks: the highest corank to derive; None for all.
         seconds: limit by the clock. A third of it is the limit on the work done, counted in steps, so that the result
-            is the same on a machine three times as busy. What was derived by then is returned, and what is left is
-            told. So it is after Ctrl-C.
+            does not depend on the machine's load unless the clock is what ends it, which is told. What was derived by
+            then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand.

@@ -71,7 +71,7 @@ class Work:
         if spent() > self._end:
             raise OutOfTime
         if monotonic() > self._wall:
-            raise OutOfTime("time ran out by the clock, on a busy machine")
+            raise OutOfTime("time ran out by the clock")
 
     def show(self, label: str, done: int, total: int) -> None:
         """Tell how far the derivation is."""

@@ -274,8 +274,9 @@ def exact_chain(
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
         task: as in `resolve_task`; None is the one that the arm is made for.
-        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns and there are at most `MANY`
-            different lengths), or a mapping from letters to values [m]: lengths of that value get the letter.
+        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, and
+            there are at most `MANY` different lengths), or a mapping from letters to values [m]: lengths of that
+            value get the letter.
 
     Raises:
         RobotError: a helical or a mimic joint.

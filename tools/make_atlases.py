@@ -6,7 +6,8 @@
 
 It can be stopped and started again: a file that is there, of this version and of this arm, is kept. An atlas in which
 some fresh point is unexplained, a row unsound or a family unnamed is not written, and ends the run with exit code 1.
-They hold no exact conditions: those are shipped beside them (tools/make_conditions.py).
+Their families have the partition, ids and names of the exact conditions, which are shipped beside them and have to be
+there first (tools/make_conditions.py).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from dataclasses import replace
 from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
@@ -33,11 +35,11 @@ PROCESSES = 2
 def write(name: str) -> tuple[str, bool, str]:
     """(name, whether its file was written, what to print) of one arm."""
     begun = process_time()
-    found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="off", threads=1)
+    found = analyze(open_robot(name), starts=STARTS, seed=SEED, exact="auto", threads=1)
     spent = f"{process_time() - begun:.1f} s CPU"
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
         return name, False, f"NOT WRITTEN, the analysis is not verified, {spent}"
-    text = json.dumps(found.to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(replace(found, exact=None).to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     part = FOLDER / f"{name}.part"
     part.write_text(text + "\n", encoding="utf-8")
     part.replace(FOLDER / f"{name}.json")

@@ -106,8 +106,8 @@ def analyze(
     here = tuple(family for one in found for family in one.families)
     joined = None
     if unfinished is None:
-        joined = join(
-            robot, resolved, rank, here, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
+        here, joined = join(
+            robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
     return Analysis(

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import pi, remainder
+from dataclasses import replace
 
-from rankdrop.atlas.family import Family, Pinned
+from rankdrop.atlas.family import CorankFamilies, Family
+from rankdrop.atlas.sampling import Setting
 from rankdrop.conditions import conditions
 from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.match import match
-from rankdrop.exact.writing.pins import RADIANS
+from rankdrop.exact.match import Match, match
 from rankdrop.joined import AGREES, ASKED, DIFFERS, NOT_DERIVED, ExactRow, Joined
 from rankdrop.known_conditions import known_conditions
+from rankdrop.partition import in_exact_terms
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -37,7 +38,7 @@ def join(
     robot: Robot,
     task: Task,
     generic_rank: int,
-    rows: Sequence[Family],
+    found: Sequence[CorankFamilies],
     *,
     exact: str = "auto",
     limits: bool = False,
@@ -45,31 +46,33 @@ def join(
     fresh: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
     tolerances: Tolerances = DEFAULT,
-) -> Joined | None:
+) -> tuple[tuple[Family, ...], Joined | None]:
     """Derive the families of every corank by the rank tree, and match them with those found numerically.
 
-    The families of the catalogue's arms are shipped, and then taken from there.
+    Rows that go together with exact families take their partition, ids and names (`partition`). The families of the
+    catalogue's arms are shipped, and then taken from there.
 
     Args:
         robot, task, generic_rank: of the analysis.
-        rows: its families, of every corank that there is, in the arm's own unit of length (`family_in_units`).
+        found: its families, of every corank that there is, of `in_units(robot)`.
         exact: "auto", where python-flint is installed, the arm can be treated, and time allows; "on", required; "off".
-        limits: the rows are those within the joint limits.
+        limits: the families are those within the joint limits.
         seed: of every random choice.
         fresh: derive them even where the conditions of this arm are shipped; those have the same families.
         progress: called as progress(label, done, total).
         tolerances: of the analysis.
 
     Returns:
-        Joined, or None for "off". A derivation that was not finished leaves no families behind.
+        All rows, and Joined, or None for "off". A derivation that was not finished leaves no families behind.
 
     Raises:
         OptionError: no such choice.
         MissingExtraError, RobotError: with "on", python-flint is not installed, or the arm cannot be treated.
     """
     check_exact(exact)
+    rows = tuple(row for one in found for row in one.families)
     if exact == "off":
-        return None
+        return rows, None
     seconds = SECONDS[exact]
     try:
         shipped = None if fresh or seed else known_conditions(robot, task)
@@ -79,27 +82,39 @@ def join(
     except RankdropError as error:
         if exact == "on":
             raise
-        return Joined(NOT_DERIVED, exact, seconds, str(error))
+        return rows, Joined(NOT_DERIVED, exact, seconds, str(error))
     except KeyboardInterrupt:
-        return Joined(NOT_DERIVED, exact, seconds, "interrupted")
+        return rows, Joined(NOT_DERIVED, exact, seconds, "interrupted")
     if not derived.complete:
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
-        return Joined(NOT_DERIVED, exact, seconds, reason)
-    agreement = match(
-        in_units(robot), task_in_units(task, robot), generic_rank, rows,
-        [family.in_units(derived.chain) for family in derived.families], limits=limits, seed=seed,
-        tolerances=tolerances,
-    )
-    disagreements = (*_ranks(derived, generic_rank), *agreement.disagreements)
-    return Joined(
+        return rows, Joined(NOT_DERIVED, exact, seconds, reason)
+    own, own_task = in_units(robot), task_in_units(task, robot)
+    families = [family.in_units(derived.chain) for family in derived.families]
+    agreement = match(own, own_task, generic_rank, rows, families, limits=limits, seed=seed, tolerances=tolerances)
+    parted: list[Family] = []
+    matches: list[Match] = []
+    now: dict[str, str] = {}
+    for one in found:
+        corank = one.summary.corank
+        setting = Setting(own, own_task, corank, generic_rank - corank, tolerances, limits)
+        exactly = [family for family in families if family.corank == corank]
+        here, there, called = in_exact_terms(setting, one, exactly, agreement, seed)
+        parted += here
+        matches += there
+        now |= called
+    differences = [
+        str(replace(one, family=now[one.family]) if one.side == "numeric" else one) for one in agreement.differences
+    ]
+    disagreements = (*_ranks(derived, generic_rank), *differences)
+    return tuple(parted), Joined(
         status=DIFFERS if disagreements else AGREES,
         asked=exact,
         seconds=seconds,
         letters=dict(derived.letters),
         shifts=derived.shifts,
         families=tuple(_row(family, robot) for family in derived.families),
-        matches=agreement.matches,
+        matches=tuple(matches),
         numeric=agreement.numeric,
         exact=agreement.exact,
         disagreements=disagreements,
@@ -116,23 +131,13 @@ def _ranks(derived: Conditions, generic_rank: int) -> list[str]:
 
 
 def _row(family: ExactFamily, robot: Robot) -> ExactRow:
-    pinned = tuple(
-        Pinned(robot.variables[joint - 1].name, joint, tuple(_angle(v, family.shifts[joint - 1]) for v in values))
-        for joint, values in family.pins
-    )
     return ExactRow(
         id=family.id,
         name=family.name,
         corank=family.corank,
         dimension=family.dimension,
-        pinned=pinned,
+        pinned=family.pinned(robot),
         conditions=family.texts,
         latex=family.latex,
         reality=family.reality,
     )
-
-
-def _angle(value: str, shift: float) -> float:
-    """q in (−π, π] for a simple angle θ = q + shift."""
-    angle = remainder(RADIANS[value] - shift, 2 * pi)
-    return pi if angle <= -pi else angle

@@ -12,17 +12,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.atlas.elsewhere import elsewhere
+from rankdrop.atlas.equation import pretty_angle
 from rankdrop.atlas.estimate import none_found, unseen
-from rankdrop.atlas.family import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness
+from rankdrop.atlas.family import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
 from rankdrop.atlas.linear import wrap
-from rankdrop.atlas.naming import name_family
+from rankdrop.atlas.naming import name_family, told_apart
 from rankdrop.atlas.row import Row, soundness
 from rankdrop.atlas.rows import Cover, find_rows
 from rankdrop.atlas.sampling import Setting
@@ -34,7 +36,7 @@ from rankdrop.atlas.unnamed import Leftover, leftovers
 from rankdrop.atlas.witness import witness
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import UnitRobot, in_units, into_units, task_in_units
+from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
 
 Progress = Callable[[int, int], None]
 
@@ -105,18 +107,29 @@ def families(
     rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
     found = []
-    for count, row in enumerate(sorted(kept, key=_order)):
+    for count, row in enumerate(kept):
         per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
         shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
-        name = f"k{cloud.corank}.f{count + 1}"
-        found.append(_family(setting, row, name, sounds[row], per_row, samples[row], at))
+        found.append(_family(setting, row, sounds[row], per_row, samples[row], at))
         report(80 + 20 * count // len(kept), STEPS)
-    for count, leftover in enumerate(rest, start=len(found) + 1):
-        found.append(_unnamed(setting, leftover, f"k{cloud.corank}.f{count}", share.tested))
+    found += [_unnamed(setting, leftover, share.tested) for leftover in rest]
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
     report(STEPS, STEPS)
-    return CorankFamilies(_summary(cloud, share, int((~checked.exact).sum()), pieces), tuple(found))
+    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces)
+    return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
+
+
+def _told_apart(found: Sequence[Family]) -> tuple[Family, ...]:
+    """Families with names of their own."""
+    names = told_apart([one.name for one in found], [partial(_texts, one) for one in found])
+    return tuple(replace(one, name=name) for one, name in zip(found, names, strict=True))
+
+
+def _texts(family: Family) -> list[str]:
+    """The conditions of a family for people, as far as they are short."""
+    pins = [f"θ{one.number} = {' or '.join(map(pretty_angle, one.values))}" for one in family.pinned]
+    return [*pins, *(f"{equation} = 0" for equation in family.equations)]
 
 
 def _in_units(cloud: Search) -> Search:
@@ -129,7 +142,10 @@ def _in_units(cloud: Search) -> Search:
 
 def families_out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
     """Families of `in_units(robot)` as those of the arm itself."""
-    return replace(found, families=tuple(family_out_of_units(family, robot) for family in found.families))
+    return replace(
+        found, families=tuple(family_out_of_units(family, robot) for family in found.families),
+        fresh=out_of_units(robot, found.fresh),
+    )  # fmt: skip
 
 
 def _marks(rows: list[Row]) -> dict[int, list[float]]:
@@ -164,22 +180,16 @@ def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, t
     return np.concatenate(parts)
 
 
-def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:
-    s = row.signature
-    return (s.rank, s.pinned, s.coupled, row.sets)
-
-
-def _family(
-    setting: Setting, row: Row, identifier: str, sound: Soundness, share: Share, generic: Array, at: Array
-) -> Family:
+def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array) -> Family:
+    """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, setting.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     directions, sentences = _lost(setting, at, generic)
     return Family(
-        id=identifier,
-        name=_name(setting, generic, pinned, signature.coupled),
+        id="",
+        name=name_family(robot, setting.task, generic, pinned, coupled=bool(signature.coupled)),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -195,12 +205,6 @@ def _family(
     )
 
 
-def _name(setting: Setting, generic: Array, pinned: tuple[Pinned, ...], coupled: tuple[int, ...]) -> str:
-    """The name from the geometry; in a row without coupled joints the rest of the condition are fixed values."""
-    name = name_family(setting.robot, setting.task, generic, pinned)
-    return name if coupled else name.replace("others coupled", "others fixed")
-
-
 def _lost(setting: Setting, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
     return told(setting.robot, at, points, setting.task, setting.corank)
 
@@ -214,7 +218,7 @@ def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -
     return np.asarray(q[rng.permutation(chosen)[:24]])
 
 
-def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int) -> Family:
+def _unnamed(setting: Setting, leftover: Leftover, tested: int) -> Family:
     robot, at = setting.robot, leftover.witness
     directions, sentences = _lost(setting, at, leftover.q)
     values = tuple(
@@ -222,7 +226,7 @@ def _unnamed(setting: Setting, leftover: Leftover, identifier: str, tested: int)
         for j in leftover.pinned
     )
     return Family(
-        id=identifier,
+        id="",
         name="unnamed family",
         corank=setting.corank,
         dimension=leftover.dimension,

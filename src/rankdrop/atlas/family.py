@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -132,9 +133,52 @@ class CorankSummary:
     unseen: Unseen
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class CorankFamilies:
-    """All rows of one corank with their summary."""
+    """All rows of one corank with their summary.
+
+    Attributes:
+        summary: what the search met.
+        families: in their order.
+        fresh: (N, n) the points that completeness was counted on.
+    """
 
     summary: CorankSummary
     families: tuple[Family, ...]
+    fresh: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]
+
+
+def place_of(dimension: int, pinned: Iterable[Pinned], coupled: Iterable[int], texts: Iterable[str]) -> Order:
+    """What decides the place of a family among those of its corank, hence its id: the set, not how it was found.
+
+    Large families first; then by joints that are pinned, joints that are coupled, values, and the conditions in words.
+
+    Args:
+        dimension: of the family.
+        pinned: joints at fixed values of q.
+        coupled: numbers of the joints bound together.
+        texts: its conditions for people.
+    """
+    pins = sorted(pinned, key=lambda one: one.number)
+    values = tuple(tuple(sorted(round(value, 6) + 0.0 for value in one.values)) for one in pins)
+    return -dimension, tuple(one.number for one in pins), tuple(sorted(coupled)), values, tuple(texts)
+
+
+def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Family, ...]:
+    """Rows in their places with the ids that go with them; those without conditions come last.
+
+    Args:
+        rows: of one corank.
+        corank: of all of them.
+        after: the number of the family before the first.
+    """
+
+    def place(row: Family) -> tuple[bool, Order]:
+        texts = (str(equation) for equation in row.equations)
+        return not row.named, place_of(row.dimension, row.pinned, row.coupled, texts)
+
+    ordered = sorted(rows, key=place)
+    return tuple(replace(row, id=f"k{corank}.f{number}") for number, row in enumerate(ordered, after + 1))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -32,7 +33,9 @@ class PinnedJoint(Protocol):
         """Counted from 1."""
 
 
-def name_family(robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[PinnedJoint] = ()) -> str:
+def name_family(
+    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[PinnedJoint] = (), *, coupled: bool = True
+) -> str:
     """A short name for a family of singular configurations.
 
     1. Joints that matter: those whose motion alone raises the rank at the samples, and the pinned ones.
@@ -40,17 +43,18 @@ def name_family(robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[Pi
        telling first, are taken until each joint that matters breaks one of them when it moves. In an arm without
        redundancy facts that cost rank by themselves come first, and have to add up to the corank.
     3. Facts that concern the shoulder, the elbow or the wrist give the name its first words.
-    4. Joints that break none of the facts: the name ends with "others coupled". Without any fact: "all axes meet one
-       line" where the blocked wrench is a pure force, else the smallest dependent sets of joint screws ("screws 2–6
-       dependent").
+    4. Joints that break none of the facts: the name ends with "others coupled", or "others fixed" where the rest of
+       the condition are values. Without any fact: "all axes meet one line" where the blocked wrench is a pure force,
+       else the smallest dependent sets of joint screws ("screws 2–6 dependent").
 
-    What a name states is true at every sample point. Names are not unique: two families of an arm may share one.
+    What a name states is true at every sample point. Names are not unique: `told_apart` makes them so.
 
     Args:
         robot: the arm.
         task: the rows that matter.
         points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are used.
         pinned: the family's pinned joints, if known.
+        coupled: whether conditions bind joints beside the pinned ones.
 
     Raises:
         ConfigurationError: no points, the wrong shape, or points that are not singular.
@@ -67,8 +71,40 @@ def name_family(robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[Pi
     matter = _joints_that_matter(scene, task, generic - corank) | {joint.number - 1 for joint in pinned}
     facts, covered = _explain(structure, scene, matter, corank)
     if facts:
-        return _compose(facts, structure.tight, corank) + ("" if matter <= covered else ", others coupled")
+        others = "" if matter <= covered else ", others coupled" if coupled else ", others fixed"
+        return _compose(facts, structure.tight, corank) + others
     return _systematic(scene, structure, task, corank, generic)
+
+
+def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
+    """Names made unique: of those that are the same each gets the first short condition that only it has.
+
+    Args:
+        names: of the families of one corank, in their order.
+        conditions: of each, how to get its conditions for people; asked where it is needed only.
+
+    Returns:
+        The names; where no short condition tells them apart they are counted: "wrist (second)".
+
+    Example:
+        >>> told_apart(["elbow", "wrist", "elbow"], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
+        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
+    """
+    result = list(names)
+    for name, count in Counter(names).items():
+        if count == 1:
+            continue
+        places = [place for place, other in enumerate(names) if other == name]
+        texts = [conditions[place]() for place in places]
+        for number, place in enumerate(places):
+            others = {text for k, one in enumerate(texts) if k != number for text in one}
+            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
+            result[place] = f"{name} ({own[0] if own else _ORDINALS.get(number, f'{number + 1}th')})"
+    return result
+
+
+_SHORT = 24  # characters of a condition that stands in a name
+_ORDINALS = {0: "first", 1: "second", 2: "third", 3: "fourth", 4: "fifth", 5: "sixth"}
 
 
 def _joints_that_matter(scene: Scene, task: Task, rank: int) -> set[int]:

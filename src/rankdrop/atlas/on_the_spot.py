@@ -157,9 +157,8 @@ def _family(
         relation_words(relation, values[len(signature.pinned) + i]) for i, relation in enumerate(signature.relations)
     )
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
-    name = name_family(robot, setting.task, spread, pinned)
     return LocalFamily(
-        name=name if coupled else name.replace("others coupled", "others fixed"),
+        name=name_family(robot, setting.task, spread, pinned, coupled=bool(coupled)),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,

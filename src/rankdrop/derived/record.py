@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from math import pi
-
 from rankdrop.derived.data import ConditionsData
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.writing.pins import RADIANS
 from rankdrop.record import Record, plain, robot_to_dict
 
 SCHEMA = "rankdrop/conditions/1"
@@ -40,7 +37,6 @@ def conditions_to_dict(found: ConditionsData) -> Record:
 
 def _family(found: ConditionsData, family: ExactFamily) -> Record:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
-    joints = found.robot.variables
     return {
         "id": family.id,
         "name": family.name,
@@ -48,12 +44,8 @@ def _family(found: ConditionsData, family: ExactFamily) -> Record:
         "dimension": family.dimension,
         "codimension": family.codimension,
         "pinned": [
-            {
-                "joint": joints[number - 1].name,
-                "number": number,
-                "values": sorted(_variable(RADIANS[value] - found.shifts[number - 1]) for value in values),
-            }
-            for number, values in family.pins
+            {"joint": one.joint, "number": one.number, "values": sorted(one.values)}
+            for one in family.pinned(found.robot)
         ],
         "free": list(family.free),
         "coupled": list(family.coupled),
@@ -66,8 +58,3 @@ def _family(found: ConditionsData, family: ExactFamily) -> Record:
         "lost_words": list(family.lost_words),
         "rank_check": plain(family.rank_check),
     }
-
-
-def _variable(angle: float) -> float:
-    """The angle in (−π, π]."""
-    return angle if -pi < angle <= pi else pi - (pi - angle) % (2 * pi)

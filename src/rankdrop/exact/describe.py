@@ -24,7 +24,7 @@ class _Pinned:
 
 
 def described(
-    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Mapping[int, tuple[str, ...]]
+    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Mapping[int, tuple[str, ...]], coupled: bool
 ) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
     """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
 
@@ -34,10 +34,11 @@ def described(
         corank: of the family.
         points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
         pins: its pinned joints.
+        coupled: whether it has other conditions.
     """
     robot, task = chain.own, chain.own_task
     at = _witness(chain, generic_rank - corank, points, pins)
-    name = name_family(robot, task, points, [_Pinned(joint) for joint in sorted(pins)])
+    name = name_family(robot, task, points, [_Pinned(joint) for joint in sorted(pins)], coupled=coupled)
     _, sentences = told(robot, at, points, task, corank)
     return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
 

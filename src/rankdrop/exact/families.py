@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from rankdrop.atlas.naming import told_apart
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.solving import form
@@ -114,7 +116,7 @@ def families(
     sets: Sequence[RealSet],
     generic_rank: int,
     work: Work,
-    describe: Callable[[int, Array, Pins], tuple[str, tuple[str, ...], tuple[float, ...]]],
+    describe: Callable[[int, Array, Pins, bool], tuple[str, tuple[str, ...], tuple[float, ...]]],
 ) -> list[ExactFamily]:
     """Merge sets that differ in the simple angle of a joint only, and describe each family.
 
@@ -123,7 +125,8 @@ def families(
         sets: from `real_sets`.
         generic_rank: of the task Jacobian.
         work: random points.
-        describe: (corank, points, pins) -> (name, sentences on lost motions, witness).
+        describe: (corank, points, pins, whether there are other conditions) -> (name, sentences on lost motions,
+            witness).
 
     Returns:
         Families by corank, large ones first, with their numbers.
@@ -137,19 +140,25 @@ def families(
             if one.rank == rank:
                 by_reality.setdefault(one.reality.condition, []).append(one.piece)
         rows = [row for pieces in by_reality.values() for row in merge(pieces)]
-        for number, row in enumerate(sorted(rows, key=lambda row: row.pieces[0].codimension), 1):
-            work.show("families described", len(result), len(result) + len(rows) - number + 1)
+        here: list[ExactFamily] = []
+        for row in rows:
+            work.show("families described", len(result) + len(here), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
             points = np.concatenate([one.points for one in realities])
-            told = describe(corank, points, row.pins)
+            told = describe(corank, points, row.pins, bool(row.equations))
             check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
-            result.append(_family(chain, f"k{corank}.f{number}", corank, row, realities[0].condition, told, check))
+            here.append(_family(chain, corank, row, realities[0].condition, told, check))
+        here.sort(key=lambda family: family.place(chain.robot))
+        names = told_apart([one.name for one in here], [partial(getattr, one, "texts") for one in here])
+        result += [
+            replace(family, id=f"k{corank}.f{number}", name=name)
+            for number, (family, name) in enumerate(zip(here, names, strict=True), 1)
+        ]
     return result
 
 
 def _family(
     chain: Chain,
-    identifier: str,
     corank: int,
     row: Row,
     condition: str,
@@ -160,7 +169,7 @@ def _family(
     conditions = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
     return ExactFamily(
-        id=identifier,
+        id="",
         name=told[0],
         corank=corank,
         dimension=piece.dimension,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import pi, remainder
 
 from rankdrop.atlas.equation import Equation
+from rankdrop.atlas.family import Order, Pinned, place_of
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import pin_equation, pin_latex, pin_text
+from rankdrop.exact.writing.pins import RADIANS, pin_equation, pin_latex, pin_text
+from rankdrop.robot.model import Robot
 from rankdrop.units import into_units
 
 
@@ -61,6 +64,21 @@ class ExactFamily:
             numbers=chain.own_numbers,
         )
 
+    def pinned(self, robot: Robot) -> tuple[Pinned, ...]:
+        """Its pins as values of q in (−π, π], under the names of the arm's joints."""
+        return tuple(
+            Pinned(
+                robot.variables[joint - 1].name, joint,
+                tuple(_angle(RADIANS[value] - self.shifts[joint - 1]) for value in values),
+            )
+            for joint, values in self.pins
+        )  # fmt: skip
+
+    def place(self, robot: Robot) -> Order:
+        """Its place among the families of its corank."""
+        short_first = sorted(f"{len(one.polynomial):06} {one.polynomial}" for one in self.conditions)
+        return place_of(self.dimension, self.pinned(robot), self.coupled, short_first)
+
     @cached_property
     def texts(self) -> tuple[str, ...]:
         """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
@@ -79,6 +97,11 @@ class ExactFamily:
         n = len(self.shifts)
         pins = (pin_equation(joint, values, n, self.shifts) for joint, values in self.pins)
         return (*pins, *(condition.equation(self.numbers, n, self.shifts) for condition in self.conditions))
+
+
+def _angle(value: float) -> float:
+    angle = remainder(value, 2 * pi)
+    return pi if angle <= -pi else angle
 
 
 @dataclass(frozen=True, slots=True)

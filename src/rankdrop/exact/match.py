@@ -79,6 +79,26 @@ class Wider:
 
 
 @dataclass(frozen=True, slots=True)
+class Difference:
+    """What does not go together: a family of one side, and in words what is wrong with it on the other.
+
+    Attributes:
+        side: "numeric" or "exact".
+        family: its id on that side.
+        name: in words.
+        text: what is wrong.
+    """
+
+    side: str
+    family: str
+    name: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.side} {self.family} ({self.name}): {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
 class Agreement:
     """How two sets of families go together.
 
@@ -86,14 +106,14 @@ class Agreement:
         matches: one for each numeric family, in order.
         numeric: points of numeric families, and how many lie on an exact one.
         exact: points of exact families, and how many lie on a numeric one.
-        disagreements: sentences; empty where every point lies on both sides.
+        differences: none where every point lies on both sides.
         wider: exact families to be read with care.
     """
 
     matches: tuple[Match, ...]
     numeric: Check
     exact: Check
-    disagreements: tuple[str, ...]
+    differences: tuple[Difference, ...]
     wider: tuple[Wider, ...] = ()
 
 
@@ -137,7 +157,7 @@ def match(
     kin: set[tuple[str, str]] = set()
     inside: set[tuple[str, str]] = set()
     counts = {True: Check(0, 0), False: Check(0, 0)}
-    said: list[str] = []
+    said: list[Difference] = []
     wider: list[Wider] = []
     for corank in sorted({one.corank for one in (*rows, *families)}):
         setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
@@ -147,10 +167,10 @@ def match(
             rng = np.random.default_rng([seed, corank, numeric])
             own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
             for one in here:
-                points = _points(setting, one, rng, singular=not numeric)
+                points = solutions(setting, one, rng, singular=not numeric)
                 met = _tried(setting, one, points, there)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
-                said += [f"{own} {one.id} ({one.name}): {text}" for text in met.wrong(others)]
+                said += [Difference(own, one.id, one.name, text) for text in met.wrong(others)]
                 kin |= {(one.id, name) if numeric else (name, one.id) for name in met.kin}
                 if not numeric:
                     inside |= {(name, one.id) for name in met.around}
@@ -167,7 +187,7 @@ def _match(row: str, families: Sequence[Side], kin: set[tuple[str, str]], inside
 
 
 @dataclass(frozen=True)
-class _Points:
+class Points:
     """Configurations on a family.
 
     Attributes:
@@ -218,11 +238,11 @@ class _Tried:
         return found
 
 
-def _tried(setting: Setting, one: Side, points: _Points, others: Sequence[Side]) -> _Tried:
+def _tried(setting: Setting, one: Side, points: Points, others: Sequence[Side]) -> _Tried:
     q = points.q
     if not len(q):
         return _Tried(0, 0, (), empty=not setting.limits)
-    on = np.array([_lies(other, q, setting.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
+    on = np.array([lies_on(other, q, setting.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
     left = np.flatnonzero(~on.any(axis=0))
     if len(left):  # where sheets cross, the way to a family is not told from its square
         cloud = Cloud(setting.robot, setting.task, q[left], np.full(len(left), setting.corank))
@@ -242,7 +262,7 @@ def _tried(setting: Setting, one: Side, points: _Points, others: Sequence[Side])
     )
 
 
-def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: bool) -> _Points:
+def solutions(setting: Setting, one: Side, rng: np.random.Generator, *, singular: bool = True) -> Points:
     """Solutions of a family's equations from random starts, where these are well conditioned.
 
     Args:
@@ -253,7 +273,7 @@ def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: 
     """
     witness = np.array([one.witness], dtype=np.float64)
     if not one.equations:
-        return _Points(witness, 1)
+        return Points(witness, 1)
     system = _system(one)
     witness = witness[np.abs(system.values(witness)).max(axis=1) <= setting.tolerances.explained]
     q, _ = system.solve(setting.random(STARTS, rng), iterations=60)
@@ -265,14 +285,14 @@ def _points(setting: Setting, one: Side, rng: np.random.Generator, *, singular: 
         q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
     elsewhere = solved - len(q)
     witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
-    return _Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
+    return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
 
 
 def _system(one: Side) -> System:
     return System(tuple(normalised(equation.terms) for equation in one.equations))
 
 
-def _lies(other: Side, q: Array, tolerances: Tolerances) -> Mask:
+def lies_on(other: Side, q: Array, tolerances: Tolerances) -> Mask:
     """(N,) which points lie on a family; one without equations is known by its witness alone."""
     if not other.equations:
         near: NDArray[np.bool_] = np.linalg.norm(q - np.array(other.witness), axis=1) <= tolerances.explained

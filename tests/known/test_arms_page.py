@@ -5,14 +5,12 @@ The 98 files of `data/arms` anew: `pytest -m slow tests/known/test_arms_page.py`
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
 import pytest
+from scripts import tool
 
 from rankdrop import known_conditions as shelf
 from rankdrop.known import shipped
@@ -27,18 +25,7 @@ LONGEST = 20.0
 """CPU seconds that one command may take for one of them."""
 
 
-def _tool() -> ModuleType:
-    """The tool that writes the page, from its file."""
-    spec = importlib.util.spec_from_file_location("make_arms_page", ROOT / "tools" / "make_arms_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
-
-
-TOOL = _tool()
+TOOL = tool("make_arms_page")
 NAMES = [one["name"] for one in TOOL.skeletons()]
 ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in NAMES]
 

@@ -1,6 +1,7 @@
 """Which arms of the catalogue a test is of: laws over kinds of arms take some, only what is cheap takes all.
 
-A test of every arm of the catalogue is a few milliseconds each, or it is `known/test_atlases.py`, made anew.
+A test of every arm of the catalogue is a few milliseconds each, or it is `known/test_every_arm.py`, a second each. What
+costs more takes one arm of each structure: many makers build the same structure with other lengths.
 """
 
 from __future__ import annotations
@@ -8,15 +9,36 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from rankdrop.result import Analysis
 from rankdrop.robot.open import robot_names
 
 with (Path(__file__).resolve().parents[1] / "data" / "catalogue.csv").open(encoding="utf-8", newline="") as _stream:
     FROM_FILES = frozenset(row["name"] for row in csv.DictReader(_stream))
 DRAWN = tuple(name for name in robot_names() if name not in FROM_FILES)
 """From documents and data sheets: every form that is known, from two to eight joints, with slides."""
-TRADE = ("ur20", "kr16", "hc10", "m1013", "fr3", "meca500", "tiago")
+TRADE = ("kr16", "hc10", "m1013", "fr3", "tiago")
 """From makers' files, of each form one: offset wrist, spherical wrist, 7R, a slide."""
-KINDS = (*DRAWN, *TRADE)
+AGAIN = ("ur3", "ur3e", "ur10", "ur10e", "vx300s")
+"""Of those drawn, arms whose structure another one has: the UR5e, and the anthropomorphic arm."""
+KINDS = tuple(name for name in (*DRAWN, *TRADE) if name not in AGAIN)
 """For a law over kinds of arms."""
+STRUCTURES = (
+    "almarkhi4", "anthropomorphic", "baxter", "canadarm2", "cobotta", "crx10ia", "e0509", "fetch", "fetch8", "fr3",
+    "gen3", "gen3_6dof", "gen3_lite", "hc10", "iiwa14", "iiwa7", "irb140", "irb4400", "irb6640", "j2n6s300",
+    "j2n7s300", "j2s7s300", "jaka_pro12", "kr16", "m1013", "m430ia2f", "mycobot_pro600", "open_manipulator",
+    "planar2r", "planar3r", "puma560", "px150", "rcrrrr", "rml63", "rs030n", "sawyer", "scara", "sia5d", "so101",
+    "stanford", "tiago", "ur5e", "xarm5", "xarm6", "xarm7", "yumi", "z1",
+)  # fmt: skip
+"""One arm of each structure, as `structure` tells them apart: for what is made anew."""
 FEW = ("planar3r", "scara", "stanford", "puma560", "ur5e", "iiwa14", "canadarm2", "fetch8")
 """For what costs seconds each: planar, a slide outside and inside a spherical wrist, offset wrist, 7R, 8 joints."""
+
+
+def structure(found: Analysis) -> tuple[object, ...]:
+    """What arms have in common that differ in lengths alone: joints, task, and the rows of their analysis."""
+    kinds = tuple(str(joint.kind) for joint in found.robot.variables)
+    rows = tuple(
+        (one.corank, one.dimension, tuple(pin.number for pin in one.pinned), one.name.partition(":")[0])
+        for one in found.families
+    )
+    return kinds, found.task.rows, rows

@@ -1,7 +1,7 @@
 """The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
 
-All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. It is the one
-test that analyses the whole catalogue.
+One of each structure made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. The whole
+catalogue, with fewer starts: `test_every_arm.py`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from known.arms import KINDS
+from known.arms import KINDS, STRUCTURES, structure
 from rankdrop.analyze import analyze
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.row import soundness
@@ -31,7 +31,7 @@ from rankdrop.task import resolve_task
 from rankdrop.version import VERSION
 
 QUICK = ("planar3r", "puma560")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names()]
+ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in STRUCTURES]
 
 
 def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
@@ -39,6 +39,13 @@ def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
     files = [item for item in (resources.files("rankdrop") / "atlases").iterdir() if item.name.endswith(".json")]
     assert len(files) == len(robot_names()) + 1
     assert sum(len(item.read_bytes()) for item in files) < 5_000_000
+
+
+def test_what_is_made_anew_has_every_structure_of_the_catalogue_once():
+    there = {structure(shipped(name)): name for name in STRUCTURES}
+    assert len(there) == len(STRUCTURES), "two of STRUCTURES (tests/known/arms.py) are of one structure"
+    missing = [name for name in robot_names() if structure(shipped(name)) not in there]
+    assert not missing, f"add one of each structure of these to STRUCTURES (tests/known/arms.py): {missing}"
 
 
 @pytest.mark.parametrize("name", robot_names())

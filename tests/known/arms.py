@@ -7,8 +7,10 @@ costs more takes one arm of each structure: many makers build the same structure
 from __future__ import annotations
 
 import csv
+from functools import cache
 from pathlib import Path
 
+from rankdrop.known import shipped
 from rankdrop.result import Analysis
 from rankdrop.robot.open import robot_names
 
@@ -22,23 +24,24 @@ AGAIN = ("ur3", "ur3e", "ur10", "ur10e", "vx300s")
 """Of those drawn, arms whose structure another one has: the UR5e, and the anthropomorphic arm."""
 KINDS = tuple(name for name in (*DRAWN, *TRADE) if name not in AGAIN)
 """For a law over kinds of arms."""
-STRUCTURES = (
-    "almarkhi4", "anthropomorphic", "baxter", "canadarm2", "cobotta", "crx10ia", "e0509", "fetch", "fetch8", "fr3",
-    "gen3", "gen3_6dof", "gen3_lite", "hc10", "iiwa14", "iiwa7", "irb140", "irb4400", "irb6640", "j2n6s300",
-    "j2n7s300", "j2s7s300", "jaka_pro12", "kr16", "m1013", "m430ia2f", "mycobot_pro600", "open_manipulator",
-    "planar2r", "planar3r", "puma560", "px150", "rcrrrr", "rml63", "rs030n", "sawyer", "scara", "sia5d", "so101",
-    "stanford", "tiago", "ur5e", "xarm5", "xarm6", "xarm7", "yumi", "z1",
-)  # fmt: skip
-"""One arm of each structure, as `structure` tells them apart: for what is made anew."""
 FEW = ("planar3r", "scara", "stanford", "puma560", "ur5e", "iiwa14", "canadarm2", "fetch8")
 """For what costs seconds each: planar, a slide outside and inside a spherical wrist, offset wrist, 7R, 8 joints."""
 
 
-def structure(found: Analysis) -> tuple[object, ...]:
-    """What arms have in common that differ in lengths alone: joints, task, and the rows of their analysis."""
+@cache
+def structures() -> tuple[str, ...]:
+    """One arm of each structure of the catalogue: for what is made anew.
+
+    Told from the shipped analyses: as many joints of the same kinds, the same task, and rows that pin the same joints
+    and have the same coranks and dimensions. Such arms differ in their lengths.
+    """
+    found: dict[tuple[object, ...], str] = {}
+    for name in sorted(robot_names(), key=lambda name: (name not in FEW, name not in KINDS, name)):
+        found.setdefault(_structure(shipped(name)), name)
+    return tuple(sorted(found.values()))
+
+
+def _structure(found: Analysis) -> tuple[object, ...]:
     kinds = tuple(str(joint.kind) for joint in found.robot.variables)
-    rows = tuple(
-        (one.corank, one.dimension, tuple(pin.number for pin in one.pinned), one.name.partition(":")[0])
-        for one in found.families
-    )
-    return kinds, found.task.rows, rows
+    rows = sorted((one.corank, one.dimension, tuple(pin.number for pin in one.pinned)) for one in found.families)
+    return kinds, found.task.rows, *rows

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from known.arms import STRUCTURES
+from known.arms import structures
 from rankdrop import known_conditions as shelf
 from rankdrop.analyze import analyze
 from rankdrop.cli import exits, main
@@ -30,7 +30,9 @@ from rankdrop.version import VERSION
 
 SHIPPED = shelf.conditions_names()
 QUICK = ("planar3r", "puma560", "scara")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in STRUCTURES if name in SHIPPED]
+ANEW = [
+    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures() if name in SHIPPED
+]
 
 
 def through_json(found: Conditions) -> Any:

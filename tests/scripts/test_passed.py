@@ -7,9 +7,9 @@ import pytest
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --quiet --threads 1": (84, 55),
-    "conditions puma560 --quiet": (52, 26),
-    "conditions puma560 --quiet --fresh": (97, 64),
+    "analyze planar3r --starts 300 --quiet --threads 1": (85, 55),
+    "conditions puma560 --quiet": (53, 27),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (96, 61),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""
 

@@ -133,6 +133,6 @@ def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("n", "seed"), [(6, seed) for seed in range(24)] + [(7, seed) for seed in range(18)])
+@pytest.mark.parametrize(("n", "seed"), [(n, seed) for n in (6, 7) for seed in range(40)])
 def test_both_gates_hold_for_forty_arms(n: int, seed: int) -> None:
     test_rows_are_sound_everywhere_and_singular_points_are_on_them(n, seed)

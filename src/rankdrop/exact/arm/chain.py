@@ -21,6 +21,10 @@ from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import UnitRobot, exponent, in_units, task_in_units
 
+WIDE = 8
+"""Joints for the six rows of a pose beyond which letters, and dependent-screw suppression, take longer than they may:
+the sets of lower rank bind four freedoms and more, of as many conditions in letters."""
+
 
 @dataclass(frozen=True)
 class Chain:
@@ -274,8 +278,8 @@ def exact_chain(
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
         task: as in `resolve_task`; None is the one that the arm is made for.
-        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, and
-            there are at most `MANY` different lengths), or a mapping from letters to values [m]: lengths of that
+        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, there
+            are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters to values [m]: lengths of that
             value get the letter.
 
     Raises:
@@ -295,6 +299,8 @@ def exact_chain(
     found, remarks = sections(in_units(robot))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
+    if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
+        lengths = "numbers"
     letters, written = named_lengths(robot, found, lengths, tip)
     if letters and isinstance(lengths, str):
         remarks += tuple(

@@ -279,8 +279,8 @@ def exact_chain(
         robot: revolute and prismatic joints, each a variable of its own.
         task: as in `resolve_task`; None is the one that the arm is made for.
         lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, there
-            are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters to values [m]: lengths of that
-            value get the letter.
+            are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters
+            to values [m]: lengths of that value get the letter.
 
     Raises:
         RobotError: a helical or a mimic joint.

@@ -19,7 +19,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Factor, Product, Symbol, product, total, wave
 
 Pair = tuple[int, int]
-"""Real and imaginary part, times a number that all have in common: whole numbers are ten times faster than fractions."""
+"""Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
 
 
 def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
@@ -52,7 +52,8 @@ def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
         for kind, value in (("cos", twice * real), ("sin", -twice * imaginary)):
             sign, one = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
             if value and sign:
-                parts.append(product(Fraction(value * sign, bottom), monomial if one is None else [*monomial, (one, 1)]))
+                factors = monomial if one is None else [*monomial, (one, 1)]
+                parts.append(product(Fraction(value * sign, bottom), factors))
     return total(parts)
 
 

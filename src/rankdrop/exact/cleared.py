@@ -25,7 +25,7 @@ def smallest(chain: Chain) -> tuple[list[list[Polynomial]], int]:
     """
     if chain.task.rows != (0, 1, 2, 3, 4, 5) or chain.n <= 6 or not chain.ring.prismatic:
         return chain.columns, 0
-    found = (cleared(chain.ring, chain.screws(k)) for k in range(1, chain.n))
+    found = (cleared(chain.ring, chain.screws(k)) for k in chain.frames)
     return min(found, key=lambda one: sum(len(x) for column in one[0] for x in column if x != 0) * len(one[0][0]))
 
 

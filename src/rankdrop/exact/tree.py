@@ -23,6 +23,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.barren import barren
 from rankdrop.exact.cleared import smallest
+from rankdrop.local.block import generic_rank
 
 _STAGE = 0.7  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
@@ -73,7 +74,11 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
     whole = Variety.whole(chain.ring)
-    columns, never = smallest(chain)
+    try:
+        columns, never = smallest(chain)
+    except OutOfTime as stop:
+        rank = generic_rank(chain.own, chain.own_task)
+        return Tree(rank, complete=False, left=[f"{stop}: the arm's screws were not written down"])
     generic = rank_on(columns, whole)
     tree = Tree(generic + never)
     found: list[Drop] = []

@@ -12,12 +12,12 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 
 from rankdrop.exact.algebra.effort import tick
-from rankdrop.exact.algebra.field import P, dense, reduced, roots
+from rankdrop.exact.algebra.field import PRIMES, dense, reduced, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import used
 
 _SEED = 20
-_SLICES = 12  # an irreducible piece has no zero modulo P on a slice with a chance of 1/e: on all of them with 6e-6
+_SLICES = PRIMES[:12]  # a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
 
 
 def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
@@ -39,8 +39,8 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
     if dimension > 2 or len(system) <= dimension:
         return False
     rng = random.Random(_SEED)
-    for _ in range(_SLICES):
-        found = _zeros(system, dimension, moving, rng)
+    for prime in _SLICES:
+        found = _zeros(system, dimension, moving, rng, prime)
         if found is not None:
             return not found
     return True
@@ -57,29 +57,33 @@ def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[lis
 
 def _apart(system: Sequence[Polynomial], moving: int) -> bool:
     """Whether conditions on two variables have no common zero at all."""
-    return _zeros(system, 2, moving, random.Random(_SEED)) is False
+    return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0]) is False
 
 
-def _zeros(system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random) -> bool | None:
-    """Whether there is a common zero modulo P on one random slice; None where there are others only."""
+def _zeros(
+    system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random, prime: int
+) -> bool | None:
+    """Whether there is a common zero modulo a prime on one random slice; None where there are others only."""
     module = flint()
-    context = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
+    context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
     x, y = context.gens()
     variables = (x, y)[:dimension]
     forms = [
-        sum((rng.randrange(P) * v for v in variables if place < moving), context.constant(rng.randrange(P)))
+        sum((rng.randrange(prime) * v for v in variables if place < moving), context.constant(rng.randrange(prime)))
         for place in range(system[0].context().nvars())
     ]
-    sliced = sorted((reduced(f).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree()))
+    sliced = sorted(
+        (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
+    )
     tick(sum(20 + len(f) for f in system) + (dimension - 1) * len(sliced[0]) * sum(map(len, sliced)))
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
-        return False if common.is_constant() else (True if roots(dense(common, 0)) else None)
+        return False if common.is_constant() else (True if roots(dense(common, 0), prime) else None)
     common = reduce(lambda f, g: f.gcd(g), (sliced[0].resultant(f, "y") for f in sliced[1:]))
     if common.is_constant() and common != 0:
         return False
-    for at in roots(dense(common, 0)):
-        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(dense(f.subs({"x": at}), 1), P) for f in sliced))
-        if there.degree() > 0 and roots([int(value) for value in there.coeffs()]):
+    for at in roots(dense(common, 0), prime):
+        there = reduce(lambda f, g: f.gcd(g), (module.nmod_poly(dense(f.subs({"x": at}), 1), prime) for f in sliced))
+        if there.degree() > 0 and roots([int(value) for value in there.coeffs()], prime):
             return True
     return None

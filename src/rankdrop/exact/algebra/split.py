@@ -122,7 +122,7 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
         pieces += pinned(one, joint, "pi", work)
     for atom in factors(ring, value, work):
         pieces += _with(one, atom, work)
-    for edge in _edges(one, work):
+    for edge in with_points(_edges(one, work), work):
         inside, _ = edge.parted(ring.trig_zero_set(f), f) if edge.several else (edge, None)
         if inside is not None and inside.half_vanishes(f):
             pieces.append(inside)
@@ -131,9 +131,10 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
 
 
 def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
-    """The sets that have points modulo P. Those that may be real all the same are noted.
+    """The sets that have points modulo a prime. Those that may be real all the same are noted.
 
-    With numbers for lengths √2 may be real without being a number modulo P; with letters that is a matter of chance.
+    With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with letters
+    that is a matter of chance.
     """
     for piece in pieces:
         if not piece.samples and not any(_without_real_root(f) for f in piece.equations):

@@ -87,6 +87,10 @@ def _irreducible(
         return []
     if len(system) <= 1:
         return [_single(ring, pins, system)]
+    for f, g, k in divisions(ring, system):
+        if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
+            others = [form(h, ring) for h in system if h is not g]
+            return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
     found = list(_at_infinity(ring, pins, system, most, work, done))
     inside = _eliminated(ring, pins, system, most, work, done)
     return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)

@@ -115,7 +115,9 @@ def conditions(
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps)
-    left += [*first.left, *_unresolved(tree), *pointless(chain, tree, found, seed)]
+    hidden, unmet = pointless(chain, tree, found, seed)
+    left += [*first.left, *_unresolved(tree), *hidden]
+    not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
     if left:  # what is left over belongs to what was not derived
@@ -163,7 +165,8 @@ def _check(method: str, coranks: int | None, seconds: float, points: int, seed: 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
     """Assumptions on lengths that the arm's own lengths break, in words."""
-    return tuple(
+    told = ("conditions that are independent for general lengths are not for these: derived with numbers",)
+    return (told if work.special else ()) + tuple(
         f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
         for f in work.assumed.values()
         if sign_of(chain, f) == 0

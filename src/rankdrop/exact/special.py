@@ -103,5 +103,7 @@ def _sentence(texts: tuple[str, ...], corank: int) -> str:
 
 def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:
     """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
-    points = [point.changed({equal.other: equal.sign * point[equal.letter] % point.prime}) for point in drop.piece.samples]
+    points = [
+        point.changed({equal.other: equal.sign * point[equal.letter] % point.prime}) for point in drop.piece.samples
+    ]
     return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)

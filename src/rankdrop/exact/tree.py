@@ -78,6 +78,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     Returns:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
+    work.lengths = chain.letters
     whole = Variety.whole(chain.ring)
     generic = rank_on(chain.columns, whole)
     tree = Tree(generic)

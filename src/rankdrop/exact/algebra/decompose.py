@@ -13,6 +13,7 @@ from itertools import combinations, product
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
 from rankdrop.exact.algebra.effort import tick
+from rankdrop.exact.algebra.field import Point, half_evaluator, residue
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
@@ -83,7 +84,11 @@ def _irreducible(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[Variety]:
     """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
-    if min(len(system), 2) > most or binds_more(system, most, ring.moving):
+    if min(len(system), 2) > most:
+        # two conditions without a common factor; for special lengths they may have one
+        work.special = work.special or (most > 0 and bool(work.lengths) and not _bound(ring, system, most, work))
+        return []
+    if _bound(ring, system, most, work):
         return []
     if len(system) <= 1:
         return [_single(ring, pins, system)]
@@ -91,9 +96,14 @@ def _irreducible(
         if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
             others = [form(h, ring) for h in system if h is not g]
             return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+    work.special = work.special or any(_always(ring, f, work) for f in system)
     found = list(_at_infinity(ring, pins, system, most, work, done))
     inside = _eliminated(ring, pins, system, most, work, done)
     return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)
+
+
+def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
+    return binds_more(system, most, ring.moving, work.lengths)
 
 
 def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Variety:
@@ -214,6 +224,15 @@ def _several(
                     return [found]
     work.leave(pins, system)
     return []
+
+
+def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
+    """Whether a condition always holds for the arm's own lengths."""
+    if not work.lengths or not any(place >= ring.moving for place in used(f)):
+        return False
+    values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
+    values.update((name, residue(value)) for name, value in work.lengths.items())
+    return half_evaluator(ring)(f, values) == 0
 
 
 def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:

@@ -24,7 +24,7 @@ _BELOW = (
     12_427_041, 14_400_441, 16_867_161, 21_450_993, 22_957_953, 25_261_473,
 )  # fmt: skip
 PRIMES = tuple((1 << 61) - below for below in _BELOW)
-"""The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not: ≡ 119 mod 120."""
+"""The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not."""
 P = PRIMES[0]
 """The one that is taken first."""
 
@@ -149,7 +149,7 @@ def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
 
 
 def roots(values: Sequence[int], prime: int = P) -> list[int]:
-    """Zeros modulo a prime of a polynomial in one variable, coefficients from power 0 up; none of the zero polynomial."""
+    """Zeros modulo a prime of a polynomial in one variable, coefficients from power 0 up; none where it is zero."""
     kept = list(values)
     while kept and kept[-1] % prime == 0:
         kept.pop()
@@ -192,7 +192,7 @@ def put_common_zero(
 
 
 def dense(f: Polynomial, place: int) -> list[int]:
-    """Coefficients from power 0 up of a polynomial modulo a prime (`flint.nmod_mpoly`) that contains one variable alone."""
+    """Coefficients from power 0 up of a polynomial modulo a prime (`flint.nmod_mpoly`) in one variable."""
     parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
     return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
 

@@ -8,11 +8,12 @@ the reals.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from functools import reduce
 
 from rankdrop.exact.algebra.effort import tick
-from rankdrop.exact.algebra.field import PRIMES, dense, reduced, roots
+from rankdrop.exact.algebra.field import PRIMES, dense, reduced, residue, roots
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import used
 
@@ -20,7 +21,9 @@ _SEED = 20
 _SLICES = PRIMES[:12]  # a piece has no zero modulo a prime on a slice with a chance of 1/e: on all of them with 6e-6
 
 
-def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
+def binds_more(
+    system: Sequence[Polynomial], most: int, moving: int, lengths: Mapping[str, Fraction] | None = None
+) -> bool:
     """Whether a system has no piece of codimension `most` or less that could be real.
 
     Only `most` of 1 and 2 are looked into; for more the answer is False.
@@ -29,10 +32,12 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
         system: polynomials of the half-angle ring.
         most: codimension.
         moving: so many of their first variables depend on the configuration; the others are lengths.
+        lengths: that letters stand for; random numbers for those without.
     """
     if most < 1:
         return bool(system)
-    if any(_apart(part, moving) for part in _in_two_variables(system, moving)):
+    lengths = lengths or {}
+    if any(_apart(part, moving, lengths) for part in _in_two_variables(system, moving)):
         return True
     variables = {place for f in system for place in used(f) if place < moving}
     dimension = min(most, len(variables))  # a zero at all binds no more freedoms than there are variables
@@ -40,7 +45,7 @@ def binds_more(system: Sequence[Polynomial], most: int, moving: int) -> bool:
         return False
     rng = random.Random(_SEED)
     for prime in _SLICES:
-        found = _zeros(system, dimension, moving, rng, prime)
+        found = _zeros(system, dimension, moving, rng, prime, lengths)
         if found is not None:
             return not found
     return True
@@ -55,23 +60,29 @@ def _in_two_variables(system: Sequence[Polynomial], moving: int) -> Iterator[lis
             yield part
 
 
-def _apart(system: Sequence[Polynomial], moving: int) -> bool:
+def _apart(system: Sequence[Polynomial], moving: int, lengths: Mapping[str, Fraction]) -> bool:
     """Whether conditions on two variables have no common zero at all."""
-    return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0]) is False
+    return _zeros(system, 2, moving, random.Random(_SEED), PRIMES[0], lengths) is False
 
 
 def _zeros(
-    system: Sequence[Polynomial], dimension: int, moving: int, rng: random.Random, prime: int
+    system: Sequence[Polynomial],
+    dimension: int,
+    moving: int,
+    rng: random.Random,
+    prime: int,
+    lengths: Mapping[str, Fraction],
 ) -> bool | None:
     """Whether there is a common zero modulo a prime on one random slice; None where there are others only."""
     module = flint()
     context = module.nmod_mpoly_ctx.get(["x", "y"], prime, module.Ordering.lex)
     x, y = context.gens()
     variables = (x, y)[:dimension]
-    forms = [
-        sum((rng.randrange(prime) * v for v in variables if place < moving), context.constant(rng.randrange(prime)))
-        for place in range(system[0].context().nvars())
-    ]
+    forms = []
+    for place, name in enumerate(system[0].context().names()):
+        start = residue(lengths[name], prime) if name in lengths else rng.randrange(prime)
+        form = context.constant(start)
+        forms.append(sum((rng.randrange(prime) * v for v in variables), form) if place < moving else form)
     sliced = sorted(
         (reduced(f, prime).compose(*forms, ctx=context) for f in system), key=lambda f: int(f.total_degree())
     )
@@ -79,7 +90,12 @@ def _zeros(
     if dimension == 1:
         common = reduce(lambda f, g: f.gcd(g), sliced)
         return False if common.is_constant() else (True if roots(dense(common, 0), prime) else None)
+    sliced = [f for f in sliced if f != 0]  # for special lengths a condition may always hold
+    if len(sliced) < 2:
+        return True
     common = reduce(lambda f, g: f.gcd(g), (sliced[0].resultant(f, "y") for f in sliced[1:]))
+    if common == 0:
+        return True
     if common.is_constant() and common != 0:
         return False
     for at in roots(dense(common, 0), prime):

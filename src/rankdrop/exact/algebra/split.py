@@ -133,8 +133,8 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
 def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
     """The sets that have points modulo a prime. Those that may be real all the same are noted.
 
-    With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with letters
-    that is a matter of chance.
+    With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with
+    letters that is a matter of chance.
     """
     for piece in pieces:
         if not piece.samples and not any(_without_real_root(f) for f in piece.equations):

@@ -16,8 +16,8 @@ from itertools import combinations
 
 from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.field import (
-    Evaluator,
     PRIMES,
+    Evaluator,
     P,
     Point,
     common_zeros,

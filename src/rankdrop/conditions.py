@@ -22,7 +22,7 @@ from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.pointless import pointless
-from rankdrop.exact.settled import settled
+from rankdrop.exact.settled import doubled, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
@@ -190,12 +190,15 @@ def _tree(
     broken = _broken(chain, work)
     over = len(tree.unresolved)
     open_ = not tree.complete and optional
+    double = doubled(chain, tree)
+    if double:
+        broken += ("a condition has a square in it for these lengths: derived with numbers",)
     if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
         return chain, tree, work, ()
     plain, again = replace(chain, letters={}, written={}), work.again()
     with again.share(_SHARE):
         other = rank_tree(plain, again, lowest=lowest)
-    if settled(chain, tree, other):
+    if not double and settled(chain, tree, other):
         return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
     if broken:
         return plain, other, again, broken
@@ -244,8 +247,9 @@ def _unresolved(tree: Tree) -> list[str]:
     if not tree.unresolved:
         return []
     return [
-        f"{len(tree.unresolved)} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
-        "common zeros of that size, those are missing"
+        f"{_systems(len(tree.unresolved))} could not be taken apart, three or more of them on the same joints: where "
+        "they hold together the rank may drop, and no family says so; numerically found configurations "
+        "(rankdrop analyze) do not depend on this"
     ]
 
 

@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import Pins, Row, merge
+from rankdrop.exact.merge import Pins, Row, alone, merge
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
@@ -24,6 +24,7 @@ from rankdrop.exact.verify import rank_agreement
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.robot.model import Array
 
+_LONG = 40  # terms of a set's conditions beyond which they are not written out
 _SHARPENED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
 
@@ -67,8 +68,10 @@ def real_sets(
             kept.append(RealSet(piece, drop.rank, found))
         elif found.proof:
             left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
-        elif len(piece.equations) > 1 and len(found.points):
-            left.append("a set has real points, but its conditions are dependent at all that were found")
+        elif not thinner and (found.unclear or (len(piece.equations) > 1 and len(found.points))):
+            left.append(
+                f"a set has real points, but its conditions are dependent at all that were found: {_named(piece)}"
+            )
         elif not thinner:
             left_out.setdefault(f"no real point was found from {STARTS} random starts", []).append(piece)
     remaining = largest([Drop(one.piece, one.rank) for one in kept])
@@ -91,6 +94,12 @@ def _sharp(
         known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
         piece, found = more, reality(chain, more, drop.rank, rng)
     return piece, found
+
+
+def _named(piece: Variety) -> str:
+    """A set for people: its conditions, or how long they are."""
+    terms = sum(map(len, piece.equations))
+    return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"
 
 
 def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:

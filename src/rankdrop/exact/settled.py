@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from rankdrop.exact.algebra.field import residue
+from rankdrop.exact.algebra.flint import flint
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.tree import Tree
+
+_LONG = 2000  # terms of a condition that is factored at the arm's own lengths
 
 
 def settled(chain: Chain, tree: Tree, plain: Tree) -> bool:
@@ -19,6 +22,21 @@ def settled(chain: Chain, tree: Tree, plain: Tree) -> bool:
         plain: of the arm with numbers for its lengths.
     """
     return tree.complete and plain.finished and covered(chain, tree, plain)
+
+
+def doubled(chain: Chain, tree: Tree) -> bool:
+    """Whether a condition of a drop has a square in it at the arm's own lengths: a5 − d3 sin θ5 has where a5 = d3.
+
+    There it touches zero only, and real points of it are met by chance.
+    """
+    values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in chain.letters.items()}
+    distinct = {str(f): f for drop in tree.drops for f in drop.piece.equations if len(f) <= _LONG}
+    return bool(values) and any(
+        power > 1 and not chain.ring.is_unit(factor)
+        for f in distinct.values()
+        if (own := f.subs(values)) != 0
+        for factor, power in own.factor()[1]
+    )
 
 
 def covered(chain: Chain, tree: Tree, plain: Tree) -> bool:

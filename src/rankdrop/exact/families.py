@@ -66,6 +66,11 @@ def real_sets(
         waiting = [*waiting[1:], *thinner]
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
+            if len(found.strays):
+                left.append(
+                    f"the conditions of a set of rank {drop.rank} hold at configurations of higher rank, too, and no "
+                    f"further condition was found that tells them apart: {_named(piece)}"
+                )
         elif found.proof:
             left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
         elif not thinner and (found.unclear or (len(piece.equations) > 1 and len(found.points))):

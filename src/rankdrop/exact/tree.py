@@ -140,7 +140,8 @@ def _explore(
             continue
         minors = _chosen(columns, piece, order, work)
         last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
-        cuts = with_points(meet(piece, minors, work) if last else cut(piece, minors[0], work), work)
+        together = last and not piece.several  # else what one of them leaves is told apart by its points
+        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minors[0], work), work)
         for part in with_points([same for one in cuts for same in _by_rank(columns, one, work)], work):
             here = rank_on(columns, part)
             if here < order:

@@ -16,9 +16,9 @@ import numpy as np
 from rankdrop.exact.algebra.atom import COS_SIN, Atom
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import at, divides, factors, form, linear, substituted
+from rankdrop.exact.algebra.solving import Solved, at, divides, factors, form, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 
@@ -170,8 +170,34 @@ def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
             factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
             return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
         return [replace(one, rest=(h,), equations=(*one.equations, h))]
+    if len(one.rest) > 1:
+        found = _on_top(one, h, work)
+        if found is not None:
+            return found
     system = [form(f, ring) for f in (*one.equations, h)]
     return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+
+
+def _on_top(one: Variety, h: Polynomial, work: Work) -> list[Variety] | None:
+    """A set held by unsolved conditions cut by a condition on a variable that they are not in; None for another one.
+
+    It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
+    """
+    ring = one.ring
+    bound = {place for f in one.rest for place in used(f)}
+    own = [place for place in used(h) if place < ring.moving and place not in bound]
+    if not own:
+        return None
+    place = min(own, key=lambda k: int(h.degrees()[k]))
+    parts = coefficients(h, place)
+    system = [form(f, ring) for f in (*one.equations, *(part for part in parts if part != 0))]
+    flat = decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+    kept = [piece for piece in flat if piece.codimension == one.codimension + 1]
+    if len(parts) == 2:
+        solved = Solved(place, -parts[0], parts[1])
+        factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
+        return [*kept, replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
+    return [*kept, replace(one, rest=(*one.rest, h), equations=(*one.equations, h))]
 
 
 def _normal(one: Variety, f: Polynomial) -> tuple[Polynomial, list[int]]:

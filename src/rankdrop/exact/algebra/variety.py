@@ -50,6 +50,7 @@ class Variety:
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
         rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
             `also` and `apart` tell which of these are meant, and everything is asked at points of every one of them.
+            Each further one is in a variable that those before it are not in, for which it is solved.
         also: trigonometric polynomials that vanish on this set.
         apart: trigonometric polynomials that vanish nowhere on it: an open part of what the conditions hold on.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
@@ -128,14 +129,34 @@ class Variety:
             if found:
                 values[name] = rng.choice(found)
             return bool(found)
-        if len(self.rest) > 2:
-            return False
-        f, g = self.rest
+        f, g = self.rest[:2]
         pairs = [(a, b) for a in places[0] for b in places[1] if a != b]
         if not pairs:
             return False
         a, b = (ring.names[p] for p in rng.choice(pairs))
-        return put_common_zero(evaluate, f, g, (a, b), values, rng)
+        if not put_common_zero(evaluate, f, g, (a, b), values, rng):
+            return False
+        towers = list(self._towers(values, 2, evaluate))
+        if towers:
+            values.update(rng.choice(towers))
+        return bool(towers)
+
+    def _towers(self, values: Point, place: int, evaluate: Evaluator) -> Iterator[Point]:
+        """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
+        if place >= len(self.rest):
+            yield values
+            return
+        own = self._own(place)
+        if own is None:
+            return
+        name = self.ring.names[own]
+        for root in roots(evaluate.in_one(self.rest[place], name, values), values.prime):
+            yield from self._towers(values.changed({name: root}), place + 1, evaluate)
+
+    def _own(self, place: int) -> int | None:
+        """A variable of an unsolved condition that those before it are not in; None where there is none."""
+        before = {p for f in self.rest[:place] for p in used(f)} | {one.place for one in self.solved}
+        return next((p for p in used(self.rest[place]) if p < self.ring.moving and p not in before), None)
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
         """Random points modulo primes, fewer than `count` where they are not met."""
@@ -160,11 +181,9 @@ class Variety:
         has no zero on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6. A set that is irreducible
         over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own.
         """
-        if len(self.rest) != 2:
-            return
         ring, evaluate = self.ring, half_evaluator(self.ring)
         taken = {one.place for one in self.solved}
-        f, g = self.rest
+        f, g = self.rest[:2]
         one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
         pairs = [
             (a, b) for a, b in combinations(sorted(one | two), 2) if (a in one and b in two) or (b in one and a in two)
@@ -174,8 +193,8 @@ class Variety:
             for prime in PRIMES[:_PLANES]:
                 values = self._start(rng, prime)
                 two_in = (evaluate.in_two(h, *names, values) for h in (f, g))
-                for zero in common_zeros(*two_in):
-                    here = values.changed(dict(zip(names, zero, strict=True)))
+                zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
+                for here in (tower for zero in zeros for tower in self._towers(zero, 2, evaluate)):
                     point = complete(ring, here, self.pins) if self._fill_in(here, evaluate) else None
                     if point is not None and self._chosen(point):
                         yield point

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import prod
+
 import pytest
 
 from rankdrop.conditions import conditions
@@ -13,7 +15,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.robot.open import open_robot
 
-NOWHERE = 710_009  # the least number that is a square modulo none of the primes
+NOWHERE = prod(PRIMES) - 1  # ≡ −1, a square modulo none of the primes
 
 
 def test_all_primes_have_the_small_roots_and_none_has_that_of_minus_one() -> None:

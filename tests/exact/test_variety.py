@@ -182,3 +182,26 @@ def test_a_set_cut_where_its_solution_has_no_denominator_keeps_both_components(r
     parts = cut_half(one, a, Work())
     assert is_there(ring, parts, {}, a, b), "A = B = 0 with t3 free"
     assert is_there(ring, parts, {3: "pi"}, a), "A = 0 with θ3 = π"
+
+
+def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones(ring: Ring) -> None:
+    """Three unsolved conditions: points solve one after the other, and where a coefficient vanishes is a set, too."""
+    t = ring.t
+    f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
+    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    h = t[1] * t[3] ** 2 - t[2] * t[3] - 3
+    (one,) = cut_half(base, h, Work())
+    assert one.rest == (f, g, h)
+    assert one.codimension == 3
+    assert len(one.samples) > 10
+    evaluate = half_evaluator(ring)
+    assert all(evaluate(p, point) == 0 for p in (f, g, h) for point in one.samples)
+    point = one.point(random.Random(0))
+    assert point is not None
+    assert all(evaluate(p, point) == 0 for p in (f, g, h))
+    (linear,) = cut_half(base, t[1] * t[4] - t[2] - 1, Work())
+    assert (linear.rest, len(linear.solved)) == ((f, g), 1)
+    assert all(evaluate(t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
+    (both,) = cut_half(one, t[4] ** 2 * t[3] - t[1] - 1, Work())
+    assert len(both.rest) == 4
+    assert both.samples

@@ -9,20 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
-
-import numpy as np
 
 from rankdrop.exact.algebra.atom import COS_SIN, Atom
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, at, divides, factors, form, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
-
-_IMAGINARY = 1e-6  # a root with a larger imaginary part is not real
 
 
 def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
@@ -147,12 +142,11 @@ def _without_real_root(f: Polynomial) -> bool:
     places = used(f)
     if len(places) != 1:
         return False
-    exact = [Fraction(0)] * (int(f.degrees()[places[0]]) + 1)
-    for powers, value in f.terms():
-        exact[int(powers[places[0]])] = Fraction(int(value.p), int(value.q))
-    largest = max(map(abs, exact))
-    found = np.roots([float(x / largest) for x in reversed(exact)])
-    return bool((np.abs(found.imag) > _IMAGINARY).all())
+    whole = [0] * (int(f.degrees()[places[0]]) + 1)
+    for powers, value in primitive(f).terms():
+        whole[int(powers[places[0]])] = int(value.p)
+    # enclosures: one that holds no real number is a proof
+    return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
 
 
 def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:

@@ -179,18 +179,20 @@ class Variety:
 
         Every irreducible set of the codimension of the two conditions meets such planes of some pair of variables. It
         has no zero on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6. A set that is irreducible
-        over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own.
+        over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own, and
+        where the variables have single values every prime is tried.
         """
         ring, evaluate = self.ring, half_evaluator(self.ring)
         taken = {one.place for one in self.solved}
         f, g = self.rest[:2]
         one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
+        points = not ring.letters and len({p for h in self.rest for p in used(h)}) == len(self.rest)
         pairs = [
             (a, b) for a, b in combinations(sorted(one | two), 2) if (a in one and b in two) or (b in one and a in two)
         ]
         for a, b in pairs:
             names = ring.names[a], ring.names[b]
-            for prime in PRIMES[:_PLANES]:
+            for prime in PRIMES if points else PRIMES[:_PLANES]:
                 values = self._start(rng, prime)
                 two_in = (evaluate.in_two(h, *names, values) for h in (f, g))
                 zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))

@@ -222,8 +222,45 @@ def _several(
                 found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
                 if found.samples:
                     return [found]
+    base, tops = _tower(ring, system)
+    if tops and len(base) == 2 and len(system) <= most:
+        one = Variety(ring, pins, rest=(*base, *tops), equations=tuple(system))
+        if one.samples:
+            return [*_free_on_top(ring, pins, base, tops, most, work), one]
     work.leave(pins, system)
     return []
+
+
+def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list[Polynomial]]:
+    """Conditions, and those that are each in a variable which the ones before them are not in."""
+    base, tops = list(system), list[Polynomial]()
+    while len(base) > 2:
+        free = [
+            f for f in base
+            if any(
+                place < ring.moving and not any(g is not f and place in used(g) for g in base) for place in used(f)
+            )
+        ]  # fmt: skip
+        if not free:
+            break
+        top = max(free, key=len)
+        base = [f for f in base if f is not top]
+        tops.insert(0, top)
+    return base, tops
+
+
+def _free_on_top(
+    ring: Ring, pins: dict[int, str], base: list[Polynomial], tops: list[Polynomial], most: int, work: Work
+) -> list[Variety]:
+    """Sets on which a condition holds whatever its own variable is: all its coefficients vanish."""
+    found: list[Variety] = []
+    for number, top in enumerate(tops):
+        before = [*base, *tops[:number]]
+        known = {place for f in before for place in used(f)}
+        own = next(place for place in used(top) if place < ring.moving and place not in known)
+        flat = [*before, *(part for part in coefficients(top, own) if part != 0), *tops[number + 1 :]]
+        found += decompose(ring, pins, [form(f, ring) for f in flat], most, work)
+    return found
 
 
 def _always(ring: Ring, f: Polynomial, work: Work) -> bool:

@@ -205,3 +205,14 @@ def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones
     (both,) = cut_half(one, t[4] ** 2 * t[3] - t[1] - 1, Work())
     assert len(both.rest) == 4
     assert both.samples
+
+
+def test_where_a_condition_on_top_always_holds_its_variable_is_free(ring: Ring) -> None:
+    """On t1² + t2² = 7 the condition (t4² + t2² − 7) t3² + t4 − t1 = 0 holds for every t3 where t4 = t1."""
+    t = ring.t
+    f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
+    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    found = cut_half(base, (t[4] ** 2 + t[2] ** 2 - 7) * t[3] ** 2 + t[4] - t[1], Work())
+    assert {one.codimension for one in found} == {3}
+    assert [one.half_vanishes(t[4] - t[1]) for one in found].count(True) == 1
+    assert any(not one.half_vanishes(t[4] - t[1]) for one in found)

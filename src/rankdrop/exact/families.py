@@ -10,6 +10,7 @@ import numpy as np
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.solving import form
+from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -56,6 +57,8 @@ def real_sets(
             work.check()
             drop = waiting[0]
             piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
+            systems = len(work.unresolved)
+            work.pointless.clear()
             thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
@@ -64,6 +67,9 @@ def real_sets(
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
+        if work.pointless or len(work.unresolved) > systems:
+            left.append(f"the real points of a set were not all taken apart: {_named(piece)}")
+            work.pointless.clear()
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
             if len(found.strays):
@@ -120,7 +126,8 @@ def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
             slope = (1 + t**2) * slope - degree[place] * t * f
         slopes.append((slope, degree))
     found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
-    return [Drop(one, rank_on(chain.columns, one)) for one in found if one.codimension > piece.codimension]
+    smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
+    return [Drop(one, rank_on(chain.columns, one)) for one in smaller]
 
 
 def families(

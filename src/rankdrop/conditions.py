@@ -22,7 +22,7 @@ from rankdrop.exact.describe import described
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.pointless import pointless
-from rankdrop.exact.settled import covered, settled
+from rankdrop.exact.settled import doubled, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.exact.verify import cloud, explained
@@ -115,7 +115,9 @@ def conditions(
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps)
-    left += [*first.left, *_unresolved(chain, tree, lowest, work), *pointless(chain, tree, found, seed)]
+    hidden, unmet = pointless(chain, tree, found, seed)
+    left += [*first.left, *_unresolved(tree), *hidden]
+    not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
     if left:  # what is left over belongs to what was not derived
@@ -163,7 +165,8 @@ def _check(method: str, coranks: int | None, seconds: float, points: int, seed: 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
     """Assumptions on lengths that the arm's own lengths break, in words."""
-    return tuple(
+    told = ("conditions that are independent for general lengths are not for these: derived with numbers",)
+    return (told if work.special else ()) + tuple(
         f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
         for f in work.assumed.values()
         if sign_of(chain, f) == 0
@@ -177,24 +180,35 @@ def _lowest(chain: Chain, coranks: int | None) -> int:
 def _tree(
     chain: Chain, coranks: int | None, lengths: str | Mapping[str, float], work: Work
 ) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
-    """The rank tree; with numbers where letters that nobody asked for take too long, or rule out this arm's lengths."""
+    """The rank tree; with numbers where letters that nobody asked for take too long or leave systems over that matter
+    for this arm, or where letters rule out its lengths.
+    """
     lowest = _lowest(chain, coranks)
     optional = lengths == "auto" and bool(chain.letters)
     with work.share(_LETTERS if optional else _SHARE):
         tree = rank_tree(chain, work, lowest=lowest)
     broken = _broken(chain, work)
-    if not broken and (tree.complete or not optional or work.interrupted):
+    over = len(tree.unresolved)
+    open_ = not tree.complete and optional
+    double = doubled(chain, tree)
+    if double:
+        broken += ("a condition has a square in it for these lengths: derived with numbers",)
+    if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
         return chain, tree, work, ()
     plain, again = replace(chain, letters={}, written={}), work.again()
     with again.share(_SHARE):
         other = rank_tree(plain, again, lowest=lowest)
+    if not double and settled(chain, tree, other):
+        return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
     if broken:
-        if tree.complete and other.complete and covered(chain, tree, other):
-            return chain, tree, work, ()  # the assumption that these lengths break makes no difference
         return plain, other, again, broken
-    if not other.complete and not again.interrupted:
+    if open_:
+        if not other.complete and not again.interrupted:
+            return chain, tree, work, ()
+        return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
+    if not optional or not other.finished:
         return chain, tree, work, ()
-    return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
+    return plain, other, again, (f"lengths are numbers: with letters {_systems(over)} could not be taken apart",)
 
 
 def _families(
@@ -225,17 +239,17 @@ def _first(
     return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
 
 
-def _unresolved(chain: Chain, tree: Tree, lowest: int, work: Work) -> list[str]:
-    count = len(set(work.unresolved))
-    if not count:
+def _systems(count: int) -> str:
+    return "1 system of conditions" if count == 1 else f"{count} systems of conditions"
+
+
+def _unresolved(tree: Tree) -> list[str]:
+    if not tree.unresolved:
         return []
-    if tree.complete and chain.letters and not work.interrupted:
-        with work.share(_SHARE):
-            if settled(chain, tree, lowest, work):
-                return []
     return [
-        f"{count} systems with more conditions than the freedoms they may bind could not be taken apart; if they have "
-        "common zeros of that size, those are missing"
+        f"{_systems(len(tree.unresolved))} could not be taken apart, three or more of them on the same joints: where "
+        "they hold together the rank may drop, and no family says so; numerically found configurations "
+        "(rankdrop analyze) do not depend on this"
     ]
 
 

@@ -6,10 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rankdrop import join as join_module
-from rankdrop.atlas.families import families
-from rankdrop.atlas.search import search
-from rankdrop.conditions import _cloud, conditions
+from rankdrop.compare.joined import DIFFERS
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
@@ -17,10 +14,13 @@ from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.merge import merge
 from rankdrop.exact.settled import covered, doubled, settled
 from rankdrop.exact.tree import Drop, rank_tree
-from rankdrop.join import join
-from rankdrop.joined import DIFFERS
+from rankdrop.families.searching import search
+from rankdrop.families.table import families
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs import join as join_module
+from rankdrop.verbs.conditions import _cloud, conditions
+from rankdrop.verbs.join import join
 
 
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:

@@ -6,7 +6,6 @@ from math import prod
 
 import pytest
 
-from rankdrop.conditions import conditions
 from rankdrop.exact.algebra import variety
 from rankdrop.exact.algebra.field import PRIMES, P, roots
 from rankdrop.exact.algebra.ring import Ring
@@ -14,6 +13,7 @@ from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 NOWHERE = prod(PRIMES) - 1  # ≡ −1, a square modulo none of the primes
 

@@ -9,7 +9,6 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.conditions import conditions
 from rankdrop.exact import families
 from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.ring import Ring
@@ -23,6 +22,7 @@ from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.conditions import conditions
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.conditions import conditions
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
@@ -18,6 +17,7 @@ from rankdrop.exact.verify import cloud, explained
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 H = np.pi / 2
 

@@ -8,7 +8,6 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.atlas.search import Outcome, search
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.field import rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
@@ -18,6 +17,7 @@ from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.suppression.suppress import _Derivation, suppress
 from rankdrop.exact.tree import rank_tree
+from rankdrop.families.searching import Outcome, search
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 

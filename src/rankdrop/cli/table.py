@@ -15,21 +15,21 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from rankdrop.atlas.cells import (
+from rankdrop.compare.exactly import conditions_of
+from rankdrop.families.cells import (
     joint_cell,
     joint_symbol,
     rounded_share,
     share_text,
     values_text,
 )
-from rankdrop.exactly import conditions_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.atlas.family import CorankSummary, Family
-    from rankdrop.joined import Joined
-    from rankdrop.result import Analysis
+    from rankdrop.compare.joined import Joined
+    from rankdrop.family.record import CorankSummary, Family
+    from rankdrop.results.analysis import Analysis
     from rankdrop.robot.model import Robot
 
 _NAME_COLUMN = 28

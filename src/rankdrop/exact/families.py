@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from rankdrop.atlas.naming import told_apart
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.solving import form
@@ -25,6 +24,7 @@ from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
 from rankdrop.exact.verify import rank_agreement
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.family.naming import told_apart
 from rankdrop.robot.model import Array
 
 _LONG = 40  # terms of a set's conditions beyond which they are not written out

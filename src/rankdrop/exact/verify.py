@@ -15,13 +15,13 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.equation import Equation, normalised
-from rankdrop.atlas.search import search
-from rankdrop.atlas.system import System
-from rankdrop.atlas.which import families_at
 from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, trig_evaluator
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
+from rankdrop.families.searching import search
+from rankdrop.family.equation import Equation, normalised
+from rankdrop.family.system import System
+from rankdrop.family.which import families_at
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+import rankdrop
 from rankdrop.cli import exits
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import robot_names
@@ -68,7 +69,7 @@ def test_json_in_a_file_is_the_same_for_any_number_of_threads(run, tmp_path: Pat
 
 
 def test_unexplained_points_end_with_three(run, shapes: Analysis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", lambda *args, **options: shapes)
+    monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: shapes)
     ended = run("analyze", "pa10")
     assert ended.code == exits.UNEXPLAINED
     assert ended.out.startswith("Incomplete: ")
@@ -127,7 +128,7 @@ def test_a_bug_ends_with_one_and_a_traceback(run, monkeypatch: pytest.MonkeyPatc
     def broken(*args: object, **options: object) -> None:
         raise ZeroDivisionError("this test's own")
 
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", broken)
+    monkeypatch.setattr(rankdrop, "analyze", broken)
     ended = run("analyze", "pa10")
     assert ended.code == exits.INTERNAL
     assert "Traceback" in ended.err

@@ -10,7 +10,7 @@ from time import monotonic
 from rankdrop._handles import check_robot
 from rankdrop.atlas.search import check_numbers
 from rankdrop.derived.conditions import Conditions
-from rankdrop.derived.data import ConditionSettings, Step
+from rankdrop.derived.data import ConditionSettings
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -19,6 +19,7 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
 from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
+from rankdrop.exact.determinants import Determinants, determinants
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.pointless import pointless
@@ -77,7 +78,8 @@ def conditions(
             then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
-        steps: also write the derivation of corank 1 down, step by step as it is done by hand.
+        steps: also write the derivation of corank 1 down, step by step as it is done by hand, and the determinant of
+            the Jacobian, or the minors that take its place, in factors.
         special: also derive the arms whose lengths break an assumption.
         fresh: derive them even where the conditions of this arm are shipped with rankdrop. Those answer the question
             with all its defaults (but for the time limit), and are what a derivation gives.
@@ -115,6 +117,7 @@ def conditions(
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps)
+    said = _said(chain, work) if steps else None
     left += [*first.left, *_unresolved(chain, tree, lowest, work), *pointless(chain, tree, found, seed)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
     check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
@@ -130,7 +133,8 @@ def conditions(
         remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
-        steps=tuple(Step(title, lines) for title, lines in first.steps),
+        steps=first.steps,
+        determinants=said,
         families=tuple(found),
         lowest=lowest,
         assumptions=tuple(assumed),
@@ -223,6 +227,18 @@ def _first(
         except KeyboardInterrupt:
             work.interrupt()
     return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
+
+
+def _said(chain: Chain, work: Work) -> Determinants | None:
+    """The determinant, or the minors; None where the user has asked to stop."""
+    if work.interrupted:
+        return None
+    work.show("the determinant", 0, 1)
+    try:
+        return determinants(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
+    except KeyboardInterrupt:
+        work.interrupt()
+        return None
 
 
 def _unresolved(chain: Chain, tree: Tree, lowest: int, work: Work) -> list[str]:

@@ -37,6 +37,7 @@ def conditions(
     seed: Whole = 0,
     points: Whole = 1000,
     steps: Annotated[bool, _SWITCH] = False,
+    steps_out: _FILE = None,
     fresh: Annotated[bool, _SWITCH] = False,
     test: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     flags: _ANGLES = None,
@@ -77,7 +78,9 @@ def conditions(
         time_limit: Seconds; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
         points: Singular configurations to find numerically, as a check; 0 for none.
-        steps: Print the derivation of corank 1 step by step.
+        steps: Print the derivation of corank 1 step by step, and the determinant of the Jacobian, or its minors, in
+            factors; with it --latex, --python, --c and --json have the determinants, too.
+        steps_out: Write these steps to this file, with everything that is folded on the screen written out.
         fresh: Derive anew what is shipped for the catalogue's arms.
         test: A condition: is it exactly the singular set, too small, or too large?
         flags: A configuration: the signs of the determinant's factors there (arms without redundancy).
@@ -96,9 +99,10 @@ def conditions(
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
     from rankdrop.conditions import conditions as run
+    from rankdrop.derived.text import steps_text
     from rankdrop.exact.arm.chain import exact_chain
 
-    targets = {"--latex": latex, "--python": python, "--c": c, "--json": json}
+    targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
     for option, target in targets.items():
         check_target(target, option)
     check_different(targets)
@@ -109,7 +113,8 @@ def conditions(
     with reporter(quiet=quiet) as report:
         found = run(
             model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
-            coranks=1 if question and coranks is None else coranks, steps=steps, special=not question,
+            coranks=1 if question and coranks is None else coranks, special=not question,
+            steps=steps or steps_out is not None,
             fresh=fresh, progress=report,
         )  # fmt: skip
     answer = question.answer(found)
@@ -121,6 +126,8 @@ def conditions(
     written: list[Callable[[], None]] = []
     if STDOUT not in targets.values():
         written.append(lambda: _print(found, task, answer, made, there))
+    if steps_out is not None:
+        written.append(lambda: write_text(steps_text(found), steps_out))
     if latex is not None:
         written.append(lambda: write_text(found.latex(), latex))
     if python is not None:

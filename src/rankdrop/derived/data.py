@@ -7,18 +7,12 @@ from dataclasses import dataclass
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
+from rankdrop.exact.derivation import Step
+from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.verdict import Verdict, of_conditions
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One step of a derivation done by hand: a heading, and lines under it."""
-
-    title: str
-    lines: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +66,7 @@ class ConditionsData:
         seconds: spent.
         settings: what was asked for.
         chain: the arm over the exact ring, in which conditions are polynomials.
+        determinants: the determinant of the Jacobian, or its minors, in factors; None where no steps were asked for.
         anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
     """
 
@@ -96,6 +91,7 @@ class ConditionsData:
     seconds: float
     settings: ConditionSettings
     chain: Chain
+    determinants: Determinants | None = None
     anew: Callable[[], ConditionsData] | None = None
 
     @property

@@ -31,20 +31,35 @@ _LONG = 400  # terms of a condition beyond which the methods done by hand take m
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand.
+
+    Attributes:
+        title: heading.
+        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
+        whole: the same with everything written out; empty where `lines` leave nothing out.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    whole: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True)
 class CorankOne:
     """A derivation of corank 1.
 
     Attributes:
         method, reason: which, and why.
-        steps: (title, lines), as it is done by hand.
+        steps: as it is done by hand.
         left: what was not finished.
         disagreements: what it says that the rank tree does not, and the other way round.
     """
 
     method: str
     reason: str
-    steps: tuple[tuple[str, tuple[str, ...]], ...]
+    steps: tuple[Step, ...]
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
 
@@ -86,13 +101,13 @@ def corank_one(
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
     if method == "auto" and tree.complete and longest > _LONG:
         reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
-        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
+        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
         return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
-        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
+        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
     compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
     return _by_tree_if_open(compared, method, tree)
@@ -113,7 +128,7 @@ def _tree_lines(tree: Tree) -> tuple[str, ...]:
 
 
 def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> CorankOne:
-    told = (("Structure", structure_of(chain).sentences()), ("Decoupling", found.sentences())) if steps else ()
+    told = (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", found.sentences())) if steps else ()
     atoms = [atom for part in found.parts for atom in part.atoms]
     said = [_as_set(chain, atom) for atom in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
@@ -155,7 +170,7 @@ def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
 
 def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
     found = suppress(chain, seconds=work.left)
-    told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
+    told = tuple(Step(step.title, step.lines) for step in found.steps()) if steps else ()
     left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
@@ -190,14 +205,18 @@ def _compared(
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    told = ((f"Method: {method}", _told(found)),) if steps else ()
+    told = (_told(found, f"Method: {method}"),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
     return CorankOne(method, reason, told, left, tuple(different))
 
-def _told(found: Derivation) -> tuple[str, ...]:
+
+def _told(found: Derivation, title: str) -> Step:
     """The conditions of a method, its figures and its notes, in lines."""
-    words = Words(found.chain.ring)
+    words, whole = Words(found.chain.ring), Words(found.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
     shown = [words.conjunction(one) for one in found.conditions[:_SHOWN]]
+    every = [whole.conjunction(one) for one in found.conditions]
     more = len(found.conditions) - _SHOWN
-    return (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)
+    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)
+    complete = (figures, *every, *found.notes)
+    return Step(title, lines, () if complete == lines else complete)

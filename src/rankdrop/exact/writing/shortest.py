@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from weakref import WeakKeyDictionary
 
+from rankdrop.exact.algebra.atom import Factors
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
@@ -29,6 +30,8 @@ LOOKS = 240
 FEW = 3
 """Terms of a Fourier form that is short enough as it is."""
 
+_PINNED = ("pi", "0", "pi/2", "-pi/2")
+"""Order in which `_pins` counts simple angles."""
 _KNOWN: WeakKeyDictionary[Ring, dict[str, Product]] = WeakKeyDictionary()
 """Forms found, by polynomial: sets at θ = 0 and θ = π share their conditions."""
 
@@ -48,6 +51,36 @@ def shortest(f: Polynomial, ring: Ring) -> Product:
     if key not in known:
         known[key] = _Search(ring).best(f, tuple(int(d) for d in f.degrees()[: ring.angles]))
     return known[key]
+
+
+def multiplied(ring: Ring, p: Polynomial, factors: Factors) -> Product:
+    """A trigonometric polynomial as the product of its factors, number and sign included: equal to it everywhere.
+
+    Half angles of one joint are put together as far as they go: 2 sin(θ/2) cos(θ/2) is sin θ.
+
+    Args:
+        ring: of p.
+        p: not zero.
+        factors: of p, from `Ring.factor`.
+
+    Example:
+        >>> ring = Ring([1, 2], letters=["a1"])
+        >>> p = -2 * ring.letter["a1"] * ring.s[2] * (ring.c[1] + ring.c[2])
+        >>> Text().value(multiplied(ring, p, ring.factor(p)))
+        '−4 a1 s2 cos((θ1 − θ2)/2) cos((θ1 + θ2)/2)'
+    """
+    search = _Search(ring)
+    f, multiples = ring.to_half(p)
+    counts: dict[int, list[int]] = {}
+    rest = []
+    for atom, power in factors.atoms:
+        if atom.pinned:
+            counts.setdefault(atom.joint, [0, 0, 0, 0])[_PINNED.index(atom.value)] += power
+        else:
+            rest.append((search.bracket(atom.f), power))
+    pins = [pair for j in sorted(counts) for pair in _pins(j, counts[j])]
+    lengths = [(search.bracket(letter), power) for letter, power in factors.letters]
+    return search.scaled(f, tuple(2 * m for m in multiples), [*lengths, *pins, *rest])
 
 
 class _Search:
@@ -126,7 +159,7 @@ class _Search:
             place = used(factor)[0]
             atom = ring.atom(factor) if place < ring.angles else None
             if atom is not None and atom.pinned:
-                powers[atom.joint][("pi", "0", "pi/2", "-pi/2").index(atom.value)] += power
+                powers[atom.joint][_PINNED.index(atom.value)] += power
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))
         pins = [pair for j, counts in powers.items() for pair in _pins(j, counts)]

@@ -57,10 +57,14 @@ class Notation(ABC):
 
     def value(self, form: Product) -> str:
         """The form itself, with its number and its powers."""
-        form = _rescaled(form, self.exact, not self.exact and _long(form))
+        form = self.readable(form)
         if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
             return self.sum([replace(part, number=form.number * part.number) for part in form.factors[0][0].parts])
         return self.sum([form])
+
+    def readable(self, form: Product) -> Product:
+        """The form, equal to it, with sums of long numbers divided by the largest one."""
+        return _rescaled(form, self.exact, not self.exact and _long(form))
 
     def sum(self, parts: Sequence[Product]) -> str:
         """Products joined by signs."""

@@ -66,7 +66,7 @@ class Value:
         Args:
             most: factors of more characters than that are told by their size; None for none.
         """
-        return (Text() if most is None else _Folded(most)).value(self.form)
+        return (Text() if most is None else Folded(most)).value(self.form)
 
     def latex(self) -> str:
         """LaTeX, without delimiters."""
@@ -97,7 +97,7 @@ def _opened(factor: Factor) -> tuple[Product, ...]:
     return factor.parts if isinstance(factor, Sum) else (Product(Fraction(1), ((factor, 1),)),)
 
 
-class _Folded(Text):
+class Folded(Text):
     """Text in which long sums in brackets are told by what they hold."""
 
     def __init__(self, most: int) -> None:

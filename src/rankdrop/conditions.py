@@ -17,7 +17,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
+from rankdrop.exact.derivation import METHODS, Chosen, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
 from rankdrop.exact.determinants import Determinants, determinants
 from rankdrop.exact.families import families, real_sets
@@ -56,6 +56,8 @@ def conditions(
     points: int = POINTS,
     special: bool = True,
     steps: bool = False,
+    basic: Sequence[int] | None = None,
+    frame: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> Conditions:
@@ -80,6 +82,8 @@ def conditions(
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand, and the determinant of
             the Jacobian, or the minors that take its place, in factors.
+        basic, frame: with the methods "suppression" and "reciprocity": numbers of the six basic screws, and link in
+            whose frame the screws are taken; None for the rules of the method, which steps give the reasons of.
         special: also derive the arms whose lengths break an assumption.
         fresh: derive them even where the conditions of this arm are shipped with rankdrop. Those answer the question
             with all its defaults (but for the time limit), and are what a derivation gives.
@@ -101,7 +105,8 @@ def conditions(
     """
     check_robot(robot)
     _check(method, coranks, seconds, points, seed)
-    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN
+    chosen = Chosen(None if basic is None else tuple(sorted(int(j) for j in basic)), frame)
+    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN and not chosen
     if asked_plainly and not fresh:
         anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
         shipped = known_conditions(robot, task, anew=anew)
@@ -110,13 +115,13 @@ def conditions(
     begun = monotonic()
     work = Work(seconds / WALL, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths)
-    check_method(asked, method)
+    check_method(asked, method, chosen)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
     left = list(tree.left)
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
-    first = _first(chain, method, tree, found, work, seed, steps)
+    first = _first(chain, method, tree, found, work, seed, steps, chosen)
     said = _said(chain, work) if steps else None
     left += [*first.left, *_unresolved(chain, tree, lowest, work), *pointless(chain, tree, found, seed)]
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
@@ -148,6 +153,7 @@ def conditions(
         settings=ConditionSettings(
             method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), coranks=coranks,
             seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
+            basic=chosen.basic, frame=chosen.frame,
         ),
         chain=chain,
     )  # fmt: skip
@@ -217,13 +223,21 @@ def _families(
 
 
 def _first(
-    chain: Chain, method: str, tree: Tree, found: Sequence[ExactFamily], work: Work, seed: int, steps: bool
+    chain: Chain,
+    method: str,
+    tree: Tree,
+    found: Sequence[ExactFamily],
+    work: Work,
+    seed: int,
+    steps: bool,
+    chosen: Chosen,
 ) -> CorankOne:
     """Corank 1 by the method a person would take; left out where the user has asked to stop."""
     if not work.interrupted:
         work.show("the method for corank 1", 0, 1)
         try:
-            return corank_one(chain, method, tree, found, Work(max(_SHARE * work.left, 0.1), seed), steps=steps)
+            own = Work(max(_SHARE * work.left, 0.1), seed)
+            return corank_one(chain, method, tree, found, own, steps=steps, chosen=chosen)
         except KeyboardInterrupt:
             work.interrupt()
     return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))

@@ -18,6 +18,9 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
+from rankdrop.exact.methods.case import Case
+from rankdrop.exact.methods.draft import Draft
+from rankdrop.exact.methods.reciprocity import _choices
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.verify import cloud, random_points, rank_check
 from rankdrop.local.block import singular_values
@@ -163,11 +166,40 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")
     assert found.sizes["exceptional"] > 0
-    invalid = next(note for note in found.notes if note.startswith("invalid"))
-    assert "θ4 = 0" in invalid
+    place = next(i for i, note in enumerate(found.notes) if note.startswith("in general: the screw reciprocal to"))
+    assert "all six elements vanish, and it says nothing, where θ4 = 0 or π, or where θ6 = 0" in found.notes[place + 1]
     assert found.sizes["choices"] > 1
     first = found.conditions[0]
     assert first.unequal, "the first choice holds only where its screw does not vanish"
+
+
+@pytest.mark.parametrize(("theta4", "singular"), [("0", ()), ("π", ("θ3 + θ5 = 0 and (θ6 = 0 or π)",))])
+def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
+    """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
+    found = derive(chain_of("canadarm2"), "reciprocity", frame=5, basic=(2, 3, 4, 5, 6, 7))
+    place = next(i for i, note in enumerate(found.notes) if note.startswith(f"θ4 = {theta4}: the screw reciprocal to"))
+    assert "joints 2, 3, 4, 6, 7" in found.notes[place]
+    for said in ("θ5 = ±π/2 and (θ6 = 0 or π)", *singular):
+        assert said in found.notes[place + 1]
+
+
+def test_what_is_said_to_vanish_does() -> None:
+    """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
+    chain = chain_of("canadarm2")
+    draft = Draft(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
+    case = Case(pins=((4, "pi"),))
+    choice = _choices(draft, case.columns(chain.ring, draft.columns))[0]
+    assert [j + 1 for j in choice.joints] == [2, 3, 4, 6, 7]
+    assert any(w != 0 for w in choice.screw)
+    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in choice.screw)
+    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in choice.screw)
+
+
+def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
+    with pytest.raises(OptionError, match="chosen for another method"):
+        derive(chain_of("canadarm2"), "cofactors", basic=(2, 3, 4, 5, 6, 7))
+    with pytest.raises(OptionError, match="six different joints"):
+        derive(chain_of("canadarm2"), "reciprocity", basic=(2, 3, 4, 5, 6, 8))
 
 
 def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:

@@ -36,6 +36,8 @@ def conditions(
     time_limit: float = 60.0,
     seed: Whole = 0,
     points: Whole = 1000,
+    basic: str | None = None,
+    frame: Whole | None = None,
     steps: Annotated[bool, _SWITCH] = False,
     steps_out: _FILE = None,
     fresh: Annotated[bool, _SWITCH] = False,
@@ -60,6 +62,7 @@ def conditions(
     For example:
         rankdrop conditions pa10
         rankdrop conditions canadarm2 --steps --lengths "a=0.635,c=0.504,d=6.85"
+        rankdrop conditions canadarm2 --steps --method suppression --basic 2-7 --frame 5
         rankdrop conditions puma560 --test "sin(q5)*(a3*sin(q3)+d4*cos(q3))"
         rankdrop conditions ur5 --deg --from 0,-90,60,0,80,0 --to 0,-90,-60,0,80,0
         rankdrop conditions ur5 --python ur5_singularities.py
@@ -78,6 +81,9 @@ def conditions(
         time_limit: Seconds; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
         points: Singular configurations to find numerically, as a check; 0 for none.
+        basic: With --method suppression or reciprocity: the six basic screws, 2-7 or 1,2,4-7. Else they are chosen, and
+            --steps says why.
+        frame: With these methods: link in whose frame the screws are taken. Else the one where they are shortest.
         steps: Print the derivation of corank 1 step by step, and the determinant of the Jacobian, or its minors, in
             factors; with it --latex, --python, --c and --json have the determinants, too.
         steps_out: Write these steps to this file, with everything that is folded on the screen written out.
@@ -114,7 +120,7 @@ def conditions(
         found = run(
             model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
             coranks=1 if question and coranks is None else coranks, special=not question,
-            steps=steps or steps_out is not None,
+            steps=steps or steps_out is not None, basic=None if basic is None else joints_of(basic), frame=frame,
             fresh=fresh, progress=report,
         )  # fmt: skip
     answer = question.answer(found)
@@ -169,6 +175,21 @@ def lengths_of(text: str) -> str | dict[str, float]:
                 typed=error.typed,
             ) from error
     return found
+
+
+def joints_of(text: str) -> tuple[int, ...]:
+    """What --basic says.
+
+    Raises:
+        OptionError: no numbers of joints.
+    """
+    from rankdrop.errors import OptionError
+    from rankdrop.exact.suppression.basic_screws import parse_joints
+
+    try:
+        return parse_joints(text)
+    except OptionError as error:
+        raise OptionError(error.what, where="--basic", got=error.got, allowed=error.allowed) from error
 
 
 def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None, there: Sequence[Nearby]) -> None:

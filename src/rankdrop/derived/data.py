@@ -29,6 +29,8 @@ class ConditionSettings:
         special: whether arms of special lengths were derived too.
         steps: whether the derivation was written down.
         version: of rankdrop.
+        basic: numbers of the basic screws asked for; None for none.
+        frame: link whose frame was asked for; None for none.
     """
 
     method: str
@@ -40,6 +42,8 @@ class ConditionSettings:
     special: bool
     steps: bool
     version: str
+    basic: tuple[int, ...] | None = None
+    frame: int | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

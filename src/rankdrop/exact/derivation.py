@@ -19,6 +19,7 @@ from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.real import real_points
+from rankdrop.exact.suppression.basic_screws import check_basic
 from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
@@ -26,6 +27,8 @@ from rankdrop.units import out_of_units
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
 """What can be asked for."""
+CHOOSING = ("suppression", "reciprocity")
+"""Methods for which basic screws and a frame can be chosen."""
 _SHOWN = 40  # conditions that are printed
 _LONG = 400  # terms of a condition beyond which the methods done by hand take minutes
 _REGULAR = 200  # random configurations on which no condition may hold
@@ -46,6 +49,26 @@ class Step:
     whole: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """What the user may choose for suppression and reciprocity.
+
+    Attributes:
+        basic: numbers of the six basic screws; None for the method's own rules.
+        frame: link in whose frame the screws are; None for the one where they are shortest.
+    """
+
+    basic: tuple[int, ...] | None = None
+    frame: int | None = None
+
+    def __bool__(self) -> bool:
+        """Whether anything was chosen."""
+        return self.basic is not None or self.frame is not None
+
+
+DEFAULT_CHOICE = Chosen()
+
+
 @dataclass(frozen=True)
 class CorankOne:
     """A derivation of corank 1.
@@ -64,12 +87,21 @@ class CorankOne:
     disagreements: tuple[str, ...] = ()
 
 
-def check_method(chain: Chain, method: str) -> None:
-    """Refuse decoupling of an arm that does not decouple, before the rank tree is derived.
+def check_method(chain: Chain, method: str, chosen: Chosen = DEFAULT_CHOICE) -> None:
+    """Refuse decoupling of an arm that does not decouple, and screws chosen for a method that has none, before the rank
+    tree is derived.
 
     Raises:
         OptionError: says why.
     """
+    if chosen and method not in CHOOSING:
+        raise OptionError(
+            "basic screws and the frame are chosen for another method", where="method", got=method,
+            allowed=", ".join(CHOOSING), mend="name one of them",
+        )  # fmt: skip
+    check_basic(chain, chosen.basic)
+    if chosen.frame is not None and not 1 <= chosen.frame < chain.n:
+        raise OptionError("no such link frame", where="frame", got=chosen.frame, allowed=f"1 … {chain.n - 1}")
     if method == "decoupling" and decouple(chain, names=False) is None:
         raise OptionError(
             "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
@@ -77,7 +109,14 @@ def check_method(chain: Chain, method: str) -> None:
 
 
 def corank_one(
-    chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work, *, steps: bool = False
+    chain: Chain,
+    method: str,
+    tree: Tree,
+    families: Sequence[ExactFamily],
+    work: Work,
+    *,
+    steps: bool = False,
+    chosen: Chosen = DEFAULT_CHOICE,
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
@@ -89,6 +128,7 @@ def corank_one(
         families: made from it.
         work: deadline and random points.
         steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
+        chosen: for suppression and reciprocity: what the user chose.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -104,12 +144,12 @@ def corank_one(
         return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
-        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)
+        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, chosen), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
+    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps, chosen)
     return _by_tree_if_open(compared, method, tree)
 
 
@@ -168,8 +208,10 @@ def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
     return f"no real configuration of rank {r - 1} or {r} was found on them"
 
 
-def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
-    found = suppress(chain, seconds=work.left)
+def _suppressed(
+    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: Chosen
+) -> CorankOne:
+    found = suppress(chain, frame=chosen.frame, basic=chosen.basic, seconds=work.left)
     told = tuple(Step(step.title, step.lines) for step in found.steps()) if steps else ()
     left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
@@ -192,10 +234,17 @@ def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work:
 
 
 def _compared(
-    chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work, steps: bool
+    chain: Chain,
+    method: str,
+    reason: str,
+    families: Sequence[ExactFamily],
+    work: Work,
+    steps: bool,
+    chosen: Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
-    found = derive(chain, method.replace("-", "_"), max(work.left, 0.1))
+    seconds = max(work.left, 0.1)
+    found = derive(chain, method.replace("-", "_"), seconds, frame=chosen.frame, basic=chosen.basic)
     different = []
     for family in families:
         if not found.left and not found.holds(family.witness).all():

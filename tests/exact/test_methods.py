@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from rankdrop.conditions import conditions
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra.atom import SIMPLE
@@ -23,9 +24,10 @@ from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import _choices
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.verify import cloud, random_points, rank_check
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.units import out_of_units
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
 WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}
@@ -330,3 +332,41 @@ def test_an_unknown_method_is_refused_with_the_list() -> None:
 def test_the_docstring_names_every_method() -> None:
     assert methods.__doc__ is not None
     assert all(f"| {name} |" in methods.__doc__ for name in METHODS)
+
+
+SRS = [(0, -np.pi / 2, 0.34, 0), (0, np.pi / 2, 0.03, 0), (0, -np.pi / 2, 0.4, 0), (0, np.pi / 2, 0.02, 0),
+       (0, -np.pi / 2, 0.35, 0), (0, np.pi / 2, 0, 0), (0, 0, 0.1, 0)]  # fmt: skip
+"""An S-R-S arm with offsets along axes 2 and 4."""
+
+
+def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
+    """Of 20,000 random configurations some lie close to singular ones: det(J Jᵀ) is tiny there, and not zero."""
+    chain = exact_chain(from_dh(SRS, convention="standard"))
+    found = derive(chain, "determinant")
+    assert found.complete
+    q = out_of_units(chain.robot, sample(chain.own, chain.own_task, 20_000, 1))
+    sigma = singular_values(chain.robot, q, chain.task)[:, 5]
+    assert (sigma < 0.01).sum() > 100
+    assert not found.holds(q[sigma > 1e-3]).any()
+    met = cloud(chain.own, chain.own_task, 1, 100, 0, 20.0)
+    assert found.holds(out_of_units(chain.robot, met.q)).all()
+
+
+def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> None:
+    """The process that factors counts half-angle terms, of which there are more; it says that it gives up."""
+    rows = [(0.01, *SRS[0][1:]), *SRS[1:]]
+    chain = exact_chain(from_dh(rows, convention="standard"))
+    found = derive(chain, "cofactors")
+    assert found.complete
+    long = sum((minor**2 for minor in Draft(chain, "determinant", 30.0).minors(chain.columns, 6)), chain.ring.zero)
+    assert factors_within(chain.ring, chain.ring.reduce(long), 30.0) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["cofactors", "reciprocity"])
+def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
+    rows = [(0.11 + 0.03 * i, (-1) ** (i + 1) * np.pi / 2, 0.2 + 0.07 * i, 0) for i in range(7)]
+    found = conditions(from_dh(rows, convention="standard"), coranks=1, method=method, points=100, special=False)
+    assert len(found.families) == 1
+    assert found.verified
+    assert found.explained.agree == found.explained.tested > 0

@@ -16,8 +16,13 @@ STEP = 1e-5
 """Of central differences [rad, m]: rounding leaves 1e-11 of the gradient, the third derivative 1e-10."""
 
 
+NOISE = 1e-10
+"""Slopes below it, relative to the coefficients, may be rounding: ten times what `STEP` leaves of it."""
+
+
 class Distances:
-    """Distances of configurations from the zeros of polynomials, to first order: the smaller of |f|/|∇f| and √|f|.
+    """Distances of configurations from the zeros of polynomials, to first order: |f|/|∇f|, half the distance from the
+    zeros of a sum of squares; where the slope may be rounding, the smaller of that and √|f|.
 
     What was asked for once is kept: the cases of a derivation speak of few different polynomials.
 
@@ -53,7 +58,8 @@ class Distances:
             step = STEP * np.eye(chain.n)[j]
             slope[:, j] = (values_of(chain, f, theta + step)[0] - values_of(chain, f, theta - step)[0]) / (2 * STEP)
         size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
-        return np.asarray(np.minimum(size / np.maximum(steep, 1e-300), np.sqrt(size)))
+        ratio = size / np.maximum(steep, 1e-300)
+        return np.asarray(np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size))))
 
 
 def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:

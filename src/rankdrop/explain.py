@@ -20,6 +20,7 @@ from rankdrop.explanation.which import known_families, met_at
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.ellipsoids import ellipsoids
 from rankdrop.local.escape import JointEscape, escape
+from rankdrop.local.hunt import hunt
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.redundancy import redundancy
@@ -167,6 +168,7 @@ def _blame(asked: Asked, q: Array, corank: int) -> Blame:
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),
         complete=few,
+        hunt=hunt(robot, q, task, asked.settings.tolerances) if corank else None,
     )
 
 

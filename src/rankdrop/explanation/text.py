@@ -14,6 +14,7 @@ from rankdrop.explanation.details import DETAIL_PARTS
 from rankdrop.explanation.motion import escape_part, far_part, rates_part
 from rankdrop.explanation.words import fixed, minus, numbers, pitch_text, plural, power, short, vector, wrench_text
 from rankdrop.frames import TIP
+from rankdrop.local.hunt import Hunt
 from rankdrop.sections import Section
 from rankdrop.verdict import of_explanation
 
@@ -164,6 +165,23 @@ def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
         )  # fmt: skip
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
                       columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
+
+
+    if full and blame.hunt is not None:
+        yield _hunt(blame.hunt)
+
+
+def _hunt(hunt: Hunt) -> Section:
+    rows = tuple(
+        (str(one.number), short(round(one.share, 4)), "yes" if one.named else "no", "yes" if one.actuator else "no",
+         short(round(abs(one.rate), 4)) if one.tells else "no", "yes" if one.escapes else "no")
+        for one in hunt.joints
+    )  # fmt: skip
+    return Section(
+        "Hunt's cofactors beside GR's rules", "", (hunt.words,),
+        columns=("joint", "column", "named", "GR's actuator", "leads out, rate", "by finite motion") if rows else (),
+        rows=rows,
+    )  # fmt: skip
 
 
 def _dependencies(found: ExplanationData) -> str:

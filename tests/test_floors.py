@@ -1,12 +1,4 @@
-"""Imports go down only. Floors, lowest first:
-
-0  errors, tolerances, version, sections (text in parts), the compiled core
-1  robot/, reach  the robot as data, and the numbers it is known by
-2  kinematics, task, frames, units of length, and what the core is told of them
-3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
-4  atlas/      over the whole joint space; certify/: proofs
-5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results
-6  cli/, report/, viewer/, reproduce/
+"""Imports go down only; CONTRIBUTING says what is on each floor. Faces use public names, exact and families are apart.
 
 A module imports from lower floors, and from its own where that makes no cycle. Imports inside functions count too.
 """
@@ -14,12 +6,14 @@ A module imports from lower floors, and from its own where that makes no cycle. 
 from __future__ import annotations
 
 import ast
+import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
-import pytest
+import rankdrop
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
@@ -29,19 +23,26 @@ FLOORS = {
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
     "local": 3,
-    "atlas": 4, "certify": 4, "exact": 4,
-    "analyze": 5, "result": 5, "record": 5, "known": 5, "known_conditions": 5, "findings": 5, "schema": 5,
-    "conditions": 5, "derived": 5, "join": 5, "partition": 5, "joined": 5, "verdict": 5, "checks": 5, "exactly": 5,
-    "beside": 5, "link_jacobian": 5,
-    "explain": 5, "explanation": 5,
-    "cli": 6, "report": 6, "viewer": 6, "reproduce": 6,
+    "family": 4,
+    "families": 5, "exact": 5, "certify": 5,
+    "compare": 6,
+    "results": 7, "schema": 7,
+    "verbs": 8,
+    "cli": 9, "report": 9, "viewer": 9, "reproduce": 9,
 }  # fmt: skip
+TOP = 9
+FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
             "trimesh", "websockets", "playwright"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""
+MUTUAL = {
+    ("exact", "exact/methods"), ("exact/arm", "exact/decoupling"),
+    ("exact/decoupling", "exact/signs"), ("exact/suppression", "exact/writing"),
+}  # fmt: skip
+"""Folders that still import each other."""
 
 
 def modules() -> dict[str, Path]:
@@ -58,9 +59,15 @@ def modules() -> dict[str, Path]:
 MODULES = modules()
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    """The syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path: Path, *, at_import_only: bool = False) -> Iterator[str]:
     """Full dotted names imported by a file; `from a import b` gives a.b. Names for type checking count unless asked."""
-    stack: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    stack: list[ast.AST] = [parsed(path)]
     while stack:
         node = stack.pop()
         if isinstance(node, ast.Import):
@@ -76,16 +83,17 @@ def imports(path: Path, *, at_import_only: bool = False) -> Iterator[str]:
             stack.extend(ast.iter_child_nodes(node))
 
 
-def own_imports(module: str) -> set[str]:
+@cache
+def own_imports(module: str) -> frozenset[str]:
     """Modules of this package that `module` imports."""
     names = set()
     for name in imports(MODULES[module]):
-        if not name.startswith("rankdrop."):
+        if not name.startswith("rankdrop.") or name in PUBLIC:
             continue
         inner = name.removeprefix("rankdrop.")
         # `from rankdrop.task import Task` names a thing inside a module, `from rankdrop.cli import exits` a module
         names.add(inner if inner in MODULES else inner.rpartition(".")[0] or inner)
-    return names - {module}
+    return frozenset(names - {module})
 
 
 def floor(module: str) -> int:
@@ -97,32 +105,84 @@ def test_every_module_has_a_floor() -> None:
     assert [module for module in MODULES if module.split(".")[0] not in FLOORS] == []
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_imports_go_down(module: str) -> None:
-    upward = [name for name in own_imports(module) if floor(name) > floor(module)]
-    assert upward == []
+def test_imports_go_down() -> None:
+    upward = [
+        f"{module} imports {name}" for module in MODULES for name in own_imports(module) if floor(name) > floor(module)
+    ]
+    assert not upward, "\n".join(upward)
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_the_package_root_is_not_imported_from_inside(module: str) -> None:
-    root = [name for name in imports(MODULES[module]) if name == "rankdrop" or name.startswith("rankdrop.__")]
-    assert root == []
+PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
+
+
+def test_exact_and_families_are_apart() -> None:
+    meeting = [
+        f"{module} imports {name}"
+        for module in MODULES
+        for name in own_imports(module)
+        if {module.split(".")[0], name.split(".")[0]} == {"exact", "families"}
+    ]
+    assert not meeting, "\n".join(meeting)
+
+
+def test_faces_use_public_names() -> None:
+    """From the top of the package, or from a room whose list of names (`__init__.pyi`) has them."""
+    private = []
+    for module, path in MODULES.items():
+        if floor(module) < TOP:
+            continue
+        for name in imports(path):
+            parts = name.split(".")
+            if parts[0] != "rankdrop" or parts[1] in FACE_ROOMS or name in PUBLIC:
+                continue
+            room = importlib.import_module(f"rankdrop.{parts[1]}")
+            listed = parts[2] in room.__all__ if hasattr(room, "__all__") else not parts[2].startswith("_")
+            if len(parts) != 3 or not listed:
+                private.append(f"{module} uses {name}")
+    assert not private, "\n".join(private)
+
+
+def test_the_package_root_is_not_imported_from_inside() -> None:
+    from_the_root = [
+        f"{module} imports {name}"
+        for module, path in MODULES.items()
+        for name in imports(path)
+        if name == "rankdrop" or name.startswith("rankdrop.__") or (name in PUBLIC and floor(module) < TOP)
+    ]
+    assert not from_the_root, "\n".join(from_the_root)
 
 
 def test_no_cycles() -> None:
-    left = {module: own_imports(module) & set(MODULES) for module in MODULES}
+    left = {module: own_imports(module) & MODULES.keys() for module in MODULES}
     while ready := [module for module, needed in left.items() if not needed & set(left)]:
         for module in ready:
             del left[module]
     assert not left, f"these import each other: {sorted(left)}"
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_optional_packages_are_imported_where_they_are_needed(module: str) -> None:
-    tops = {name.split(".")[0] for name in imports(MODULES[module], at_import_only=True)}
-    assert tops & OPTIONAL == set()
-    if floor(module) < 6:
-        assert tops & FACES == set()
+def folder(module: str) -> str:
+    """The folder a module's file is in; "" for the top of the package."""
+    return MODULES[module].parent.relative_to(SOURCE).as_posix().removeprefix(".")
+
+
+def test_no_two_folders_import_each_other() -> None:
+    """But for what is listed, which gets shorter only. The top of the package, which holds the verbs, is no folder."""
+    needed: dict[str, set[str]] = {}
+    for module in MODULES:
+        theirs = {folder(name) for name in own_imports(module) if name in MODULES}
+        needed.setdefault(folder(module), set()).update(theirs - {folder(module), ""})
+    both = {(one, other) for one in needed for other in needed[one] if one and one < other and one in needed[other]}
+    assert both - MUTUAL == set(), "these folders import each other: move what both need, or make them one"
+    assert MUTUAL - both == set(), "these do no longer: take them from MUTUAL"
+
+
+def test_optional_packages_are_imported_where_they_are_needed() -> None:
+    early = []
+    for module, path in MODULES.items():
+        refused = OPTIONAL if floor(module) == TOP else OPTIONAL | FACES
+        tops = {name.split(".")[0] for name in imports(path, at_import_only=True)}
+        early += [f"{module} imports {name}" for name in sorted(tops & refused)]
+    assert not early, "\n".join(early)
 
 
 def test_importing_the_package_stays_light() -> None:

@@ -6,22 +6,22 @@
     ['sin θ2']
 """
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas.search import search
-from rankdrop.conditions import conditions
 from rankdrop.errors import RankdropError
-from rankdrop.explain import explain
+from rankdrop.families.searching import search
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose
 from rankdrop.local.block import singular_values
-from rankdrop.local.escape import escape
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.redundancy import redundancy
-from rankdrop.result import Analysis
+from rankdrop.local.redundant import redundancy
+from rankdrop.local.ways_out import escape
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Joint, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.explain import explain
 from rankdrop.version import VERSION as __version__
 
 __all__ = [

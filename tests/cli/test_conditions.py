@@ -16,12 +16,12 @@ from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.derived.conditions import Conditions
-from rankdrop.derived.text import condition_lines
-from rankdrop.derived.wrap import either, formula, sentence
 from rankdrop.errors import OptionError, ResultFileError, TaskError
 from rankdrop.exact.family import Assumption
-from rankdrop.record import json_text
+from rankdrop.results.codec import json_text
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.text import condition_lines
+from rankdrop.results.conditions.wrap import either, formula, sentence
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 
@@ -95,7 +95,8 @@ def test_an_angle_that_is_not_the_joint_variable_is_told(run) -> None:
 
 
 def test_a_printed_condition_can_be_pasted_back(z1: Conditions) -> None:
-    together = " ".join(f"({text.removesuffix(' = 0')})" for text in ("s3", "c5", z1.families[2].texts[0]))
+    (shoulder,) = (one.texts[0] for one in z1.families if not one.pins)
+    together = " ".join(f"({text.removesuffix(' = 0')})" for text in ("s3", "c5", shoulder))
     assert z1.test(together).verdict == "exact"
 
 
@@ -219,7 +220,8 @@ def test_equations_of_the_record_vanish_at_the_witness_and_say_what_an_analysis_
         for pinned in family["pinned"]:
             q = family["witness"][pinned["number"] - 1]
             assert min(abs(math.remainder(q - value, 2 * math.pi)) for value in pinned["values"]) < 1e-9
-    assert z1.to_dict()["families"][0]["pinned"][0]["values"] == pytest.approx([-z1.shifts[2], np.pi - z1.shifts[2]])
+    (elbow,) = (one for one in z1.to_dict()["families"] if [pin["number"] for pin in one["pinned"]] == [3])
+    assert elbow["pinned"][0]["values"] == pytest.approx([-z1.shifts[2], np.pi - z1.shifts[2]])
     elbow = pa10.to_dict()["families"][0]
     assert (elbow["pinned"], elbow["free"]) == (
         [{"joint": "joint4", "number": 4, "values": [0.0, math.pi]}], [1, 2, 3, 5, 6, 7],
@@ -359,7 +361,7 @@ def test_a_condition_is_not_tested_against_half_of_the_singular_set(run) -> None
     assert "not tested: the singular set is not completely derived" in one_line(ended.out)
 
 
-@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.conditions.corank_one"])
+@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.conditions.corank_one"])
 def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatch, where: str) -> None:
     module, _, name = where.rpartition(".")
     calls = {"left": 2 if name == "_explore" else 0}
@@ -385,7 +387,7 @@ def test_a_disagreement_is_shown_and_ends_with_three(
     run, puma: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wrong = replace(puma, disagreements=("the rank tree has θ5 = 0, decoupling has not",))
-    monkeypatch.setattr(sys.modules["rankdrop.conditions"], "conditions", lambda *args, **options: wrong)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", lambda *args, **options: wrong)
     ended = run("conditions", "puma560", "--quiet")
     assert ended.code == exits.UNEXPLAINED
     assert "DISAGREEMENT: the rank tree has θ5 = 0, decoupling has not" in ended.out

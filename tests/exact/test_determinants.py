@@ -10,15 +10,15 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rankdrop.conditions import conditions
-from rankdrop.derived.text import steps_text
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, determinants
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
+from rankdrop.results.conditions.text import steps_text
 from rankdrop.robot.open import open_robot
 from rankdrop.task import ROWS, resolve_task
+from rankdrop.verbs.conditions import conditions
 
 
 def texts(name: str, task: str | None = None) -> list[str]:

@@ -9,7 +9,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from rankdrop.conditions import conditions
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra.atom import SIMPLE
@@ -28,6 +27,7 @@ from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.units import out_of_units
+from rankdrop.verbs.conditions import conditions
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
 WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}

@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 
 from known.arms import FEW
-from rankdrop.analyze import analyze
-from rankdrop.explain import explain
-from rankdrop.known import shipped
-from rankdrop.known_conditions import conditions_names, shipped_conditions
 from rankdrop.report.content import content
+from rankdrop.results.known import shipped
+from rankdrop.results.known_exact import conditions_names, shipped_conditions
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.explain import explain
 
 STARTS = 1500
+LONG = ("iiwa14", "canadarm2", "fetch8")
 pytestmark = pytest.mark.shipped
 
 
@@ -29,7 +30,7 @@ def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
         assert len(set(names)) == len(names)
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] if x in LONG else []) for x in FEW])
 def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
     arm = open_robot(name)
     one = analyze(arm, starts=STARTS, seed=0)

@@ -1,6 +1,6 @@
 """The exact conditions that come with the package are those of the catalogue's arms, and what a derivation gives.
 
-Those of each kind derived anew and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
+One of each structure anew, and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
 """
 
 from __future__ import annotations
@@ -13,24 +13,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from known.arms import KINDS
-from rankdrop import known_conditions as shelf
-from rankdrop.analyze import analyze
+from known.arms import structures
 from rankdrop.cli import exits, main
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
-from rankdrop.derived.stored import from_stored, to_stored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.frames import BODY
-from rankdrop.known import candidates
-from rankdrop.record import json_text
+from rankdrop.results import known_exact as shelf
+from rankdrop.results.codec import json_text
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.stored import from_stored, to_stored
+from rankdrop.results.known import candidates
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 SHIPPED = shelf.conditions_names()
 QUICK = ("planar3r", "puma560", "scara")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KINDS if name in SHIPPED]
+ANEW = [
+    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures() if name in SHIPPED
+]
 
 
 def through_json(found: Conditions) -> Any:

@@ -1,4 +1,4 @@
-"""Hunt's matrix of cofactors: it is that of the Jacobian, it names the dependent screws, and finite motion judges it."""
+"""Hunt's matrix of cofactors is that of the Jacobian, names the dependent screws, and is judged by finite motion."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.escape import escape
 from rankdrop.local.hunt import hunt
+from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 

@@ -14,9 +14,9 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised, Nearby
-    from rankdrop.result import Analysis
+    from rankdrop.results.analysis import Analysis
     from rankdrop.task import Task
+    from rankdrop.verbs.beside import Idealised, Nearby
 
 
 def analyze(
@@ -31,6 +31,7 @@ def analyze(
     starts: Whole = 10_000,
     seed: Whole = 0,
     threads: Whole = 0,
+    all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -58,14 +59,15 @@ def analyze(
         starts: Random starts for each corank.
         seed: Of every random choice; the same seed gives the same result.
         threads: Processors to use; 0 means all. The result does not depend on it.
+        all: Show every row. Otherwise of more than 24 of one corank, those of calibrated arms, a few stand for all.
         json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
         quiet: No progress.
     """
-    from rankdrop.analyze import analyze as run
-    from rankdrop.beside import nearby
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
+    from rankdrop.verbs.analyze import analyze as run
+    from rankdrop.verbs.beside import nearby
 
     check_target(json, "--json")
     begun = monotonic()
@@ -82,25 +84,27 @@ def analyze(
         record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds))
+        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds, every=all))
     if json is not None:
         steps.append(lambda: write_json(record, json))
     do_all(steps)
     return _exit_code(analysis)
 
 
-def _print(analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float) -> None:
+def _print(
+    analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float, every: bool
+) -> None:
     from rich.text import Text
 
-    from rankdrop.atlas.cells import legend
-    from rankdrop.beside import moved_section, there_section
-    from rankdrop.checks import sampled, unseen
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.exact_text import exact_section
     from rankdrop.cli.ideal import near_line, of_ideal
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show, verdict_line
+    from rankdrop.families.cells import legend
+    from rankdrop.results.checks import sampled, unseen
+    from rankdrop.verbs.beside import moved_section, there_section
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
@@ -113,7 +117,7 @@ def _print(analysis: Analysis, task: Task, made: Idealised | None, there: Sequen
     if made is not None:
         print_sections([moved_section(made)], first=False)
     for summary in analysis.coranks:
-        show(console, corank_section(console, analysis, summary))
+        show(console, corank_section(console, analysis, summary, every=every))
     if there:
         print_sections([there_section(there)], first=False)
     key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []

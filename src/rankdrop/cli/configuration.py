@@ -56,7 +56,7 @@ def _unit(unit: str, *, deg: bool) -> str:
 
 
 def _value(word: str, name: str, unit: str, option: str, *, deg: bool) -> float:
-    from rankdrop.robot.quantity import quantity
+    from rankdrop.robot.quantities import quantity
 
     try:
         value = quantity(word, "length" if unit == "m" else "angle", where=f"{option}, joint {name}")

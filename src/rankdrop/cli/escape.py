@@ -51,11 +51,11 @@ def escape(
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import results, show
-    from rankdrop.explain import explain
-    from rankdrop.explanation.record import way_out_to_dict
     from rankdrop.local.ordered import OrderedScrewSet
     from rankdrop.local.ordered_report import report
     from rankdrop.local.ordered_text import render
+    from rankdrop.results.explanation.record import way_out_to_dict
+    from rankdrop.verbs.explain import explain
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)

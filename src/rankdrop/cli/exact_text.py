@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 from rich.text import Text
 
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.exactly import exact_conditions
-from rankdrop.joined import AGREES, NOT_DERIVED
+from rankdrop.compare.exactly import exact_conditions
+from rankdrop.compare.joined import AGREES, NOT_DERIVED
+from rankdrop.families.cells import joint_symbol
 
 if TYPE_CHECKING:
-    from rankdrop.result import Analysis
+    from rankdrop.results.analysis import Analysis
 
 _BAD = "bold red"
 

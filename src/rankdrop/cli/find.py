@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from rankdrop.atlas.search import Search
+    from rankdrop.families.searching import Search
     from rankdrop.task import Task
 
 _SHOWN = 5
@@ -58,11 +58,11 @@ def find(
         history: Write the singular values of every iteration to this file: .csv or .npz.
         quiet: No progress.
     """
-    from rankdrop.atlas.search import search
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.findings import find_to_dict
+    from rankdrop.families.searching import search
+    from rankdrop.results.findings import find_to_dict
 
     check_target(json, "--json")
     check_target(out, "--out", (".csv", ".json", ".npz"))
@@ -90,8 +90,8 @@ def find(
 
 
 def _save(found: Search, out: str) -> None:
-    from rankdrop import findings
     from rankdrop.cli.files import write_bytes, write_json
+    from rankdrop.results import findings
 
     if out.lower().endswith(".json"):
         write_json(findings.find_to_dict(found), out)
@@ -101,8 +101,8 @@ def _save(found: Search, out: str) -> None:
 
 
 def _save_history(found: Search, history: str) -> None:
-    from rankdrop import findings
     from rankdrop.cli.files import write_bytes
+    from rankdrop.results import findings
 
     if found.history is not None:
         csv = history.lower().endswith(".csv")
@@ -124,7 +124,7 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
     import numpy as np
     from rich.text import Text
 
-    from rankdrop.atlas.search import Outcome
+    from rankdrop.families.searching import Outcome
 
     counts = {outcome: found.count(outcome) for outcome in Outcome}
     yield ""
@@ -153,7 +153,7 @@ def _configurations(found: Search) -> Table:
     from rich import box
     from rich.table import Table
 
-    from rankdrop.atlas.cells import joint_symbol
+    from rankdrop.families.cells import joint_symbol
 
     kinds = [str(joint.kind) for joint in found.robot.variables]
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)

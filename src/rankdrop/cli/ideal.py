@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised
     from rankdrop.cli.arm import ArmOptions
+    from rankdrop.results.verdict import Verdict
     from rankdrop.robot.model import Robot
     from rankdrop.task import Task
-    from rankdrop.verdict import Verdict
+    from rankdrop.verbs.beside import Idealised
 
 IDEAL = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
@@ -22,9 +22,9 @@ def open_ideal(name: str, options: ArmOptions, tolerance: str | None) -> tuple[R
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
-    from rankdrop.beside import idealised
     from rankdrop.cli.arm import open_arm
     from rankdrop.robot.ideal import read_tolerance
+    from rankdrop.verbs.beside import idealised
 
     given = None if tolerance is None else read_tolerance(tolerance)
     robot, task = open_arm(name, options)
@@ -39,9 +39,7 @@ def near_line(robot: Robot, asked: Idealised | None) -> dict[str, str]:
     from rankdrop.robot.ideal import near_ideal
 
     found = near_ideal(robot) if asked is None else None
-    if found is None or not found.tolerance.text:
-        return {}
-    return {"near": f"{found.text}: see --ideal {found.tolerance.text}"}
+    return {} if found is None else {"near": found.line}
 
 
 def of_ideal(verdict: Verdict, asked: Idealised | None) -> Verdict:

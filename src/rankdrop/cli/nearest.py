@@ -51,9 +51,9 @@ def nearest(
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.sections import interrupted, print_sections
-    from rankdrop.explain import explain
-    from rankdrop.explanation.record import far_to_dict
-    from rankdrop.result import Analysis
+    from rankdrop.results.analysis import Analysis
+    from rankdrop.results.explanation.record import far_to_dict
+    from rankdrop.verbs.explain import explain
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)

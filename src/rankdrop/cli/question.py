@@ -7,16 +7,16 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.verdict import of_conditions
+from rankdrop.results.verdict import of_conditions
 
 if TYPE_CHECKING:
-    from rankdrop.derived.conditions import Conditions
     from rankdrop.exact.arm.chain import Chain
     from rankdrop.exact.signs.aspects import Flags
-    from rankdrop.record import Record
+    from rankdrop.results.codec import Record
+    from rankdrop.results.conditions.conditions import Conditions
+    from rankdrop.results.verdict import Verdict
     from rankdrop.robot.model import Robot
     from rankdrop.sections import Section
-    from rankdrop.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised
     from rankdrop.cli.progress import Report
-    from rankdrop.result import Analysis
-    from rankdrop.verdict import Verdict
+    from rankdrop.results.analysis import Analysis
+    from rankdrop.results.verdict import Verdict
+    from rankdrop.verbs.beside import Idealised
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -87,11 +87,11 @@ def _analysis(
     robot: str, arm: ArmOptions, ideal: str | None, starts: int, seed: int, progress: Report
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
-    from rankdrop.analyze import analyze
     from rankdrop.cli.ideal import open_ideal
     from rankdrop.errors import OptionError
-    from rankdrop.known import known_analysis
-    from rankdrop.result import Analysis
+    from rankdrop.results.analysis import Analysis
+    from rankdrop.results.known import known_analysis
+    from rankdrop.verbs.analyze import analyze
 
     if robot.lower().endswith(_ANALYSIS):
         if arm != NO_OPTIONS or ideal is not None:

@@ -15,13 +15,13 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.equation import Equation, normalised
-from rankdrop.atlas.search import search
-from rankdrop.atlas.system import System
-from rankdrop.atlas.which import families_at
-from rankdrop.exact.algebra.field import P, Point, complete, rank, residue, trig_evaluator
+from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, trig_evaluator
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
+from rankdrop.families.searching import search
+from rankdrop.family.equation import Equation, normalised
+from rankdrop.family.system import System
+from rankdrop.family.which import families_at
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -90,9 +90,9 @@ def rank_modulo(chain: Chain, point: Point) -> int:
         6
     """
     if chain.task.m == 6:
-        return rank(_twists(chain, point))
+        return rank(_twists(chain, point), modulus(point))
     evaluate = trig_evaluator(chain.ring)
-    return rank([[evaluate(entry, point) for entry in column] for column in chain.columns])
+    return rank([[evaluate(entry, point) for entry in column] for column in chain.columns], modulus(point))
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
@@ -186,26 +186,27 @@ class _Given:
 
 def _twists(chain: Chain, point: Point) -> list[list[int]]:
     """Joint screws (v; ω) in the frame before joint 1, as residues: v = p × z for a point p of the axis z."""
+    prime = modulus(point)
     turned = [[int(i == j) for j in range(3)] for i in range(3)]
     place = [0, 0, 0]
     found = []
     for number, section in enumerate(chain.sections, 1):
         z = [row[2] for row in turned]
-        cosine, sine = residue(section.phase.cos), residue(section.phase.sin)
+        cosine, sine = residue(section.phase.cos, prime), residue(section.phase.sin, prime)
         d = _length(chain, number - 1, "d", point)
         if section.kind is JointKind.PRISMATIC:
             d += point[f"q{number}"]
             found.append([*z, 0, 0, 0])
         else:
-            moment = [(place[i - 2] * z[i - 1] - place[i - 1] * z[i - 2]) % P for i in range(3)]
+            moment = [(place[i - 2] * z[i - 1] - place[i - 1] * z[i - 2]) % prime for i in range(3)]
             found.append([*moment, *z])
             c, s = point[f"c{number}"], point[f"s{number}"]
             cosine, sine = c * cosine - s * sine, s * cosine + c * sine
-        turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+        turned = _times(turned, [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], prime)
         a = _length(chain, number - 1, "a", point)
-        place = [(place[i] + d * z[i] + a * turned[i][0]) % P for i in range(3)]
-        cosine, sine = residue(section.twist.cos), residue(section.twist.sin)
-        turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
+        place = [(place[i] + d * z[i] + a * turned[i][0]) % prime for i in range(3)]
+        cosine, sine = residue(section.twist.cos, prime), residue(section.twist.sin, prime)
+        turned = _times(turned, [[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]], prime)
     return found
 
 
@@ -213,8 +214,8 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
-    return residue(getattr(chain.sections[place], which))
+    return residue(getattr(chain.sections[place], which), modulus(point))
 
 
-def _times(one: list[list[int]], two: list[list[int]]) -> list[list[int]]:
-    return [[sum(one[i][k] * two[k][j] for k in range(3)) % P for j in range(3)] for i in range(3)]
+def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:
+    return [[sum(one[i][k] * two[k][j] for k in range(3)) % prime for j in range(3)] for i in range(3)]

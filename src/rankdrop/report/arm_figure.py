@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop._handles import check_robot
-from rankdrop.atlas.family import Family
 from rankdrop.errors import MissingExtraError
+from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses, pose
 from rankdrop.reach import reach
 from rankdrop.report.content import arrows
 from rankdrop.report.skeleton import skeleton
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, JointKind, Robot
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.atlas.along import Sweep
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.atlas.slices import Slice
-from rankdrop.atlas.solid import Solid
-from rankdrop.atlas.workspace import Workspace
+from rankdrop.families.along import Sweep
+from rankdrop.families.cells import joint_symbol
+from rankdrop.families.slices import Slice
+from rankdrop.families.solid import Solid
+from rankdrop.families.workspaces import Workspace
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import Chart, angle_ticks, plain_ticks
 from rankdrop.robot.model import Array, Robot

@@ -7,22 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.along import Sweep, sweeps
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.slices import Slice, telling_slices
-from rankdrop.atlas.solid import Solid, solids
-from rankdrop.atlas.workspace import Workspace, workspace
-from rankdrop.beside import Idealised, moved_section, nearby, there_section
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.families.along import Sweep, sweeps
+from rankdrop.families.slices import Slice, telling_slices
+from rankdrop.families.solid import Solid, solids
+from rankdrop.families.workspaces import Workspace, workspace
+from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.known_conditions import known_conditions
 from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.known_exact import known_conditions
+from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Array
 from rankdrop.sections import Section
-from rankdrop.verdict import Verdict, of_analysis
+from rankdrop.verbs.beside import Idealised, moved_section, nearby, there_section
+from rankdrop.verbs.conditions import conditions
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""

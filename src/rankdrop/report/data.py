@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.linear import wrap
-from rankdrop.atlas.solid import Solid
+from rankdrop.families.cells import joint_symbol
+from rankdrop.families.linear import wrap
+from rankdrop.families.solid import Solid
+from rankdrop.family.record import Family
 from rankdrop.local.block import sampling_box
 from rankdrop.reach import reach
 from rankdrop.report.content import Content
 from rankdrop.report.skeleton import skeleton
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
 
 LIVE = 1e-7

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from rankdrop.atlas.cells import (
+from rankdrop.compare.exactly import conditions_of
+from rankdrop.compare.joined import Joined
+from rankdrop.families.cells import (
     COUPLED,
     FREE,
     NOTHING,
@@ -15,10 +17,8 @@ from rankdrop.atlas.cells import (
     rounded_share,
     share_text,
 )
-from rankdrop.atlas.family import CorankSummary, Family
-from rankdrop.exactly import conditions_of
-from rankdrop.joined import Joined
-from rankdrop.result import Analysis
+from rankdrop.family.record import CorankSummary, Family
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Robot
 
 

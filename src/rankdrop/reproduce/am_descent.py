@@ -14,7 +14,7 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.atlas.search import Outcome, search
+from rankdrop.families.searching import Outcome, search
 from rankdrop.local.block import sample
 from rankdrop.local.descent import Descent, descend
 from rankdrop.reproduce.am_method import pa10

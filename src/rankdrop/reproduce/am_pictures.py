@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.atlas.search import refine
+from rankdrop.families.searching import refine
 from rankdrop.frames import Frame
 from rankdrop.kinematics import link_poses, pose
 from rankdrop.local.block import decompose

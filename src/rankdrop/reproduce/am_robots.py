@@ -7,19 +7,19 @@ from math import acos, degrees, pi, sqrt
 
 import numpy as np
 
-from rankdrop.atlas.curves import Curve, singular_curves
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.search import Outcome, refine, search
+from rankdrop.families.curves import Curve, singular_curves
+from rankdrop.families.searching import Outcome, refine, search
+from rankdrop.family.record import Family
 from rankdrop.kinematics import jacobian, link_poses, pose
-from rankdrop.known import known_analysis
 from rankdrop.local.block import decompose, sample, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.relations import relations_at
-from rankdrop.local.words import words
+from rankdrop.local.sentences import words
 from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 
-from rankdrop.conditions import conditions
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.decoupling.decouple import Decoupling, decouple
 from rankdrop.kinematics import jacobian
@@ -15,6 +14,7 @@ from rankdrop.reproduce.formula import value
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.verbs.conditions import conditions
 
 LENGTHS = {"a2": 0.5, "a3": 0.4}
 """Lengths for the letters of the lectures [m]."""

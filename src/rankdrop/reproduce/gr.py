@@ -9,7 +9,7 @@ from math import sqrt
 
 import numpy as np
 
-from rankdrop.local.lie_product import lie_product, motion
+from rankdrop.local.lie import lie_product, motion
 from rankdrop.local.ordered import OrderedScrewSet
 from rankdrop.local.ordered_report import OrderedReport, report
 from rankdrop.local.ordered_session import PRINTED_IN_GR, session

@@ -10,7 +10,7 @@ from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.block import generic_rank
 from rankdrop.local.rates import rate_growth
-from rankdrop.local.redundancy import null_space_motion, redundancy
+from rankdrop.local.redundant import null_space_motion, redundancy
 from rankdrop.reproduce.elbow import (
     FOREARM_LINE,
     LENGTHS,

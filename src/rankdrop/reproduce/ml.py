@@ -6,8 +6,6 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.conditions import conditions
-from rankdrop.explain import explain
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import generic_rank
@@ -23,6 +21,8 @@ from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.explain import explain
 
 PLANAR = {"a1": 1.0, "a2": 0.7}
 """Lengths for the letters of the lecture [m]."""

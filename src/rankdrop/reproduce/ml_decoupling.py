@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.conditions import conditions
 from rankdrop.frames import BODY, SPACE, Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.block import singular_values
@@ -24,6 +23,7 @@ from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.conditions import conditions
 
 
 def frames(sheet: Sheet) -> None:

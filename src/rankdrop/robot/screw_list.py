@@ -12,7 +12,7 @@ from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import from_screws
 
 _ENTRY = re.compile(r"[^\s,;\[\]]+")

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.monitor import Monitor, Sighting
-from rankdrop.explanation.verdict import first_verdict
+from rankdrop.families.monitor import Monitor, Sighting
+from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame
 from rankdrop.local.directions import lost_directions
+from rankdrop.results.explanation.verdict import first_verdict
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.viewer.body import body_of

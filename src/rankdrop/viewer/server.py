@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.explanation.which import known_families
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.explanation.which import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT

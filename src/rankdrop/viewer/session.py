@@ -15,12 +15,12 @@ from typing import Protocol
 
 import numpy as np
 
-from rankdrop.explain import explain
-from rankdrop.explanation.explanation import Explanation
 from rankdrop.local.block import joint_scale
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import EVALUATIONS
+from rankdrop.verbs.explain import explain
 from rankdrop.viewer.live import Live, Now
 
 FRAMES = 30.0  # of a motion, per second

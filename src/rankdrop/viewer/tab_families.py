@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.atlas.distance import family_distances
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.walk import Walk
-from rankdrop.explanation.words import angle
+from rankdrop.families.distance import family_distances
+from rankdrop.families.walk import Walk
+from rankdrop.family.record import Family
+from rankdrop.results.explanation.words import angle
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls

@@ -9,8 +9,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.in_slice import in_slice
+from rankdrop.families.slicing import in_slice
+from rankdrop.family.record import Family
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.atlas.monitor import Monitor
 from rankdrop.errors import ConfigurationError, RankdropError
+from rankdrop.families.monitor import Monitor
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Joint, Robot
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 MOST_ROWS = 1_000_000
 ROW_SECONDS = 0.1  # between rows of a file without times

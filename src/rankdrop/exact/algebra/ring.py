@@ -23,8 +23,11 @@ from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.work import OutOfTime
 
+_BITS = 500  # of a coefficient: twice as many take four times as long to factor
 MANY = 20_000
 """Polynomials of more terms than this take minutes and gigabytes to factor."""
+
+_LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
 
 
 class Ring:
@@ -158,7 +161,8 @@ class Ring:
         """
         if len(f) > MANY:
             raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
-        tick(100 + 15 * len(f))
+        digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
+        tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
         content, found = f.factor()
         letters, atoms = [], []
         for factor, multiplicity in found:
@@ -257,6 +261,16 @@ class Ring:
         found = self.to_trig(f)
         return found if found is not None else self.to_trig(f * f)
 
+    def product(self, one: Polynomial, two: Polynomial) -> Polynomial:
+        """Of two polynomials, not reduced.
+
+        Raises:
+            OutOfTime: it would have millions of terms; it cannot be interrupted, and takes gigabytes.
+        """
+        if len(one) * len(two) > _LONGEST or max(len(one), len(two)) > 5 * MANY:
+            raise OutOfTime(f"a product of polynomials of {len(one):,} and {len(two):,} terms would grow too long")
+        return one * two
+
     def determinant(self, rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
         """Determinant of a square matrix over `trig`, reduced: Laplace along sparse rows, minors kept."""
         n = len(rows)
@@ -274,7 +288,7 @@ class Ring:
                     if row[column] != 0:
                         below = minor(columns[:place] + columns[place + 1 :])
                         tick(2 + 0.3 * len(row[column]) * len(below))
-                        part = row[column] * below
+                        part = self.product(row[column], below)
                         total = total - part if place % 2 else total + part
                 minors[columns] = self.reduce(total)
             return minors[columns]

@@ -27,8 +27,8 @@ from rankdrop.compare.joined import AGREES, NOT_DERIVED
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.known import conditions_names, shipped_conditions
 from rankdrop.results.known import shipped
-from rankdrop.results.known_exact import conditions_names, shipped_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
 from rankdrop.verbs.analyze import analyze

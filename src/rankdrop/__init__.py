@@ -6,43 +6,9 @@
     ['sin θ2']
 """
 
-from rankdrop.errors import RankdropError
-from rankdrop.families.searching import search
-from rankdrop.frames import Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose
-from rankdrop.local.block import singular_values
-from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.redundant import redundancy
-from rankdrop.local.ways_out import escape
-from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import Joint, Robot
-from rankdrop.robot.open import open_robot
-from rankdrop.task import Task
-from rankdrop.tolerances import Tolerances
-from rankdrop.verbs.analyze import analyze
-from rankdrop.verbs.conditions import conditions
-from rankdrop.verbs.explain import explain
+import lazy_loader
+
 from rankdrop.version import VERSION as __version__
 
-__all__ = [
-    "Analysis",
-    "Frame",
-    "Joint",
-    "RankdropError",
-    "Robot",
-    "Task",
-    "Tolerances",
-    "__version__",
-    "analyze",
-    "conditions",
-    "escape",
-    "explain",
-    "jacobian",
-    "jacobian_derivative",
-    "nearest_singularity",
-    "open_robot",
-    "pose",
-    "redundancy",
-    "search",
-    "singular_values",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # what there is stands in __init__.pyi
+__all__ += ["__version__"]

@@ -12,7 +12,7 @@ import pytest
 
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.determinants import Minor, determinants
+from rankdrop.exact.determinants import Minor, determinants_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.results.conditions.text import steps_text
@@ -22,7 +22,7 @@ from rankdrop.verbs.conditions import conditions
 
 
 def texts(name: str, task: str | None = None) -> list[str]:
-    found = determinants(exact_chain(open_robot(name), task), Work())
+    found = determinants_of(exact_chain(open_robot(name), task), Work())
     assert not found.left
     return [f"{one.name} = {one.value.text()}" for one in found.minors]
 
@@ -61,7 +61,7 @@ def test_they_are_the_determinants_of_the_numeric_jacobian(name: str, task: str 
     """Of all rows, at random configurations: about any point and in any axes, so at the tip in the base's."""
     robot = open_robot(name)
     chain = exact_chain(robot, task)
-    found = determinants(chain, Work())
+    found = determinants_of(chain, Work())
     q = sample(robot, resolve_task(task, robot), 5, 3)
     whole = [one for one in found.minors if len(one.rows) == min(chain.n, chain.task.m) and not one.about]
     assert whole
@@ -76,7 +76,7 @@ def test_they_are_the_determinants_of_the_numeric_jacobian(name: str, task: str 
 
 
 def test_fewer_joints_than_rows_have_minors_of_rows() -> None:
-    found = determinants(exact_chain(open_robot("planar2r"), "planar"), Work())
+    found = determinants_of(exact_chain(open_robot("planar2r"), "planar"), Work())
     assert [one.name for one in found.minors] == ["|vx vy|", "|vx wz|", "|vy wz|"]
     assert found.minors[0].value.text() == "a1 a2 s2"
 
@@ -84,7 +84,7 @@ def test_fewer_joints_than_rows_have_minors_of_rows() -> None:
 def test_multiplicities_are_told() -> None:
     """PA-10: s4 is in some minors twice; the record has it with its power."""
     chain = exact_chain(open_robot("pa10"))
-    record = determinants(chain, Work()).to_dict(tuple(chain.shifts))
+    record = determinants_of(chain, Work()).to_dict(tuple(chain.shifts))
     first = record["minors"][0]
     assert (first["text"], first["sign"]) == ("−d3² d5 c5 s2 s4²", -1)
     powers = {one["text"]: one["multiplicity"] for one in first["factors"]}

@@ -9,11 +9,11 @@ import pytest
 
 pytest.importorskip("flint")
 
+from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.barren import barren
-from rankdrop.exact.verify import cloud, explained
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

@@ -11,8 +11,8 @@ from robot.test_structure import noisy
 
 from rankdrop.families.members import members
 from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.known import known_conditions
 from rankdrop.results.known import known_analysis, shipped
-from rankdrop.results.known_exact import known_conditions
 from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

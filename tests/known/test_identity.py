@@ -6,8 +6,8 @@ import pytest
 
 from known.arms import FEW
 from rankdrop.report.content import content
+from rankdrop.results.conditions.known import conditions_names, shipped_conditions
 from rankdrop.results.known import shipped
-from rankdrop.results.known_exact import conditions_names, shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain

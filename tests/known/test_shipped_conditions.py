@@ -18,8 +18,8 @@ from rankdrop.cli import exits, main
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.frames import BODY
-from rankdrop.results import known_exact as shelf
 from rankdrop.results.codec import json_text
+from rankdrop.results.conditions import known as shelf
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.stored import from_stored, to_stored
 from rankdrop.results.known import candidates

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.exact.verify import Cloud, explained
+from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.families import residual as residual_module
 from rankdrop.families.searching import refine, search
 from rankdrop.families.table import families

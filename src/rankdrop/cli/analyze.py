@@ -14,9 +14,9 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.results.analysis import Analysis
+    from rankdrop.results import Analysis
     from rankdrop.task import Task
-    from rankdrop.verbs.beside import Idealised, Nearby
+    from rankdrop.verbs import Idealised, Nearby
 
 
 def analyze(
@@ -63,11 +63,11 @@ def analyze(
         json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
         quiet: No progress.
     """
+    from rankdrop import analyze as run
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
-    from rankdrop.verbs.analyze import analyze as run
-    from rankdrop.verbs.beside import nearby
+    from rankdrop.verbs import nearby
 
     check_target(json, "--json")
     begun = monotonic()
@@ -102,9 +102,9 @@ def _print(
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show, verdict_line
-    from rankdrop.families.cells import legend
-    from rankdrop.results.checks import sampled, unseen
-    from rankdrop.verbs.beside import moved_section, there_section
+    from rankdrop.families import legend
+    from rankdrop.results import sampled, unseen
+    from rankdrop.verbs import moved_section, there_section
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"

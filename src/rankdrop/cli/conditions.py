@@ -15,9 +15,9 @@ from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from rankdrop.cli.question import Answer
-    from rankdrop.results.conditions.conditions import Conditions
+    from rankdrop.results import Conditions
     from rankdrop.task import Task
-    from rankdrop.verbs.beside import Idealised, Nearby
+    from rankdrop.verbs import Idealised, Nearby
 
 _FILE = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 _ANGLES = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
@@ -99,14 +99,14 @@ def conditions(
         json: Write everything as JSON.
         quiet: No progress.
     """
+    from rankdrop import conditions as run
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
-    from rankdrop.exact.arm.chain import exact_chain
-    from rankdrop.results.conditions.text import steps_text
-    from rankdrop.verbs.beside import nearby
-    from rankdrop.verbs.conditions import conditions as run
+    from rankdrop.exact import exact_chain
+    from rankdrop.results import steps_text
+    from rankdrop.verbs import nearby
 
     targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
     for option, target in targets.items():
@@ -155,7 +155,7 @@ def lengths_of(text: str) -> str | dict[str, float]:
         OptionError: neither.
     """
     from rankdrop.errors import OptionError, RobotError
-    from rankdrop.robot.quantities import quantity
+    from rankdrop.robot import quantity
 
     if "=" not in text:
         return text.strip()
@@ -184,7 +184,7 @@ def joints_of(text: str) -> tuple[int, ...]:
         OptionError: no numbers of joints.
     """
     from rankdrop.errors import OptionError
-    from rankdrop.exact.suppression.basic_screws import parse_joints
+    from rankdrop.exact import parse_joints
 
     try:
         return parse_joints(text)
@@ -197,8 +197,8 @@ def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None
     from rankdrop.cli.ideal import near_line
     from rankdrop.cli.sections import INDENT, print_sections
     from rankdrop.cli.terminal import results, show, verdict_line
-    from rankdrop.results.conditions.text import arm_lines
-    from rankdrop.verbs.beside import moved_section, there_section
+    from rankdrop.results import arm_lines
+    from rankdrop.verbs import moved_section, there_section
 
     console = results()
     verdict = verdict_line(answer.verdict)

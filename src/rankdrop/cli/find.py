@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from rankdrop.families.searching import Search
+    from rankdrop.families import Search
     from rankdrop.task import Task
 
 _SHOWN = 5
@@ -61,8 +61,8 @@ def find(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.families.searching import search
-    from rankdrop.results.findings import find_to_dict
+    from rankdrop.families import search
+    from rankdrop.results import find_to_dict
 
     check_target(json, "--json")
     check_target(out, "--out", (".csv", ".json", ".npz"))
@@ -91,23 +91,23 @@ def find(
 
 def _save(found: Search, out: str) -> None:
     from rankdrop.cli.files import write_bytes, write_json
-    from rankdrop.results import findings
+    from rankdrop.results import find_to_csv, find_to_dict, find_to_npz
 
     if out.lower().endswith(".json"):
-        write_json(findings.find_to_dict(found), out)
+        write_json(find_to_dict(found), out)
     else:
         csv = out.lower().endswith(".csv")
-        write_bytes(findings.find_to_csv(found).encode() if csv else findings.find_to_npz(found), out)
+        write_bytes(find_to_csv(found).encode() if csv else find_to_npz(found), out)
 
 
 def _save_history(found: Search, history: str) -> None:
     from rankdrop.cli.files import write_bytes
-    from rankdrop.results import findings
+    from rankdrop.results import history_to_csv, history_to_npz
 
     if found.history is not None:
         csv = history.lower().endswith(".csv")
         steps = found.history
-        write_bytes(findings.history_to_csv(steps).encode() if csv else findings.history_to_npz(steps), history)
+        write_bytes(history_to_csv(steps).encode() if csv else history_to_npz(steps), history)
 
 
 def _print(found: Search, task: Task, *, seconds: float) -> None:
@@ -124,7 +124,7 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
     import numpy as np
     from rich.text import Text
 
-    from rankdrop.families.searching import Outcome
+    from rankdrop.families import Outcome
 
     counts = {outcome: found.count(outcome) for outcome in Outcome}
     yield ""
@@ -153,7 +153,7 @@ def _configurations(found: Search) -> Table:
     from rich import box
     from rich.table import Table
 
-    from rankdrop.families.cells import joint_symbol
+    from rankdrop.families import joint_symbol
 
     kinds = [str(joint.kind) for joint in found.robot.variables]
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)

@@ -67,7 +67,7 @@ def jacobian(
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
     from rankdrop.cli.sections import print_sections
     from rankdrop.errors import OptionError
-    from rankdrop.verbs.link_jacobian import link_jacobian
+    from rankdrop.verbs import link_jacobian
 
     targets = {"--latex": latex, "--json": json}
     for option, target in targets.items():

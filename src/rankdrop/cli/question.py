@@ -7,15 +7,12 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.results.verdict import of_conditions
+from rankdrop.results import of_conditions
 
 if TYPE_CHECKING:
-    from rankdrop.exact.arm.chain import Chain
-    from rankdrop.exact.signs.aspects import Flags
-    from rankdrop.results.codec import Record
-    from rankdrop.results.conditions.conditions import Conditions
-    from rankdrop.results.verdict import Verdict
-    from rankdrop.robot.model import Robot
+    from rankdrop.exact import Chain, Flags
+    from rankdrop.results import Conditions, Record, Verdict
+    from rankdrop.robot import Robot
     from rankdrop.sections import Section
 
 
@@ -57,8 +54,7 @@ class Question:
             ConfigurationError: not a configuration.
             TaskError: flags of an arm whose Jacobian is not square.
         """
-        from rankdrop.exact.reading.parse import parse_conditions
-        from rankdrop.exact.signs.aspects import signs_of
+        from rankdrop.exact import parse_conditions, signs_of
 
         if self.test is not None:
             parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])

@@ -15,8 +15,8 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from rankdrop.compare.exactly import conditions_of
-from rankdrop.families.cells import (
+from rankdrop.compare import conditions_of
+from rankdrop.families import (
     joint_cell,
     joint_symbol,
     rounded_share,
@@ -27,10 +27,10 @@ from rankdrop.families.cells import (
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.compare.joined import Joined
-    from rankdrop.family.record import CorankSummary, Family
-    from rankdrop.results.analysis import Analysis
-    from rankdrop.robot.model import Robot
+    from rankdrop.compare import Joined
+    from rankdrop.family import CorankSummary, Family
+    from rankdrop.results import Analysis
+    from rankdrop.robot import Robot
 
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on

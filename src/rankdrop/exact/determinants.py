@@ -114,7 +114,7 @@ class Determinants:
         }
 
 
-def determinants(chain: Chain, work: Work) -> Determinants:
+def determinants_of(chain: Chain, work: Work) -> Determinants:
     """The determinant or the minors of an arm, in factors.
 
     Args:
@@ -124,7 +124,7 @@ def determinants(chain: Chain, work: Work) -> Determinants:
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
-        >>> found = determinants(exact_chain(open_robot("anthropomorphic")), Work())
+        >>> found = determinants_of(exact_chain(open_robot("anthropomorphic")), Work())
         >>> found.product
         'det J = det J11 det J22'
         >>> [f"{one.name} = {one.value.text()}" for one in found.minors]

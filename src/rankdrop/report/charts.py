@@ -6,14 +6,10 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.families.along import Sweep
-from rankdrop.families.cells import joint_symbol
-from rankdrop.families.slices import Slice
-from rankdrop.families.solid import Solid
-from rankdrop.families.workspaces import Workspace
+from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import Chart, angle_ticks, plain_ticks
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot import Array, Robot
 
 COLOURS = 8
 _SMALL = 130.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rankdrop.report.content import Content
-from rankdrop.results.checks import sampled, unseen
+from rankdrop.results import sampled, unseen
 
 
 def checks(content: Content) -> Iterator[str]:

@@ -7,22 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families.along import Sweep, sweeps
-from rankdrop.families.slices import Slice, telling_slices
-from rankdrop.families.solid import Solid, solids
-from rankdrop.families.workspaces import Workspace, workspace
-from rankdrop.family.record import Family
+from rankdrop.families import Slice, Solid, Sweep, Workspace, solids, sweeps, telling_slices, workspace
+from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.known_exact import known_conditions
-from rankdrop.results.verdict import Verdict, of_analysis
-from rankdrop.robot.model import Array
+from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
+from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
+from rankdrop.robot import Array
 from rankdrop.sections import Section
-from rankdrop.verbs.beside import Idealised, moved_section, nearby, there_section
-from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""

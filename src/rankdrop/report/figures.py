@@ -13,18 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families.along import Sweep
-from rankdrop.families.cells import joint_symbol
-from rankdrop.families.slices import Slice
-from rankdrop.families.solid import Solid
-from rankdrop.families.workspaces import Workspace
-from rankdrop.family.record import Family
+from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
+from rankdrop.family import Family
 from rankdrop.report.arm_figure import arm_figure
 from rankdrop.report.content import Content
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import angle_ticks
-from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import Robot
+from rankdrop.results import Analysis
+from rankdrop.robot import Robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

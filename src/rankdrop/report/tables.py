@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from rankdrop.compare.exactly import conditions_of
-from rankdrop.compare.joined import Joined
-from rankdrop.families.cells import (
+from rankdrop.compare import Joined, conditions_of
+from rankdrop.families import (
     COUPLED,
     FREE,
     NOTHING,
@@ -17,9 +16,9 @@ from rankdrop.families.cells import (
     rounded_share,
     share_text,
 )
-from rankdrop.family.record import CorankSummary, Family
-from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import Robot
+from rankdrop.family import CorankSummary, Family
+from rankdrop.results import Analysis
+from rankdrop.robot import Robot
 
 
 def corank_tables(analysis: Analysis) -> str:

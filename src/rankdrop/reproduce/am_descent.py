@@ -14,9 +14,8 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.families.searching import Outcome, search
-from rankdrop.local.block import sample
-from rankdrop.local.descent import Descent, descend
+from rankdrop.families import Outcome, search
+from rankdrop.local import Descent, descend, sample
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet
 

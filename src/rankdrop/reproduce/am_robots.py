@@ -7,22 +7,15 @@ from math import acos, degrees, pi, sqrt
 
 import numpy as np
 
-from rankdrop.families.curves import Curve, singular_curves
-from rankdrop.families.searching import Outcome, refine, search
-from rankdrop.family.record import Family
+from rankdrop.families import Curve, Outcome, refine, search, singular_curves
+from rankdrop.family import Family
 from rankdrop.kinematics import jacobian, link_poses, pose
-from rankdrop.local.block import decompose, sample, singular_values
-from rankdrop.local.directions import lost_in_sparsest_frame
-from rankdrop.local.relations import relations_at
-from rankdrop.local.sentences import words
+from rankdrop.local import decompose, lost_in_sparsest_frame, relations_at, sample, singular_values, words
 from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.known import known_analysis
-from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array
-from rankdrop.robot.open import open_robot
+from rankdrop.results import Analysis, known_analysis
+from rankdrop.robot import Array, from_dh, open_robot
 from rankdrop.task import resolve_task
 
 TABLE_1 = [("sqrt(2)", "pi/2", "0"), ("sqrt(2)", "-pi/2", "1"), ("sqrt(2)", "pi/2", "-1"), ("sqrt(3)/2", "0", "1/2")]

@@ -13,7 +13,7 @@ import numpy as np
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.reproduce.picture import Panel, Picture
 from rankdrop.reproduce.run import Progress
-from rankdrop.results.codec import json_text
+from rankdrop.results import json_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

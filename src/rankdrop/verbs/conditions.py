@@ -8,6 +8,8 @@ from functools import partial
 from time import monotonic
 
 from rankdrop._handles import check_robot
+from rankdrop.compare.cloud import cloud, explained
+from rankdrop.compare.pointless import pointless
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -16,18 +18,16 @@ from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
 from rankdrop.exact.derivation import METHODS, Chosen, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
-from rankdrop.exact.determinants import Determinants, determinants
+from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.pointless import pointless
 from rankdrop.exact.settled import doubled, settled
 from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.exact.verify import cloud, explained
 from rankdrop.families.searching import check_numbers
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import ConditionSettings
-from rankdrop.results.known_exact import known_conditions
+from rankdrop.results.conditions.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import out_of_units
@@ -263,7 +263,7 @@ def _said(chain: Chain, work: Work) -> Determinants | None:
         return None
     work.show("the determinant", 0, 1)
     try:
-        return determinants(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
+        return determinants_of(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
     except KeyboardInterrupt:
         work.interrupt()
         return None

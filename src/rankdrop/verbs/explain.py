@@ -12,8 +12,8 @@ from rankdrop._handles import check_robot
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import agreement
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
+from rankdrop.local.cofactors import hunt
 from rankdrop.local.ellipsoids import ellipsoids
-from rankdrop.local.hunt import hunt
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.redundant import redundancy

@@ -13,7 +13,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.families.sampling import Setting
 from rankdrop.family.record import CorankFamilies, Family
 from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.known_exact import known_conditions
+from rankdrop.results.conditions.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances

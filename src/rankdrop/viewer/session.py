@@ -15,12 +15,11 @@ from typing import Protocol
 
 import numpy as np
 
-from rankdrop.local.block import joint_scale
-from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.robot.model import Array
+from rankdrop import explain
+from rankdrop.local import joint_scale
+from rankdrop.results import Analysis, Explanation
+from rankdrop.robot import Array
 from rankdrop.tolerances import EVALUATIONS
-from rankdrop.verbs.explain import explain
 from rankdrop.viewer.live import Live, Now
 
 FRAMES = 30.0  # of a motion, per second

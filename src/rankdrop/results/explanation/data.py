@@ -12,9 +12,9 @@ from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
 from rankdrop.family.which import Met
 from rankdrop.local.circuits import Circuit
+from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
 from rankdrop.local.ellipsoids import Ellipsoids
-from rankdrop.local.hunt import Hunt
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import Rates

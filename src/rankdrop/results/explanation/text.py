@@ -10,7 +10,7 @@ import numpy as np
 
 from rankdrop.family.which import Met
 from rankdrop.frames import TIP
-from rankdrop.local.hunt import Hunt
+from rankdrop.local.cofactors import Hunt
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.details import DETAIL_PARTS
 from rankdrop.results.explanation.motion import escape_part, far_part, rates_part

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.exact.algebra.field import PRIMES
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
@@ -17,7 +18,6 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.example import real_points
 from rankdrop.exact.tree import Tree
-from rankdrop.exact.verify import Cloud, explained
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT

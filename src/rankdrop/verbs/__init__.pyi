@@ -1,0 +1,11 @@
+from .beside import Here as Here
+from .beside import Idealised as Idealised
+from .beside import Nearby as Nearby
+from .beside import here as here
+from .beside import here_section as here_section
+from .beside import idealised as idealised
+from .beside import moved_section as moved_section
+from .beside import nearby as nearby
+from .beside import there_section as there_section
+from .seen_from import LinkJacobian as LinkJacobian
+from .seen_from import link_jacobian as link_jacobian

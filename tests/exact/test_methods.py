@@ -19,11 +19,16 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
+from rankdrop.exact.methods.case import Case
+from rankdrop.exact.methods.draft import Draft
+from rankdrop.exact.methods.reciprocity import _choices
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.verify import random_points, rank_check
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.units import out_of_units
+from rankdrop.verbs.conditions import conditions
 
 ARMS = ["ur5", "puma560", "anthropomorphic", "stanford", "scara", "planar3r", "pa10", "canadarm2"]
 WRIST = {"puma560", "anthropomorphic", "stanford", "pa10"}
@@ -164,11 +169,40 @@ def test_the_reciprocal_screw_of_canadarm2_vanishes_where_its_notes_say() -> Non
     """KG section 1: the expression of the screw is invalid where all of its elements vanish."""
     found = derived("canadarm2", "reciprocity")
     assert found.sizes["exceptional"] > 0
-    invalid = next(note for note in found.notes if note.startswith("invalid"))
-    assert "θ4 = 0" in invalid
+    place = next(i for i, note in enumerate(found.notes) if note.startswith("in general: the screw reciprocal to"))
+    assert "all six elements vanish, and it says nothing, where θ4 = 0 or π, or where θ6 = 0" in found.notes[place + 1]
     assert found.sizes["choices"] > 1
     first = found.conditions[0]
     assert first.unequal, "the first choice holds only where its screw does not vanish"
+
+
+@pytest.mark.parametrize(("theta4", "singular"), [("0", ()), ("π", ("θ3 + θ5 = 0 and (θ6 = 0 or π)",))])
+def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tuple[str, ...]) -> None:
+    """KG section 1, of the screw reciprocal to joints 2 to 7 where s4 = 0: invalid where s6 = 0 and c5 = 0."""
+    found = derive(chain_of("canadarm2"), "reciprocity", frame=5, basic=(2, 3, 4, 5, 6, 7))
+    place = next(i for i, note in enumerate(found.notes) if note.startswith(f"θ4 = {theta4}: the screw reciprocal to"))
+    assert "joints 2, 3, 4, 6, 7" in found.notes[place]
+    for said in ("θ5 = ±π/2 and (θ6 = 0 or π)", *singular):
+        assert said in found.notes[place + 1]
+
+
+def test_what_is_said_to_vanish_does() -> None:
+    """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
+    chain = chain_of("canadarm2")
+    draft = Draft(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
+    case = Case(pins=((4, "pi"),))
+    choice = _choices(draft, case.columns(chain.ring, draft.columns))[0]
+    assert [j + 1 for j in choice.joints] == [2, 3, 4, 6, 7]
+    assert any(w != 0 for w in choice.screw)
+    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in choice.screw)
+    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in choice.screw)
+
+
+def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:
+    with pytest.raises(OptionError, match="chosen for another method"):
+        derive(chain_of("canadarm2"), "cofactors", basic=(2, 3, 4, 5, 6, 7))
+    with pytest.raises(OptionError, match="six different joints"):
+        derive(chain_of("canadarm2"), "reciprocity", basic=(2, 3, 4, 5, 6, 8))
 
 
 def test_without_the_exceptional_cases_reciprocity_misses_singularities() -> None:
@@ -299,3 +333,41 @@ def test_an_unknown_method_is_refused_with_the_list() -> None:
 def test_the_docstring_names_every_method() -> None:
     assert methods.__doc__ is not None
     assert all(f"| {name} |" in methods.__doc__ for name in METHODS)
+
+
+SRS = [(0, -np.pi / 2, 0.34, 0), (0, np.pi / 2, 0.03, 0), (0, -np.pi / 2, 0.4, 0), (0, np.pi / 2, 0.02, 0),
+       (0, -np.pi / 2, 0.3, 0), (0, np.pi / 2, 0, 0), (0, 0, 0.1, 0)]  # fmt: skip
+"""An S-R-S arm with offsets along axes 2 and 4."""
+
+
+def test_a_sum_of_squares_raises_no_false_alarm_near_singularities() -> None:
+    """Of 20,000 random configurations some lie close to singular ones: det(J Jᵀ) is tiny there, and not zero."""
+    chain = exact_chain(from_dh(SRS, convention="standard"))
+    found = derive(chain, "determinant")
+    assert found.complete
+    q = out_of_units(chain.robot, sample(chain.own, chain.own_task, 20_000, 1))
+    sigma = singular_values(chain.robot, q, chain.task)[:, 5]
+    assert (sigma < 0.01).sum() > 100
+    assert not found.holds(q[sigma > 1e-3]).any()
+    met = cloud(chain.own, chain.own_task, 1, 100, 0, 20.0)
+    assert found.holds(out_of_units(chain.robot, met.q)).all()
+
+
+def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> None:
+    """The process that factors counts half-angle terms, of which there are more; it says that it gives up."""
+    rows = [(0.01, *SRS[0][1:]), (0, *SRS[1][1:2], 0, 0), (0.045, *SRS[2][1:]), (-0.045, *SRS[3][1:2], 0, 0), *SRS[4:]]
+    chain = exact_chain(from_dh(rows, convention="standard"))
+    found = derive(chain, "cofactors")
+    assert found.complete
+    long = sum((minor**2 for minor in Draft(chain, "determinant", 30.0).minors(chain.columns, 6)), chain.ring.zero)
+    assert factors_within(chain.ring, chain.ring.reduce(long), 30.0) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["cofactors", "reciprocity"])
+def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
+    rows = [(0.11 + 0.03 * i, (-1) ** (i + 1) * np.pi / 2, 0.2 + 0.07 * i, 0) for i in range(7)]
+    found = conditions(from_dh(rows, convention="standard"), coranks=1, method=method, points=100, special=False)
+    assert len(found.families) == 1
+    assert found.verified
+    assert found.explained.agree == found.explained.tested > 0

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.field import rank, trig_evaluator
+from rankdrop.exact.algebra.field import holds, rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.suppression.cases import Case
@@ -196,11 +196,40 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         assert len(holding) == 1, (holding, point)
 
 
+def test_why_these_screws_and_this_frame_is_told():
+    """KG's rules with counts: of Canadarm2's sixes 1–6 and 2–7 are in a row with joints 3, 4, 5."""
+    found = suppress(exact_chain(open_robot("canadarm2")))
+    assert (
+        "why these: (a) not dependent everywhere: 7 of 7 sixes; (b) with three joints that are one, 3–5 (planar): 4; "
+        "(c) in a row: 2; terms of the determinant: 10 for 1–6, 10 for 2–7; of equals the last"
+        in found.steps()[1].lines
+    )
+    assert found.steps()[0].lines[1].startswith("why this frame: the screws are shortest there; terms, multiplied out")
+    assert f"link {found.frame}: {sum(len(x) for column in found.columns for x in column)}" in found.frame_reason
+
+
+def test_the_choice_of_kg_gives_the_same_set():
+    """Basic screws 2–7 in frame 5, or 1–6 in frame 3: as many families, each holding the points of the other's."""
+    chain = exact_chain(open_robot("canadarm2"))
+    one, two = suppress(chain, frame=5, basic=(2, 3, 4, 5, 6, 7)), suppress(chain, frame=3, basic=(1, 2, 3, 4, 5, 6))
+    assert (one.basic, one.frame, one.frame_reason) == ((2, 3, 4, 5, 6, 7), 5, "asked for")
+    assert (two.basic, two.frame) == ((1, 2, 3, 4, 5, 6), 3)
+    assert one.complete
+    assert two.complete
+    rng = random.Random(3)
+    for mine, theirs in ((one, two), (two, one)):
+        pieces = [piece for family in mine.families for piece in family.stratum.pieces]
+        points = [point for piece in pieces for point in [piece.point(rng)] if point is not None]
+        assert len(points) >= 5
+        for point in points:
+            assert any(all(holds(chain.ring, p, point) for p in family.equalities) for family in theirs.families)
+
+
 def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
     """PA-10, sin θ3 = 0: all six freedoms are left at almost every point."""
     chain = exact_chain(open_robot("pa10"))
     ring = chain.ring
-    derivation = _Derivation(chain, chain.frame, None, Work(60.0), None)
+    derivation = _Derivation(chain, chain.frame, "", None, Work(60.0), None)
     regular, elbow = (Stratum.whole(ring).meet(Factor(ring.s[joint])) for joint in (3, 4))
     for stratum in (regular, elbow.avoid(Factor(ring.s[2])).meet(Factor(ring.s[2])), elbow):
         derivation.family(Case("1", stratum, tuple(range(1, 8))), ())

@@ -183,11 +183,12 @@ def test_the_frame_and_the_basic_screws_chosen_agree_with_kgs_families():
 
 def test_the_steps_read_as_the_paper_does(found):
     told = {step.title: step.lines for step in found.steps()}
-    assert told["Screws"][2] == "$2 = (−2 c c345, 2 c s345, d c3 + d c34; −s345, −c345, 0)"
+    assert told["Screws"][3] == "$2 = (−2 c c345, 2 c s345, d c3 + d c34; −s345, −c345, 0)"
     first = told["Step 1: the determinant of the basic screws"]
     assert first[0] == "basic screws: $2 $3 $4 $5 $6 $7, independent in general; 3, 4, 5 are a planar joint"
-    assert first[1] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
-    assert first[2:] == (
+    assert first[1] == "why these: asked for"
+    assert first[2] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
+    assert first[3:] == (
         "case 1: s4 = 0",
         "case 2: s6 = 0, s4 ≠ 0",
         "case 3: a s345 + d c3 + d c34 = 0, s4 ≠ 0, s6 ≠ 0",

@@ -6,6 +6,7 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
@@ -167,3 +168,42 @@ def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.urdf")
     with pytest.raises(RobotError, match="this is not a file"):
         open_robot(tmp_path / "pipe.urdf")
+
+
+GR = """# GR section 5: screws (s; s_o) in order
+1 0 0  0 0 -1
+0 0 0  0 1 0
+0 1 0  0 0 0
+0, 1, 0; 0, 0, 5
+[1 0 0 0 0 0]
+
+0 1/sqrt(2) 1/sqrt(2)  0 -10/sqrt(2) 10/sqrt(2)
+0 .707106 -.707106  0 7.07106 7.07106
+"""
+
+
+@pytest.mark.parametrize("name", ["S.txt", "S", "S.dat"])
+def test_a_plain_file_of_six_numbers_a_line_opens(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_text(GR)
+    robot, listed = open_robot(path), open_robot("rcrrrr")
+    assert [str(joint.kind) for joint in robot.joints] == [str(joint.kind) for joint in listed.joints]
+    for one, other in zip(robot.joints, listed.joints, strict=True):
+        np.testing.assert_allclose(one.screw, other.screw, atol=1e-9)  # .707106 is meant to be a right angle halved
+    assert any("six numbers a line" in note for note in robot.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("1 0 0 0 0 -1\n0 0 0 0 1\n", "line 2", "a screw has six numbers"),
+        ("1 0 0 0 0 -1\n# one\n0 0 0 0 0 0\n", "line 3", "no length"),
+        ("1 0 0 0 0 -1\n0 x 0 0 0 0\n", "line 2, column 3", "not one that fits"),
+    ],
+)
+def test_what_is_wrong_in_a_plain_file_is_told_with_its_line(tmp_path: Path, text: str, line: str, words: str) -> None:
+    path = tmp_path / "S.txt"
+    path.write_text(text)
+    with pytest.raises(RobotError, match=words) as caught:
+        open_robot(path)
+    assert f"{path}, {line}" in str(caught.value)

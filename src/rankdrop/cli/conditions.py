@@ -36,7 +36,10 @@ def conditions(
     time_limit: float = 60.0,
     seed: Whole = 0,
     points: Whole = 1000,
+    basic: str | None = None,
+    frame: Whole | None = None,
     steps: Annotated[bool, _SWITCH] = False,
+    steps_out: _FILE = None,
     fresh: Annotated[bool, _SWITCH] = False,
     test: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     flags: _ANGLES = None,
@@ -59,6 +62,7 @@ def conditions(
     For example:
         rankdrop conditions pa10
         rankdrop conditions canadarm2 --steps --lengths "a=0.635,c=0.504,d=6.85"
+        rankdrop conditions canadarm2 --steps --method suppression --basic 2-7 --frame 5
         rankdrop conditions puma560 --test "sin(q5)*(a3*sin(q3)+d4*cos(q3))"
         rankdrop conditions ur5 --deg --from 0,-90,60,0,80,0 --to 0,-90,-60,0,80,0
         rankdrop conditions ur5 --python ur5_singularities.py
@@ -77,7 +81,12 @@ def conditions(
         time_limit: Seconds; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
         points: Singular configurations to find numerically, as a check; 0 for none.
-        steps: Print the derivation of corank 1 step by step.
+        basic: With --method suppression or reciprocity: the six basic screws, 2-7 or 1,2,4-7. Else they are chosen, and
+            --steps says why.
+        frame: With these methods: link in whose frame the screws are taken. Else the one where they are shortest.
+        steps: Print the derivation of corank 1 step by step, and the determinant of the Jacobian, or its minors, in
+            factors; with it --latex, --python, --c and --json have the determinants, too.
+        steps_out: Write these steps to this file, with everything that is folded on the screen written out.
         fresh: Derive anew what is shipped for the catalogue's arms.
         test: A condition: is it exactly the singular set, too small, or too large?
         flags: A configuration: the signs of the determinant's factors there (arms without redundancy).
@@ -96,9 +105,10 @@ def conditions(
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
     from rankdrop.exact import exact_chain
+    from rankdrop.results import steps_text
     from rankdrop.verbs import nearby
 
-    targets = {"--latex": latex, "--python": python, "--c": c, "--json": json}
+    targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
     for option, target in targets.items():
         check_target(target, option)
     check_different(targets)
@@ -109,7 +119,8 @@ def conditions(
     with reporter(quiet=quiet) as report:
         found = run(
             model, task, method=method, lengths=letters, seconds=time_limit, seed=seed, points=points,
-            coranks=1 if question and coranks is None else coranks, steps=steps, special=not question,
+            coranks=1 if question and coranks is None else coranks, special=not question,
+            steps=steps or steps_out is not None, basic=None if basic is None else joints_of(basic), frame=frame,
             fresh=fresh, progress=report,
         )  # fmt: skip
     answer = question.answer(found)
@@ -121,6 +132,8 @@ def conditions(
     written: list[Callable[[], None]] = []
     if STDOUT not in targets.values():
         written.append(lambda: _print(found, task, answer, made, there))
+    if steps_out is not None:
+        written.append(lambda: write_text(steps_text(found), steps_out))
     if latex is not None:
         written.append(lambda: write_text(found.latex(), latex))
     if python is not None:
@@ -162,6 +175,21 @@ def lengths_of(text: str) -> str | dict[str, float]:
                 typed=error.typed,
             ) from error
     return found
+
+
+def joints_of(text: str) -> tuple[int, ...]:
+    """What --basic says.
+
+    Raises:
+        OptionError: no numbers of joints.
+    """
+    from rankdrop.errors import OptionError
+    from rankdrop.exact import parse_joints
+
+    try:
+        return parse_joints(text)
+    except OptionError as error:
+        raise OptionError(error.what, where="--basic", got=error.got, allowed=error.allowed) from error
 
 
 def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None, there: Sequence[Nearby]) -> None:

@@ -18,6 +18,7 @@ try:
     from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
+    from rankdrop.cli.jacobian import jacobian
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.report import report
     from rankdrop.cli.reproduce import reproduce
@@ -56,6 +57,7 @@ app = App(
 app.command(robots)
 app.command(analyze)
 app.command(conditions)
+app.command(jacobian)
 app.command(find)
 app.command(explain)
 app.command(escape)

@@ -19,6 +19,7 @@ from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.words import Words
 from rankdrop.exact.real import real_points
+from rankdrop.exact.suppression.basic_screws import check_basic
 from rankdrop.exact.suppression.suppress import Suppression, suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
@@ -26,9 +27,46 @@ from rankdrop.units import out_of_units
 
 METHODS = ("auto", "decoupling", "suppression", "tree", *(name.replace("_", "-") for name in COMPARED))
 """What can be asked for."""
+CHOOSING = ("suppression", "reciprocity")
+"""Methods for which basic screws and a frame can be chosen."""
 _SHOWN = 40  # conditions that are printed
 _LONG = 400  # terms of a condition beyond which the methods done by hand take minutes
 _REGULAR = 200  # random configurations on which no condition may hold
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand.
+
+    Attributes:
+        title: heading.
+        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
+        whole: the same with everything written out; empty where `lines` leave nothing out.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    whole: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """What the user may choose for suppression and reciprocity.
+
+    Attributes:
+        basic: numbers of the six basic screws; None for the method's own rules.
+        frame: link in whose frame the screws are; None for the one where they are shortest.
+    """
+
+    basic: tuple[int, ...] | None = None
+    frame: int | None = None
+
+    def __bool__(self) -> bool:
+        """Whether anything was chosen."""
+        return self.basic is not None or self.frame is not None
+
+
+DEFAULT_CHOICE = Chosen()
 
 
 @dataclass(frozen=True)
@@ -37,24 +75,33 @@ class CorankOne:
 
     Attributes:
         method, reason: which, and why.
-        steps: (title, lines), as it is done by hand.
+        steps: as it is done by hand.
         left: what was not finished.
         disagreements: what it says that the rank tree does not, and the other way round.
     """
 
     method: str
     reason: str
-    steps: tuple[tuple[str, tuple[str, ...]], ...]
+    steps: tuple[Step, ...]
     left: tuple[str, ...] = ()
     disagreements: tuple[str, ...] = ()
 
 
-def check_method(chain: Chain, method: str) -> None:
-    """Refuse decoupling of an arm that does not decouple, before the rank tree is derived.
+def check_method(chain: Chain, method: str, chosen: Chosen = DEFAULT_CHOICE) -> None:
+    """Refuse decoupling of an arm that does not decouple, and screws chosen for a method that has none, before the rank
+    tree is derived.
 
     Raises:
         OptionError: says why.
     """
+    if chosen and method not in CHOOSING:
+        raise OptionError(
+            "basic screws and the frame are chosen for another method", where="method", got=method,
+            allowed=", ".join(CHOOSING), mend="name one of them",
+        )  # fmt: skip
+    check_basic(chain, chosen.basic)
+    if chosen.frame is not None and not 1 <= chosen.frame < chain.n:
+        raise OptionError("no such link frame", where="frame", got=chosen.frame, allowed=f"1 … {chain.n - 1}")
     if method == "decoupling" and decouple(chain, names=False) is None:
         raise OptionError(
             "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
@@ -62,7 +109,14 @@ def check_method(chain: Chain, method: str) -> None:
 
 
 def corank_one(
-    chain: Chain, method: str, tree: Tree, families: Sequence[ExactFamily], work: Work, *, steps: bool = False
+    chain: Chain,
+    method: str,
+    tree: Tree,
+    families: Sequence[ExactFamily],
+    work: Work,
+    *,
+    steps: bool = False,
+    chosen: Chosen = DEFAULT_CHOICE,
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
@@ -74,6 +128,7 @@ def corank_one(
         families: made from it.
         work: deadline and random points.
         steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
+        chosen: for suppression and reciprocity: what the user chose.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -86,15 +141,15 @@ def corank_one(
     longest = max((len(f) for drop in tree.drops for f in drop.piece.equations), default=0)
     if method == "auto" and tree.complete and longest > _LONG:
         reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
-        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
+        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     if method == "suppression" or (method == "auto" and six and 6 < chain.n <= WIDE and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
-        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)
+        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, chosen), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
-        return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
+        return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps)
+    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps, chosen)
     return _by_tree_if_open(compared, method, tree)
 
 
@@ -113,7 +168,7 @@ def _tree_lines(tree: Tree) -> tuple[str, ...]:
 
 
 def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> CorankOne:
-    told = (("Structure", structure_of(chain).sentences()), ("Decoupling", found.sentences())) if steps else ()
+    told = (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", found.sentences())) if steps else ()
     atoms = [atom for part in found.parts for atom in part.atoms]
     said = [_as_set(chain, atom) for atom in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
@@ -153,9 +208,11 @@ def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
     return f"no real configuration of rank {r - 1} or {r} was found on them"
 
 
-def _suppressed(chain: Chain, reason: str, tree: Tree, work: Work, steps: bool) -> CorankOne:
-    found = suppress(chain, seconds=work.left)
-    told = tuple((step.title, step.lines) for step in found.steps()) if steps else ()
+def _suppressed(
+    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: Chosen
+) -> CorankOne:
+    found = suppress(chain, frame=chosen.frame, basic=chosen.basic, seconds=work.left)
+    told = tuple(Step(step.title, step.lines) for step in found.steps()) if steps else ()
     left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
@@ -177,10 +234,17 @@ def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work:
 
 
 def _compared(
-    chain: Chain, method: str, reason: str, families: Sequence[ExactFamily], work: Work, steps: bool
+    chain: Chain,
+    method: str,
+    reason: str,
+    families: Sequence[ExactFamily],
+    work: Work,
+    steps: bool,
+    chosen: Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
-    found = derive(chain, method.replace("-", "_"), max(work.left, 0.1))
+    seconds = max(work.left, 0.1)
+    found = derive(chain, method.replace("-", "_"), seconds, frame=chosen.frame, basic=chosen.basic)
     different = []
     for family in families:
         if not found.left and not found.holds(family.witness).all():
@@ -190,14 +254,18 @@ def _compared(
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    told = ((f"Method: {method}", _told(found)),) if steps else ()
+    told = (_told(found, f"Method: {method}"),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
     return CorankOne(method, reason, told, left, tuple(different))
 
-def _told(found: Derivation) -> tuple[str, ...]:
+
+def _told(found: Derivation, title: str) -> Step:
     """The conditions of a method, its figures and its notes, in lines."""
-    words = Words(found.chain.ring)
+    words, whole = Words(found.chain.ring), Words(found.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
     shown = [words.conjunction(one) for one in found.conditions[:_SHOWN]]
+    every = [whole.conjunction(one) for one in found.conditions]
     more = len(found.conditions) - _SHOWN
-    return (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)
+    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)
+    complete = (figures, *every, *found.notes)
+    return Step(title, lines, () if complete == lines else complete)

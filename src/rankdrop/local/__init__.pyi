@@ -9,6 +9,8 @@ from .circuits import Circuit as Circuit
 from .circuits import blame as blame
 from .circuits import circuits_at as circuits_at
 from .circuits import make_all as make_all
+from .cofactors import Hunt as Hunt
+from .cofactors import hunt as hunt
 from .descent import Descent as Descent
 from .descent import descend as descend
 from .descent import gradient_tensor as gradient_tensor

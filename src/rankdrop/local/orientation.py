@@ -5,6 +5,10 @@
     rotvec       R = exp([φ])                       det E = 2(1 − cos‖φ‖)/‖φ‖²   at ‖φ‖ = 2π; the coordinates, kept to
                                                     ‖φ‖ ≤ π, never get there, but jump at ‖φ‖ = π
     quaternion   (w, x, y, z), w ≥ 0                ω = 2 Q(q)ᵀ q̇, E is 3 × 4 with all σ = 2: never singular
+    xyz, zxz, …  R = Ra(α) Rb(β) Rc(γ), every other order of axes, each about the axes as turned before:
+                 det E = −sin β where the first axis comes back, else ± cos β      singular at β = 0, π, or at ±π/2
+    rodrigues    g = tan(θ/2) n of a turn θ about n   det E = 8/(1 + g²)²          singular, and infinite, at θ = π
+    mrp          p = tan(θ/4) n (modified Rodrigues)  det E = 64/(1 + p²)³         at θ = 2π; kept to θ ≤ π, jump there
 """
 
 from __future__ import annotations
@@ -24,8 +28,18 @@ NAMES: dict[str, tuple[str, ...]] = {
     "rpy": ("roll", "pitch", "yaw"),
     "quaternion": ("w", "x", "y", "z"),
     "rotvec": ("φx", "φy", "φz"),
+    **dict.fromkeys(("xyx", "xzx", "yxy", "yzy", "zxz"), ("α", "β", "γ")),
+    **dict.fromkeys(("xyz", "xzy", "yxz", "yzx", "zxy", "zyx"), ("α", "β", "γ")),
+    "rodrigues": ("gx", "gy", "gz"),
+    "mrp": ("px", "py", "pz"),
 }
 """The representations and the names of their coordinates, in order."""
+MAIN = ("zyz", "rpy", "quaternion", "rotvec")
+"""Those most used."""
+EULER = tuple(name for name in NAMES if name not in (*MAIN, "rodrigues", "mrp"))
+"""Orders of Euler angles that are written with their axes, besides ZYZ."""
+JUMPING = ("rotvec", "quaternion", "mrp")
+"""Coordinates that jump at half a turn."""
 
 
 def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
@@ -33,18 +47,28 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
 
     Args:
         rotation: (..., 3, 3).
-        representation: "zyz", "rpy", "quaternion" or "rotvec".
+        representation: one of `NAMES`.
 
     Returns:
-        (..., 3) [rad], or (..., 4) the unit quaternion (w, x, y, z) with w ≥ 0.
+        (..., 3) [rad; Rodrigues parameters 1, infinite at half a turn], or (..., 4) the unit quaternion (w, x, y, z)
+        with w ≥ 0.
 
     Raises:
         OptionError: no such representation.
     """
     r = np.asarray(rotation, dtype=np.float64)
     check_known(representation)
+    if representation in EULER:
+        return _euler(r, representation)
     if representation == "quaternion":
         return _quaternion(r)
+    if representation in ("rodrigues", "mrp"):
+        quaternion = _quaternion(r)
+        below = quaternion[..., :1] + (representation == "mrp")
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = quaternion[..., 1:] / below
+        half = below <= DEFAULT.singular * 0.5
+        return np.asarray(np.where(half, np.copysign(np.inf, quaternion[..., 1:]), found))
     if representation == "rotvec":
         quaternion = _quaternion(r)
         vector = quaternion[..., 1:]
@@ -78,7 +102,7 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
 
     Args:
         coordinates: (..., 3) or (..., 4), as from `orientation_coordinates`.
-        representation: "zyz", "rpy", "quaternion" or "rotvec".
+        representation: one of `NAMES`.
 
     Returns:
         (..., 3, 3), or (..., 3, 4) for the quaternion.
@@ -101,6 +125,18 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         safe = np.where(small, 1.0, angle)
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
         return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
+    if representation in EULER:
+        i, j, k = _axes(representation)
+        first = _turn(i, c[..., 0])
+        second = first @ _turn(j, c[..., 1])
+        axis = np.broadcast_to(np.eye(3)[i], (*c.shape[:-1], 3))
+        return np.stack([axis, first[..., :, j], second[..., :, k]], axis=-1)
+    if representation in ("rodrigues", "mrp"):
+        square = np.sum(c * c, axis=-1)[..., None, None]
+        if representation == "rodrigues":
+            return np.asarray(2.0 / (1.0 + square) * (np.eye(3) + hat(c)))
+        outer = c[..., :, None] * c[..., None, :]
+        return np.asarray(4.0 / (1.0 + square) ** 2 * ((1.0 - square) * np.eye(3) + 2.0 * hat(c) + 2.0 * outer))
     zero, one = np.zeros(c.shape[:-1]), np.ones(c.shape[:-1])
     if representation == "zyz":
         sa, ca, sb, cb = np.sin(c[..., 0]), np.cos(c[..., 0]), np.sin(c[..., 1]), np.cos(c[..., 1])
@@ -117,7 +153,54 @@ def rate_determinant(coordinates: Array, representation: str) -> Array:
         return np.asarray(-np.sin(coordinates[..., 1]))
     if representation == "rpy":
         return np.asarray(np.cos(coordinates[..., 1]))
+    if representation in EULER:
+        i, j, k = _axes(representation)
+        middle = coordinates[..., 1]
+        return np.asarray(-np.sin(middle) if i == k else _parity(i, j) * np.cos(middle))
+    if representation in ("rodrigues", "mrp"):
+        square = np.sum(coordinates * coordinates, axis=-1)
+        return np.asarray(8.0 / (1.0 + square) ** 2 if representation == "rodrigues" else 64.0 / (1.0 + square) ** 3)
     return np.asarray(np.sinc(np.linalg.norm(coordinates, axis=-1) / (2 * pi)) ** 2)
+
+
+def _axes(order: str) -> tuple[int, int, int]:
+    """The axes of an order: "zxz" gives (2, 0, 2)."""
+    i, j, k = ("xyz".index(letter) for letter in order)
+    return i, j, k
+
+
+def _parity(i: int, j: int) -> int:
+    """1 where axis j follows axis i in x, y, z, x, …; else −1."""
+    return 1 if (j - i) % 3 == 1 else -1
+
+
+def _turn(axis: int, angle: Array) -> Array:
+    """(..., 3, 3) a turn about one axis."""
+    found = np.zeros((*np.shape(angle), 3, 3))
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    found[..., axis, axis] = 1.0
+    found[..., i, i] = found[..., j, j] = np.cos(angle)
+    found[..., j, i], found[..., i, j] = np.sin(angle), -np.sin(angle)
+    return found
+
+
+def _euler(r: Array, order: str) -> Array:
+    """α, β, γ of R = Ra(α) Rb(β) Rc(γ); where only α ± γ is determined, γ = 0."""
+    i, j, k = _axes(order)
+    other, sign = 3 - i - j, _parity(i, j)
+    if i == k:
+        middle = np.arctan2(np.hypot(r[..., j, i], r[..., other, i]), r[..., i, i])
+        first = np.arctan2(r[..., j, i], -sign * r[..., other, i])
+        gimbal = np.sin(middle) <= DEFAULT.singular
+    else:
+        middle = np.arctan2(sign * r[..., i, k], np.hypot(r[..., j, k], r[..., k, k]))
+        first = np.arctan2(-sign * r[..., j, k], r[..., k, k])
+        gimbal = np.cos(middle) <= DEFAULT.singular
+    first = np.where(gimbal, np.arctan2(sign * r[..., other, j], r[..., j, j]), first)
+    left = np.swapaxes(_turn(i, first) @ _turn(j, middle), -1, -2) @ r  # Rc(γ)
+    u, v = (k + 1) % 3, (k + 2) % 3
+    last = np.where(gimbal, 0.0, np.arctan2(left[..., v, u], left[..., u, u]))
+    return np.stack([first, middle, last], axis=-1)
 
 
 def _quaternion(r: Array) -> Array:

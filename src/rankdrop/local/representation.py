@@ -18,7 +18,16 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
-from rankdrop.local.orientation import NAMES, check_known, orientation_coordinates, rate_determinant, rate_matrix
+from rankdrop.local.orientation import (
+    EULER,
+    JUMPING,
+    MAIN,
+    NAMES,
+    check_known,
+    orientation_coordinates,
+    rate_determinant,
+    rate_matrix,
+)
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import resolve_task
@@ -33,14 +42,15 @@ class Representation:
     """One set of coordinates at one pose.
 
     Attributes:
-        name: "zyz", "rpy", "quaternion" or "rotvec".
+        name: one of `orientation.NAMES`.
         names: of the coordinates.
-        coordinates: their values [rad; 1 for a quaternion]. At a singularity of zyz and rpy, where only a sum or a
-            difference is determined, the last angle of zyz and the roll are zero.
+        coordinates: their values [rad; 1 for a quaternion and Rodrigues parameters]. At a singularity of Euler angles,
+            where only a sum or a difference is determined, the last angle is zero, and the roll.
         sigma_min: smallest singular value of E.
         determinant: of E; None for the quaternion, whose E is not square.
         angle: to the nearest orientation where E is singular [rad]; inf if there is none.
-        jump: angle to where the coordinates jump, ‖φ‖ = π (the quaternion's w = 0) [rad]; inf for zyz and rpy.
+        jump: angle to where the coordinates jump, half a turn (the quaternion's w = 0) [rad]; inf for Euler angles and
+            Rodrigues parameters.
         singular, near: E is singular here (to the tolerance); or closer than `NEAR`, and not singular.
         words: what it means.
     """
@@ -64,6 +74,7 @@ class Representations:
     Attributes:
         arm: rank of the geometric Jacobian for the whole pose.
         zyz, rpy, quaternion, rotvec: one each.
+        others: the other orders of Euler angles, Rodrigues and modified Rodrigues parameters.
         words: who is singular here: the arm, coordinates, both or neither.
     """
 
@@ -73,6 +84,21 @@ class Representations:
     quaternion: Representation
     rotvec: Representation
     words: str
+    others: tuple[Representation, ...] = ()
+
+    @property
+    def every(self) -> tuple[Representation, ...]:
+        """All of them, those most used first."""
+        return (self.zyz, self.rpy, self.quaternion, self.rotvec, *self.others)
+
+    def of(self, name: str) -> Representation:
+        """One of them by its name.
+
+        Raises:
+            OptionError: no such representation.
+        """
+        check_known(name)
+        return next(one for one in self.every if one.name == name)
 
 
 def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Array:
@@ -83,7 +109,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
     Args:
         robot: the arm.
         q: (..., n) configurations [rad, m].
-        representation: "zyz", "rpy", "quaternion" or "rotvec".
+        representation: one of `orientation.NAMES`.
 
     Returns:
         (..., 6, n), or (..., 7, n) for the quaternion.
@@ -97,11 +123,12 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
     geometric = jacobian(robot, q)
     coordinates = orientation_coordinates(pose(robot, q)[..., :3, :3], representation)
     turn = geometric[..., 3:, :]
-    matrix = rate_matrix(coordinates, representation)
     if representation == "quaternion":
+        matrix = rate_matrix(coordinates, representation)
         rates = np.asarray(0.25 * matrix.swapaxes(-1, -2) @ turn)
     else:
-        bad = np.abs(rate_determinant(coordinates, representation)) <= DEFAULT.singular
+        finite = np.isfinite(coordinates).all(axis=-1)
+        bad = ~finite | (np.abs(rate_determinant(coordinates, representation)) <= DEFAULT.singular)
         if bad.any():
             index = tuple(int(i) for i in np.argwhere(bad)[0])
             raise ConfigurationError(
@@ -109,7 +136,7 @@ def analytical_jacobian(robot: Robot, q: ArrayLike, representation: str) -> Arra
                 got=f"{coordinates[index].tolist()}" + (f" at index {index}" if index else ""),
                 mend="use the quaternion, or the geometric Jacobian",
             )
-        rates = np.asarray(np.linalg.solve(matrix, turn), dtype=np.float64)
+        rates = np.asarray(np.linalg.solve(rate_matrix(coordinates, representation), turn), dtype=np.float64)
     return np.concatenate([geometric[..., :3, :], rates], axis=-2)
 
 
@@ -142,21 +169,21 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
         words = f"only the coordinates {', '.join(singular)} are singular; the arm moves freely: use the quaternion"
     else:
         words = "neither the arm nor any of the coordinates is singular"
-    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words)
+    others = tuple(part for name, part in found.items() if name not in MAIN)
+    return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words, others)
 
 
 def _describe(rotation: Array, name: str, tolerances: Tolerances) -> Representation:
     coordinates = orientation_coordinates(rotation, name)
-    matrix = rate_matrix(coordinates, name)
-    sigma = float(np.linalg.svd(matrix, compute_uv=False)[-1])
+    finite = bool(np.isfinite(coordinates).all())
+    sigma = float(np.linalg.svd(rate_matrix(coordinates, name), compute_uv=False)[-1]) if finite else 0.0
     turned = float(np.linalg.norm(orientation_coordinates(rotation, "rotvec")))
-    jump = max(0.0, pi - turned) if name in ("rotvec", "quaternion") else inf
-    angle = {
-        "zyz": min(abs(coordinates[1]), pi - abs(coordinates[1])),
-        "rpy": pi / 2 - abs(coordinates[1]),
-        "rotvec": 2 * pi - turned,
-        "quaternion": inf,
-    }[name]
+    jump = max(0.0, pi - turned) if name in JUMPING else inf
+    if name in ("zyz", "rpy", *EULER):
+        back = name == "zyz" or name[0] == name[2]  # the first axis comes back
+        angle = min(abs(coordinates[1]), pi - abs(coordinates[1])) if back else pi / 2 - abs(coordinates[1])
+    else:
+        angle = max({"rotvec": 2 * pi, "mrp": 2 * pi, "rodrigues": pi, "quaternion": inf}[name] - turned, 0.0)
     singular = sigma <= tolerances.singular
     near = not singular and angle <= NEAR
     if name == "quaternion":
@@ -167,7 +194,7 @@ def _describe(rotation: Array, name: str, tolerances: Tolerances) -> Representat
         words = f"{name} coordinates are near a singularity of theirs: their rates are large, not the arm's"
     else:
         words = f"{name} coordinates are regular here"
-    determinant = None if name == "quaternion" else float(rate_determinant(coordinates, name))
+    determinant = None if name == "quaternion" else float(rate_determinant(coordinates, name)) if finite else 0.0
     values = tuple(coordinates.tolist())
     return Representation(
         name, NAMES[name], values, sigma, determinant, float(angle), float(jump), singular, near, words

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any
@@ -26,8 +26,14 @@ Record = dict[str, Any]
 
 
 def known(kind: type[Any], record: Record) -> Record:
-    """The entries of `record` that the dataclass `kind` has: a later version may write more."""
-    return {field.name: record[field.name] for field in fields(kind)}
+    """The entries of `record` that the dataclass `kind` has: a later version may write more, an earlier one less of
+    what has a default.
+    """
+    return {
+        field.name: record[field.name]
+        for field in fields(kind)
+        if field.name in record or (field.default is MISSING and field.default_factory is MISSING)
+    }
 
 
 def json_text(record: Any) -> str:

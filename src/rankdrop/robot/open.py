@@ -17,6 +17,7 @@ from rankdrop.errors import RobotError, UnknownRobotError
 from rankdrop.robot.files import read_text
 from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import Robot
+from rankdrop.robot.screw_list import from_screw_list, is_screw_list
 from rankdrop.robot.size import with_size_note
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf
@@ -25,7 +26,7 @@ from rankdrop.robot.xml_file import read_xml
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 _BLANK = "\ufeff \t\r\n"
-_FORMATS = "DH or screw TOML, URDF, xacro or MJCF"
+_FORMATS = "DH or screw TOML, URDF, xacro or MJCF, or plain screws (six numbers a line)"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
 _FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
@@ -64,7 +65,8 @@ def open_robot(
     xacro: bool = False,
     as_written: bool = False,
 ) -> Robot:
-    """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro, MJCF.
+    """A robot from its name in the catalogue, or from a file: DH or screw TOML, URDF, xacro, MJCF, or plain screws, six
+    numbers a line.
 
     A catalogue name wins over a file of the same name; write "./pa10" for the file. Capitals, blanks, - and _ make no
     difference to a name ("UR 5e"), but a file that is called exactly so comes first.
@@ -163,6 +165,9 @@ def _from_catalog(name: str) -> Robot:
 def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
     """The robot that the text of a file describes, by what it holds; xacro is told, not expanded."""
     if path.suffix.lower() == ".toml" or not text.lstrip(_BLANK).startswith("<"):
+        if path.suffix.lower() != ".toml" and is_screw_list(text):
+            _refuse_links(str(path), tip, base)
+            return from_screw_list(path, name=path.stem, as_written=as_written)
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
                 "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),

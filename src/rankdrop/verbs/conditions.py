@@ -16,8 +16,9 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.check import Check
-from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
+from rankdrop.exact.derivation import METHODS, Chosen, CorankOne, check_method, corank_one
 from rankdrop.exact.describe import described
+from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.settled import doubled, settled
@@ -25,7 +26,7 @@ from rankdrop.exact.special import assumptions
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.families.searching import check_numbers
 from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionSettings, Step
+from rankdrop.results.conditions.data import ConditionSettings
 from rankdrop.results.conditions.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -55,6 +56,8 @@ def conditions(
     points: int = POINTS,
     special: bool = True,
     steps: bool = False,
+    basic: Sequence[int] | None = None,
+    frame: int | None = None,
     fresh: bool = False,
     progress: Progress | None = None,
 ) -> Conditions:
@@ -77,7 +80,10 @@ def conditions(
             then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
-        steps: also write the derivation of corank 1 down, step by step as it is done by hand.
+        steps: also write the derivation of corank 1 down, step by step as it is done by hand, and the determinant of
+            the Jacobian, or the minors that take its place, in factors.
+        basic, frame: with the methods "suppression" and "reciprocity": numbers of the six basic screws, and link in
+            whose frame the screws are taken; None for the rules of the method, which steps give the reasons of.
         special: also derive the arms whose lengths break an assumption.
         fresh: derive them even where the conditions of this arm are shipped with rankdrop. Those answer the question
             with all its defaults (but for the time limit), and are what a derivation gives.
@@ -99,7 +105,8 @@ def conditions(
     """
     check_robot(robot)
     _check(method, coranks, seconds, points, seed)
-    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN
+    chosen = Chosen(None if basic is None else tuple(sorted(int(j) for j in basic)), frame)
+    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN and not chosen
     if asked_plainly and not fresh:
         anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
         shipped = known_conditions(robot, task, anew=anew)
@@ -108,13 +115,14 @@ def conditions(
     begun = monotonic()
     work = Work(seconds / WALL, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths)
-    check_method(asked, method)
+    check_method(asked, method, chosen)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
     left = list(tree.left)
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
-    first = _first(chain, method, tree, found, work, seed, steps)
+    first = _first(chain, method, tree, found, work, seed, steps, chosen)
+    said = _said(chain, work) if steps else None
     hidden, unmet = pointless(chain, tree, found, seed)
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
@@ -132,7 +140,8 @@ def conditions(
         remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
         method=first.method,
         reason=first.reason,
-        steps=tuple(Step(title, lines) for title, lines in first.steps),
+        steps=first.steps,
+        determinants=said,
         families=tuple(found),
         lowest=lowest,
         assumptions=tuple(assumed),
@@ -146,6 +155,7 @@ def conditions(
         settings=ConditionSettings(
             method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), coranks=coranks,
             seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
+            basic=chosen.basic, frame=chosen.frame,
         ),
         chain=chain,
     )  # fmt: skip
@@ -227,16 +237,36 @@ def _families(
 
 
 def _first(
-    chain: Chain, method: str, tree: Tree, found: Sequence[ExactFamily], work: Work, seed: int, steps: bool
+    chain: Chain,
+    method: str,
+    tree: Tree,
+    found: Sequence[ExactFamily],
+    work: Work,
+    seed: int,
+    steps: bool,
+    chosen: Chosen,
 ) -> CorankOne:
     """Corank 1 by the method a person would take; left out where the user has asked to stop."""
     if not work.interrupted:
         work.show("the method for corank 1", 0, 1)
         try:
-            return corank_one(chain, method, tree, found, Work(max(_SHARE * work.left, 0.1), seed), steps=steps)
+            own = Work(max(_SHARE * work.left, 0.1), seed)
+            return corank_one(chain, method, tree, found, own, steps=steps, chosen=chosen)
         except KeyboardInterrupt:
             work.interrupt()
     return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
+
+
+def _said(chain: Chain, work: Work) -> Determinants | None:
+    """The determinant, or the minors; None where the user has asked to stop."""
+    if work.interrupted:
+        return None
+    work.show("the determinant", 0, 1)
+    try:
+        return determinants_of(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
+    except KeyboardInterrupt:
+        work.interrupt()
+        return None
 
 
 def _systems(count: int) -> str:

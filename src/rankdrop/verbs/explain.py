@@ -12,6 +12,7 @@ from rankdrop._handles import check_robot
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import agreement
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
+from rankdrop.local.cofactors import hunt
 from rankdrop.local.ellipsoids import ellipsoids
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import joint_rates
@@ -167,6 +168,7 @@ def _blame(asked: Asked, q: Array, corank: int) -> Blame:
         systems=systems_at(robot, q),
         always=always_singular_reason(robot, task),
         complete=few,
+        hunt=hunt(robot, q, task, asked.settings.tolerances) if corank else None,
     )
 
 

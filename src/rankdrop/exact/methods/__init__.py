@@ -29,6 +29,7 @@ from rankdrop.exact.methods.determinant import determinant
 from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity
 from rankdrop.exact.methods.singular_vector import singular_vector
+from rankdrop.exact.suppression.basic_screws import check_basic
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
 
@@ -43,13 +44,22 @@ METHODS = tuple(_METHODS)
 """Names of the methods."""
 
 
-def derive(chain: Chain, method: str, seconds: float = 30.0) -> Derivation:
+def derive(
+    chain: Chain,
+    method: str,
+    seconds: float = 30.0,
+    *,
+    frame: int | None = None,
+    basic: tuple[int, ...] | None = None,
+) -> Derivation:
     """Derive the singular set by one of the methods.
 
     Args:
         chain: the arm and its task.
         method: one of `METHODS`.
         seconds: wall time that may be spent; what is not done by then is told in `Derivation.left`.
+        frame: for reciprocity: link 1 … n in whose frame the screws are taken; None for the shortest one.
+        basic: for reciprocity: the reciprocal screw is that of five of these joints, as far as that goes.
 
     Returns:
         The conditions, and what they cost.
@@ -59,7 +69,12 @@ def derive(chain: Chain, method: str, seconds: float = 30.0) -> Derivation:
     """
     if method not in _METHODS:
         raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
-    draft = Draft(chain, method, seconds)
+    if (frame is not None or basic is not None) and method != "reciprocity":
+        raise OptionError("frame and basic screws are chosen for another method", got=method, allowed="reciprocity")
+    if frame is not None and (chain.task.rows != (0, 1, 2, 3, 4, 5) or not 1 <= frame <= chain.n):
+        raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n}, for all six rows")
+    check_basic(chain, basic)
+    draft = Draft(chain, method, seconds, frame=frame, basic=basic)
     try:
         _METHODS[method](draft)
     except OutOfTime as error:

@@ -13,13 +13,14 @@ from rankdrop.errors import RankdropError
 from rankdrop.exact.algebra.atom import Atom, Factors
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import OutOfTime
 
 SHORT = 300
 """Polynomials of so many terms are factored here: milliseconds, and a process takes 0.3 s to start."""
 MEMORY = 4 << 30
 """The process may take so many bytes, where the system can hold it to that."""
 TOO_LARGE = 3
-"""Exit code of a process that needs more."""
+"""Exit code of a process that needs more, or whose polynomial is too long in half angles."""
 
 
 def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
@@ -62,7 +63,7 @@ def main() -> None:
     ring = Ring(given["revolute"], given["prismatic"], given["letters"])
     try:
         found = ring.factor(_polynomial(ring.trig, given["terms"]))
-    except MemoryError:
+    except (MemoryError, OutOfTime):  # of half-angle terms there may be too many
         sys.exit(TOO_LARGE)
     json.dump(_written(found), sys.stdout)
 

@@ -27,13 +27,26 @@ class Draft:
         chain: the arm.
         method: its name.
         seconds: of wall time.
+        frame: link in whose frame the screws of a pose are taken; None for the one where they are shortest.
+        basic: numbers of the joints whose screws are taken first, where the method chooses some; None for no wish.
 
     Attributes:
+        columns: of the Jacobian.
         conditions, notes, sizes, left, generic: as of `Derivation`.
     """
 
-    def __init__(self, chain: Chain, method: str, seconds: float) -> None:
+    def __init__(
+        self,
+        chain: Chain,
+        method: str,
+        seconds: float,
+        *,
+        frame: int | None = None,
+        basic: tuple[int, ...] | None = None,
+    ) -> None:
         self.chain, self.ring, self.method = chain, chain.ring, method
+        self.basic = basic
+        self.columns: Columns = chain.columns if frame is None else chain.screws(frame)
         self.conditions: list[Conjunction] = []
         self.notes: list[str] = []
         self.sizes: dict[str, int] = {}

@@ -16,8 +16,13 @@ STEP = 1e-5
 """Of central differences [rad, m]: rounding leaves 1e-11 of the gradient, the third derivative 1e-10."""
 
 
+NOISE = 1e-10
+"""Slopes below it, relative to the coefficients, may be rounding: ten times what `STEP` leaves of it."""
+
+
 class Distances:
-    """Distances of configurations from the zeros of polynomials, to first order: the smaller of |f|/|∇f| and √|f|.
+    """Distances of configurations from the zeros of polynomials, to first order: |f|/|∇f|, half the distance from the
+    zeros of a sum of squares; where the slope may be rounding, the smaller of that and √|f|.
 
     What was asked for once is kept: the cases of a derivation speak of few different polynomials.
 
@@ -47,18 +52,19 @@ class Distances:
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
             return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2)))
-        value, scale = _value(chain, f, theta)
+        value, scale = values_of(chain, f, theta)
         slope = np.zeros_like(theta)
         for j in range(chain.n):
             step = STEP * np.eye(chain.n)[j]
-            slope[:, j] = (_value(chain, f, theta + step)[0] - _value(chain, f, theta - step)[0]) / (2 * STEP)
+            slope[:, j] = (values_of(chain, f, theta + step)[0] - values_of(chain, f, theta - step)[0]) / (2 * STEP)
         size, steep = np.abs(value) / scale, np.linalg.norm(slope, axis=1) / scale
-        return np.asarray(np.minimum(size / np.maximum(steep, 1e-300), np.sqrt(size)))
+        ratio = size / np.maximum(steep, 1e-300)
+        return np.asarray(np.where(steep > NOISE, ratio, np.minimum(ratio, np.sqrt(size))))
 
 
-def _value(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:
-    """(value, size of the coefficients), both (N,); of an atom the homogeneous one, which is finite at θ = π, too:
-    t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2).
+def values_of(chain: Chain, f: Polynomial | Atom, theta: Array) -> tuple[Array, Array]:
+    """(value, size of the coefficients), both (N,), lengths in the arm's own unit, at θ (N, n); of an atom the
+    homogeneous value, which is finite at θ = π, too: t^e of degree D stands for sin^e(θ/2) cos^(D−e)(θ/2).
     """
     ring = chain.ring
     angles = [theta[:, j - 1] for j in ring.revolute]

@@ -18,10 +18,16 @@ from rankdrop.exact.algebra.atom import order
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.methods.case import Case, Factors, branches, size
-from rankdrop.exact.methods.derivation import Equality
+from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
+from rankdrop.exact.methods.vanishing import vanishing
 from rankdrop.exact.methods.words import Words
+from rankdrop.exact.writing.text_of import text_of
 
+TOLD = 1
+"""Pinned joints of a case up to which its screw, and where that vanishes, is told."""
+WRITTEN = 40
+"""Terms of a screw up to which its elements are written."""
 Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""
 
@@ -52,6 +58,8 @@ def reciprocity(draft: Draft) -> None:
         )  # fmt: skip
     draft.sizes |= {"cases": 0, "choices": 0, "terms": 0}
     draft.generic = True
+    if draft.basic is not None:
+        draft.notes.append(f"joints {', '.join(map(str, draft.basic))} are taken first, as asked for")
     waiting = [Case()]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
@@ -74,7 +82,7 @@ def _one_case(
     draft: Draft, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[Case]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
-    ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
+    ring, columns = draft.ring, case.columns(draft.ring, draft.columns)
     draft.sizes["cases"] += 1
     if case.pins not in choices:
         choices[case.pins] = _choices(draft, columns)
@@ -86,8 +94,8 @@ def _one_case(
         made.add(choice.joints)
         draft.sizes["choices"] += 1
         draft.sizes["terms"] = max(draft.sizes["terms"], size(list(choice.screw)))
-        if draft.sizes["choices"] == 1:
-            _note(draft, choice, known)
+        if len(case.pins) <= TOLD and not case.zero and not case.product:
+            _note(draft, case, choice)
         redundant = len(columns) > len(columns[0])
         nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
         products = [_product(draft, columns, choice, j) for j in range(len(columns)) if j not in choice.joints]
@@ -109,7 +117,9 @@ def _one_case(
 
 
 def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
-    """Every choice of joints with its screw, short ones first; those that are dependent everywhere left out."""
+    """Every choice of joints with its screw, those among the basic ones and short ones first; those that are dependent
+    everywhere left out.
+    """
     m = len(columns[0])
     found = []
     for joints in combinations(range(len(columns)), m - 1):
@@ -120,7 +130,10 @@ def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
             screw.append(-minor if row % 2 else minor)
         if any(w != 0 for w in screw):
             found.append(_Choice(joints, tuple(screw)))
-    return sorted(found, key=lambda choice: (size(list(choice.screw)), choice.joints))
+    wished = {j - 1 for j in draft.basic} if draft.basic is not None else set(range(len(columns)))
+    return sorted(
+        found, key=lambda choice: (not wished.issuperset(choice.joints), size(list(choice.screw)), choice.joints)
+    )
 
 
 def _product(draft: Draft, columns: Columns, choice: _Choice, j: int) -> Polynomial:
@@ -130,16 +143,23 @@ def _product(draft: Draft, columns: Columns, choice: _Choice, j: int) -> Polynom
     )
 
 
-def _note(draft: Draft, choice: _Choice, known: list[Factors]) -> None:
+def _note(draft: Draft, case: Case, choice: _Choice) -> None:
+    """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
+    words, ring = Words(draft.ring), draft.ring
+    there = words.conjunction(Conjunction(case.equalities(ring))) if case.pins else "in general"
     joints = ", ".join(str(j + 1) for j in choice.joints)
-    draft.notes.append(f"first choice: the screw reciprocal to joints {joints}, {size(list(choice.screw))} terms")
-    if frozenset() in known:
-        draft.notes.append("it never vanishes")
+    terms = size(list(choice.screw))
+    written = [text_of(ring, x) for x in choice.screw] if terms <= WRITTEN else []
+    screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
+    draft.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
+    known = vanishing(draft, case, choice.screw, words)
+    if draft.sizes["choices"] == 1:
+        draft.sizes["exceptional"] = len(known)
+    elements = {6: "six", 3: "three"}.get(len(choice.screw), str(len(choice.screw)))
+    if not known:
+        draft.notes.append("  it never vanishes there")
         return
-    words = Words(draft.ring)
-    told = [words.conjunction(piece) for piece in pieces([_equality(found) for found in known])]
-    draft.notes.append("invalid, since all its components vanish, where " + ", or where ".join(told))
-    draft.sizes["exceptional"] = len(known)
+    draft.notes.append(f"  all {elements} elements vanish, and it says nothing, where " + ", or where ".join(known))
 
 
 def _equality(found: Factors) -> Equality:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.methods.derivation import Conjunction, Equality
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.fourier import fourier
+from rankdrop.exact.writing.notation import Text
 from rankdrop.exact.writing.pins import pin_text
-from rankdrop.exact.writing.text_of import condition_text
+from rankdrop.exact.writing.text_of import condition_text, single_angles
 
 READABLE = 30
 """Polynomials of more terms are told by their number of terms: nobody reads them."""
@@ -20,6 +23,7 @@ class Words:
 
     Args:
         ring: of the chain.
+        whole: write every polynomial out; long ones as they are, without a search for their shortest form.
 
     Example:
         >>> ring = Ring([1, 2])
@@ -28,8 +32,8 @@ class Words:
         'θ1 = 0 or π or c2 − s2 = 0, where θ2 ≠ π'
     """
 
-    def __init__(self, ring: Ring) -> None:
-        self._ring = ring
+    def __init__(self, ring: Ring, *, whole: bool = False) -> None:
+        self._ring, self._whole = ring, whole
         self._known: dict[Atom, str] = {}
 
     def conjunction(self, conjunction: Conjunction) -> str:
@@ -43,7 +47,11 @@ class Words:
         """One polynomial that vanishes: its factors, joined by "or"; joints at simple angles together."""
         if equality.whole is not None:
             count = len(equality.whole)
-            return condition_text(self._ring, equality.whole) if count <= READABLE else _long(count, "")
+            if count <= READABLE:
+                return condition_text(self._ring, equality.whole)
+            if not self._whole:
+                return _long(count, "")
+            return f"{Text().zero(single_angles(self._ring, equality.whole))} = 0"
         pins: dict[int, list[str]] = {}
         for atom in equality.atoms:
             if atom.pinned:
@@ -53,9 +61,19 @@ class Words:
 
     def _polynomial(self, atom: Atom) -> str:
         if atom not in self._known:
-            short = len(atom.f) <= READABLE
-            self._known[atom] = Condition(self._ring, atom.f).text() if short else _long(len(atom.f), "half-angle ")
+            if len(atom.f) <= READABLE:
+                self._known[atom] = Condition(self._ring, atom.f).text()
+            else:
+                self._known[atom] = self._written(atom.f) if self._whole else _long(len(atom.f), "half-angle ")
         return self._known[atom]
+
+    def _written(self, f: Polynomial) -> str:
+        """A long half-angle polynomial: in sines and cosines where it has whole angles, else multiplied out."""
+        p = self._ring.to_trig(f)
+        if p is not None:
+            return f"{Text().zero(single_angles(self._ring, p))} = 0"
+        degrees = [int(d) for d in f.degrees()[: self._ring.angles]]
+        return f"{Text().zero(fourier(f, degrees, self._ring))} = 0"
 
     def _unequal(self, group: Sequence[Equality]) -> str:
         texts = [self.equality(equality) for equality in group]

@@ -25,10 +25,12 @@ class Basic:
     Attributes:
         joints: their numbers.
         product: the determinant, taken apart.
+        reason: why these, by KG's conditions; "" for a case that is not the first.
     """
 
     joints: tuple[int, ...]
     product: Product
+    reason: str = ""
 
 
 def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
@@ -63,8 +65,7 @@ def choose(
 
     def place(option: tuple[tuple[int, ...], Polynomial]) -> tuple[int, ...]:
         six, p = option
-        with_triple = any(set(joints) <= set(six) for joints, _ in known)
-        return (not with_triple, six[-1] - six[0], len(p), -six[0])
+        return (not _with_triple(known, six), six[-1] - six[0], len(p), -six[0])
 
     found = None
     for six, p in sorted(options, key=place):
@@ -76,6 +77,62 @@ def choose(
             found = Basic(six, product)
             break
     return found
+
+
+def why(
+    chain: Chain,
+    stratum: Stratum,
+    options: Sequence[tuple[tuple[int, ...], Polynomial]],
+    chosen: tuple[int, ...],
+    work: Work,
+) -> str:
+    """KG's conditions (a), (b), (c) in words, with how many sixes each leaves."""
+    known = triples(chain)
+    free = [
+        (six, p) for six, p in options if p != 0 and not any(one.vanishes(p, work.rng) for one in stratum.pieces)
+    ]
+    with_triple = [(six, p) for six, p in free if _with_triple(known, six)]
+    left = with_triple or free
+    least = min(six[-1] - six[0] for six, _ in left)
+    near = [(six, p) for six, p in left if six[-1] - six[0] == least]
+    said = [f"(a) not dependent everywhere: {len(free)} of {len(options)} sixes"]
+    if with_triple:
+        names = ", ".join(f"{'–'.join(str(j) for j in (three[0], three[-1]))} ({kind})" for three, kind in known)
+        said.append(f"(b) with three joints that are one, {names}: {len(with_triple)}")
+    else:
+        said.append("(b) no three joints are a planar or spherical one")
+    chain_of = "in a row" if least == 5 else "as near to a row as can be"
+    said.append(f"(c) {chain_of}: {len(near)}")
+    if len(near) > 1:
+        terms = ", ".join(f"{len(p)} for {_short(six)}" for six, p in near)
+        shortest = min(len(p) for _, p in near)
+        alike = sum(len(p) == shortest for _, p in near) > 1
+        said.append(f"terms of the determinant: {terms}; {'of equals the last' if alike else 'the least'}")
+    return "; ".join(said)
+
+
+def _with_triple(known: Sequence[tuple[tuple[int, int, int], str]], six: Sequence[int]) -> bool:
+    return any(set(joints) <= set(six) for joints, _ in known)
+
+
+def _short(six: Sequence[int]) -> str:
+    """1–6, or 1, 2, 4, 5, 6, 7."""
+    return f"{six[0]}–{six[-1]}" if six[-1] - six[0] == len(six) - 1 else ", ".join(map(str, six))
+
+
+def parse_joints(text: str) -> tuple[int, ...]:
+    """Numbers of joints as people write them: "2-7", "1,2,4-7".
+
+    Raises:
+        OptionError: something else.
+    """
+    found: list[int] = []
+    for word in text.replace("–", "-").replace(",", " ").split():
+        first, _, last = word.partition("-")
+        if not first.isdecimal() or ("-" in word and not last.isdecimal()):
+            raise OptionError("these are no joints", got=repr(word), allowed="numbers and runs, such as 2-7 or 1,2,4-7")
+        found += range(int(first), int(last or first) + 1)
+    return tuple(found)
 
 
 def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:

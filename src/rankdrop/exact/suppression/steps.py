@@ -44,6 +44,10 @@ class Derived(Protocol):
         """Link in whose frame the screws are written."""
 
     @property
+    def frame_reason(self) -> str:
+        """Why that one."""
+
+    @property
     def columns(self) -> list[list[Polynomial]]:
         """The screws (v; ω) there."""
 
@@ -79,6 +83,7 @@ def steps(suppression: Derived) -> tuple[Step, ...]:
 def _screws(suppression: Derived) -> Iterator[str]:
     ring = suppression.chain.ring
     yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}, z along its axis, x along the next normal"
+    yield f"why this frame: {suppression.frame_reason}"
     for j, column in enumerate(suppression.columns, 1):
         yield _screw(j, [text_of(ring, x) for x in column])
 
@@ -92,6 +97,8 @@ def _first(suppression: Derived) -> Iterator[str]:
     assert start.basic is not None
     joints = start.basic.joints
     yield f"basic screws: {_names(joints)}, independent in general{_triples(chain, joints)}"
+    if chain.n > 6:
+        yield f"why these: {start.basic.reason}"
     yield f"|{_names(joints)}| = {product_text(chain.ring, start.basic.product)}"
     if chain.n == 6:
         yield "with six joints there is no other screw: the arm is singular where a factor is zero"

@@ -17,7 +17,7 @@ from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.basic_screws import check_basic, choose, determinants
+from rankdrop.exact.suppression.basic_screws import Basic, check_basic, choose, determinants, why
 from rankdrop.exact.suppression.cases import Case, SuppressedFamily
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.suppression.factors import Product, joined, letters_polynomial, taken_apart
@@ -41,6 +41,7 @@ class Suppression:
     Attributes:
         chain: the arm over the exact ring.
         frame: link in whose frame (z along its axis, x along the normal after it) the screws are written.
+        frame_reason: why that one.
         columns: the screws (v; ω) there.
         start: the first case, which holds all others.
         families: disjoint; together, with what is `left`, every singular configuration.
@@ -50,6 +51,7 @@ class Suppression:
 
     chain: Chain
     frame: int
+    frame_reason: str
     columns: list[list[Polynomial]]
     start: Case
     families: tuple[SuppressedFamily, ...]
@@ -119,11 +121,12 @@ def suppress(
             got=f"{chain.task.m} rows, {chain.n} joints",
             mend="another method",
         )
+    reason = _frame_reason(chain) if frame is None else "asked for"
     frame = chain.frame if frame is None else frame
     if not 1 <= frame < chain.n:
         raise OptionError("no such link frame", where="frame", got=str(frame), allowed=f"1 … {chain.n - 1}")
     check_basic(chain, basic)
-    return _Derivation(chain, frame, basic, Work(seconds, seed), progress).run()
+    return _Derivation(chain, frame, reason, basic, Work(seconds, seed), progress).run()
 
 
 class _Derivation:
@@ -133,11 +136,12 @@ class _Derivation:
         self,
         chain: Chain,
         frame: int,
+        reason: str,
         basic: Sequence[int] | None,
         work: Work,
         progress: Progress | None,
     ) -> None:
-        self.chain, self.ring, self.frame = chain, chain.ring, frame
+        self.chain, self.ring, self.frame, self.frame_reason = chain, chain.ring, frame, reason
         self.columns = chain.screws(frame)
         self.asked = tuple(sorted(basic)) if basic is not None else None
         self.work, self.progress = work, progress
@@ -166,13 +170,15 @@ class _Derivation:
             if len(f) > 1 and not plainly_positive(self.ring, f)  # a length alone is not zero
         )
         found, left = tuple(self.families), tuple(self.left)
-        return Suppression(self.chain, self.frame, self.columns, start, found, assumed, left)
+        return Suppression(self.chain, self.frame, self.frame_reason, self.columns, start, found, assumed, left)
 
     def determinant(self, case: Case, above: tuple[Case, ...]) -> Case:
         """Step 1 with the screws that are left: a case for each factor of the determinant of six of them."""
         first = not case.number
         options = determinants(self.columns, case.stratum, case.joints, self.asked if first else None, self.work)
         basic = choose(self.chain, case.stratum, options, self.work)
+        if first and basic is not None:
+            basic = replace(basic, reason=self.reason(case, options, basic))
         if basic is None:
             if first:
                 raise OptionError("these basic screws are always dependent", where="basic", got=str(self.asked))
@@ -182,6 +188,12 @@ class _Derivation:
         self.assume(basic.product)
         case = replace(case, basic=basic)
         return self.branch(case, above, basic.product.factors)
+
+    def reason(self, case: Case, options: Sequence[tuple[tuple[int, ...], Polynomial]], basic: Basic) -> str:
+        """Why these screws are the basic ones."""
+        if self.asked is not None:
+            return "asked for"
+        return why(self.chain, case.stratum, options, basic.joints, self.work)
 
     def branch(
         self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor], first: tuple[Case, ...] = ()
@@ -300,6 +312,12 @@ class _Derivation:
         self.done += 1
         if self.progress is not None:
             self.progress("dependent-screw suppression", self.done, self.known)
+
+
+def _frame_reason(chain: Chain) -> str:
+    """In which link's frame the screws have how many terms."""
+    terms = ", ".join(f"link {k}: {sum(len(x) for c in chain.screws(k) for x in c)}" for k in range(1, chain.n))
+    return f"the screws are shortest there; terms, multiplied out: {terms}"
 
 
 def _number(case: Case, before: Sequence[Case]) -> str:

@@ -9,9 +9,11 @@ from keyword import iskeyword
 from typing import Protocol
 
 from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.notation import latex_angle, latex_name
 from rankdrop.exact.writing.pins import pin_c_code, pin_expression, pin_latex, pin_text
+from rankdrop.exact.writing.value import Value
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
 """Names that the Python module uses itself."""
@@ -41,6 +43,22 @@ class Described(Protocol):
         """The other conditions."""
 
 
+class Valued(Protocol):
+    """What is read of a determinant."""
+
+    @property
+    def mark(self) -> str:
+        """Name in code: "det_J11"."""
+
+    @property
+    def name(self) -> str:
+        """Name for people: "det J11"."""
+
+    @property
+    def value(self) -> Value:
+        """What it is."""
+
+
 @dataclass(frozen=True)
 class Code:
     """Families of one arm, to be written as code.
@@ -51,6 +69,7 @@ class Code:
         families: at least one condition each.
         letters: value of each length that is a symbol [m].
         shifts: θ_j = q_j + shifts[j − 1] [rad]; empty for none.
+        determinants: to be written, too.
 
     Raises:
         OptionError: a family without a condition, or two families whose marks differ in punctuation alone.
@@ -61,6 +80,7 @@ class Code:
     families: Sequence[Described]
     letters: Mapping[str, float]
     shifts: Sequence[float] = ()
+    determinants: Sequence[Valued] = ()
 
     def __post_init__(self) -> None:
         for family in self.families:
@@ -75,17 +95,37 @@ class Code:
         head = [f"Singularities of {_plain(self.robot)}: one function per family, derived exactly by rankdrop.", ""]
         head += [f"{line}" for line in self._explained()]
         functions = [self._python_function(family) for family in self.families]
+        functions += [self._python_determinant(one) for one in self.determinants]
         needed = [name for name in ("cos", "pi", "sin") if any(re.search(rf"\b{name}\b", f) for f in functions)]
         imports = "import numpy as np\n" + (f"from numpy import {', '.join(needed)}\n" if needed else "")
         entries = "".join(f'    "{family.id}": {_function(family.id)},\n' for family in self.families)
         table = f'FAMILIES = {{\n{entries}}}\n"""The functions by the marks of their families."""\n'
         said = "".join(f'    "{family.id}": "{_plain(family.name)}",\n' for family in self.families)
-        names = f'NAMES = {{\n{said}}}\n"""What the families are called."""\n'
-        return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table + "\n" + names])
+        table += f'\nNAMES = {{\n{said}}}\n"""What the families are called."""\n'
+        if self.determinants:
+            entries = "".join(f'    "{one.mark}": {one.mark},\n' for one in self.determinants)
+            table += f'\nDETERMINANTS = {{\n{entries}}}\n"""The determinant or minors of the Jacobian."""\n'
+        return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
+
+    def _python_determinant(self, one: Valued) -> str:
+        names = self._python_names()
+        used = {names.get(name, name): float(self.letters[name]) for name in self._in(one.value.polynomial)}
+        keywords = "".join(f", {name}={value!r}" for name, value in used.items())
+        lines = [f"def {one.mark}(q{', *' if used else ''}{keywords}):"]
+        lines += [f'    """{_plain(one.name)} of the Jacobian.', ""]
+        lines += ["    Args:", f"        q: (..., {self.n}) joint variables [rad, slides m]."]
+        lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
+        lines += ["", "    Returns:", "        (...) its value.", '    """', "    q = np.asarray(q, dtype=float)"]
+        joints = range(1, self.n + 1)
+        text = one.value.expression(shifts=self._shifts, names=names)
+        lines += [f"    q{j} = q[..., {j - 1}]" for j in joints if re.search(rf"\bq{j}\b", text)]
+        return "\n".join([*lines, f"    return {text} + np.zeros(q.shape[:-1])"]) + "\n"
+
+    def _python_names(self) -> dict[str, str]:
+        return {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
 
     def _python_function(self, family: Described) -> str:
-        names = {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
-        shifts = self._shifts
+        names, shifts = self._python_names(), self._shifts
         residuals = [pin_expression(joint, values, shifts) for joint, values in family.pins]
         residuals += [condition.expression(shifts=shifts, names=names) for condition in family.conditions]
         used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
@@ -115,6 +155,12 @@ class Code:
         names = {name: f"{prefix}_{name}" for name in self.letters}
         for family in self.families:
             lines += ["", *self._c_function(family, f"rankdrop_{mark}", names)]
+        for one in self.determinants:
+            text = one.value.c_code(shifts=self._shifts, names=names)
+            head = f"static inline double rankdrop_{mark}_{one.mark}(const double q[{self.n}])"
+            unused = [] if "q[" in text else ["    (void)q;"]
+            lines += ["", f"/* {_comment(one.name)} of the Jacobian. q [rad, slides m]. */"]
+            lines += [head, "{", *unused, f"    return {text};", "}"]
         return "\n".join([*lines, "", "#endif", ""])
 
     def _c_function(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
@@ -137,16 +183,18 @@ class Code:
             shown = r"; \newline ".join(f"${text}$" for text in conditions)
             rows.append(rf"{family.id} & {_escaped(family.name)} & {family.corank} & {shown} \\")
         head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
-        if any(r"\tfrac" in row for row in rows):
+        values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
+        if any(r"\tfrac" in row for row in [*rows, *values]):
             head = [r"% \tfrac needs \usepackage{amsmath}", *head]
         below = [rf"{latex_name(name)} = {float(value):.12g}\,\mathrm{{m}}" for name, value in self.letters.items()]
         for j, shift in self._shifted():
             sign = "-" if shift < 0 else "+"
             below.append(rf"\theta_{{{j}}} = q_{{{j}}} {sign} {latex_angle(abs(shift))}")
-        if any(re.search(r"\b[sc]_", row) for row in rows):
+        if any(re.search(r"\b[sc]_", row) for row in [*rows, *values]):
             below += [r"s_i = \sin\theta_i", r"c_{ij} = \cos(\theta_i + \theta_j)"]
         tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
-        return "\n".join([*head, *rows, r"\end{tabular}", *tail, ""])
+        said = [line for value in values for line in (r"\par\smallskip", value)]
+        return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
 
     @property
     def _shifts(self) -> Sequence[float] | None:
@@ -168,12 +216,14 @@ class Code:
         """The conditions in words."""
         return [pin_text(joint, values) for joint, values in family.pins] + [c.text() for c in family.conditions]
 
+    def _in(self, f: Polynomial) -> list[str]:
+        """Lengths that occur in a polynomial."""
+        degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
+        return [name for name in self.letters if degrees.get(name, 0) > 0]
+
     def _used(self, family: Described) -> list[str]:
         """Lengths that a family's conditions depend on."""
-        found = set()
-        for condition in family.conditions:
-            degrees = zip(condition.ring.names, condition.polynomial.degrees(), strict=True)
-            found |= {name for name, degree in degrees if degree > 0}
+        found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
         return [name for name in self.letters if name in found]
 
     def _joints(self, family: Described) -> list[int]:
@@ -201,6 +251,15 @@ def _plain(text: str) -> str:
 def _comment(text: str) -> str:
     """Text inside a C comment, on one line."""
     return " ".join(text.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?").split())
+
+
+def _latex_minor(name: str) -> str:
+    r"""det J11 → \det J_{11}, |$1 $2| → |\$_1 \, \$_2|, |vx wz| → |v_x \, w_z|."""
+    if name.startswith("det "):
+        return rf"\det {latex_name(name[4:])}"
+    words = (rf"\${word[1:] and '_' + word[1:]}" if word[0] == "$" else f"{word[0]}_{word[1:]}" for word in
+             name.strip("|").split())  # fmt: skip
+    return "|" + r" \, ".join(words) + "|"
 
 
 def _escaped(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from math import pi
@@ -53,6 +54,17 @@ class Notation(ABC):
     def parts(self, form: Product) -> tuple[Product, ...]:
         """What vanishes with the form, as products to be added."""
         return bare(Product(Fraction(1), tuple((factor, 1) for factor, _ in form.factors)), self.exact)
+
+    def value(self, form: Product) -> str:
+        """The form itself, with its number and its powers."""
+        form = self.readable(form)
+        if len(form.factors) == 1 and isinstance(form.factors[0][0], Sum) and form.factors[0][1] == 1:
+            return self.sum([replace(part, number=form.number * part.number) for part in form.factors[0][0].parts])
+        return self.sum([form])
+
+    def readable(self, form: Product) -> Product:
+        """The form, equal to it, with sums of long numbers divided by the largest one."""
+        return _rescaled(form, self.exact, not self.exact and _long(form))
 
     def sum(self, parts: Sequence[Product]) -> str:
         """Products joined by signs."""

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from weakref import WeakKeyDictionary
 
+from rankdrop.exact.algebra.atom import Atom, Factors
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
@@ -29,6 +30,8 @@ LOOKS = 240
 FEW = 3
 """Terms of a Fourier form that is short enough as it is."""
 
+_PINNED = ("pi", "0", "pi/2", "-pi/2")
+"""Order in which `_pins` counts simple angles."""
 _KNOWN: WeakKeyDictionary[Ring, dict[str, Product]] = WeakKeyDictionary()
 """Forms found, by polynomial: sets at θ = 0 and θ = π share their conditions."""
 
@@ -48,6 +51,78 @@ def shortest(f: Polynomial, ring: Ring) -> Product:
     if key not in known:
         known[key] = _Search(ring).best(f, tuple(int(d) for d in f.degrees()[: ring.angles]))
     return known[key]
+
+
+def multiplied(ring: Ring, p: Polynomial, factors: Factors) -> Product:
+    """A trigonometric polynomial as the product of its factors, number and sign included: equal to it everywhere.
+
+    Half angles of one joint are put together as far as they go: 2 sin(θ/2) cos(θ/2) is sin θ.
+
+    Args:
+        ring: of p.
+        p: not zero.
+        factors: of p, from `Ring.factor`.
+
+    Example:
+        >>> ring = Ring([1, 2], letters=["a1"])
+        >>> p = -2 * ring.letter["a1"] * ring.s[2] * (ring.c[1] + ring.c[2])
+        >>> Text().value(multiplied(ring, p, ring.factor(p)))
+        '−4 a1 s2 cos((θ1 − θ2)/2) cos((θ1 + θ2)/2)'
+    """
+    f, multiples = ring.to_half(p)
+    forms = factor_forms(ring, factors.atoms, factors.letters)
+    return _Search(ring).scaled(f, tuple(2 * m for m in multiples), forms)
+
+
+def factor_forms(
+    ring: Ring, atoms: Sequence[tuple[Atom, int]], lengths: Sequence[tuple[Polynomial, int]]
+) -> list[tuple[Factor, int]]:
+    """Atoms and factors in lengths alone with their powers as they are written, up to a number before all of them.
+
+    Joints at simple angles become sines and cosines of the whole angle as far as they go.
+    """
+    search = _Search(ring)
+    counts: dict[int, list[int]] = {}
+    rest = []
+    for atom, power in atoms:
+        if atom.pinned:
+            counts.setdefault(atom.joint, [0, 0, 0, 0])[_PINNED.index(atom.value)] += int(power)
+        else:
+            rest.append((search.bracket(atom.f), int(power)))
+    pins = [pair for j in sorted(counts) for pair in _pins(j, counts[j])]
+    return _whole_angles([*((search.bracket(f), int(power)) for f, power in lengths), *pins, *rest])
+
+
+def _whole_angles(factors: Sequence[tuple[Factor, int]]) -> list[tuple[Factor, int]]:
+    """sin(x/2) cos(x/2) as sin x, (cos(x/2) + sin(x/2)) (cos(x/2) − sin(x/2)) as cos x, up to a number."""
+    powers: dict[Factor, int] = {}
+    for factor, power in factors:
+        powers[factor] = powers.get(factor, 0) + power
+    for turns in dict.fromkeys(t for factor in powers if (t := _halved(factor)) is not None):
+        sine, cosine = Wave("sin", turns), Wave("cos", turns)
+        plus, minus = (
+            total([Product(Fraction(1), ((cosine, 1),)), Product(Fraction(sign), ((sine, 1),))]).factors[0][0]
+            for sign in (1, -1)
+        )
+        whole = tuple((j, 2 * m) for j, m in turns)
+        for kind, pair in (("sin", (sine, cosine)), ("cos", (plus, minus))):
+            power = min(powers.get(one, 0) for one in pair)
+            if power:
+                powers[Wave(kind, whole)] = powers.get(Wave(kind, whole), 0) + power
+                for one in pair:
+                    powers[one] -= power
+    return [(factor, power) for factor, power in powers.items() if power]
+
+
+def _halved(factor: Factor) -> tuple[tuple[int, int], ...] | None:
+    """Of sin(x/2), cos(x/2) and cos(x/2) ± sin(x/2) the multiples that x/2 is made of; None of anything else."""
+    if isinstance(factor, Wave):
+        return factor.turns if all(m % 2 for _, m in factor.turns) else None
+    if isinstance(factor, Sum) and len(factor.parts) == 2:
+        waves = [f for part in factor.parts for f, _ in part.factors]
+        if len(waves) == 2 and all(isinstance(f, Wave) for f in waves):
+            return _halved(waves[0])
+    return None
 
 
 class _Search:
@@ -126,7 +201,7 @@ class _Search:
             place = used(factor)[0]
             atom = ring.atom(factor) if place < ring.angles else None
             if atom is not None and atom.pinned:
-                powers[atom.joint][("pi", "0", "pi/2", "-pi/2").index(atom.value)] += power
+                powers[atom.joint][_PINNED.index(atom.value)] += power
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))
         pins = [pair for j, counts in powers.items() for pair in _pins(j, counts)]

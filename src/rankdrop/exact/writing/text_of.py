@@ -40,18 +40,21 @@ def _known(ring: Ring) -> dict[str, str]:
 
 
 def _written(ring: Ring, p: Polynomial) -> str:
-    if p == 0:
-        return "0"
+    return "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
+
+
+def form_of(ring: Ring, p: Polynomial) -> Form:
+    """The shortest form of a trigonometric polynomial that is not zero, equal to it."""
     f, multiples = ring.to_half(p)
     degrees = [2 * m for m in multiples]
-    single, combined = _single_angles(ring, p), fourier(f, degrees, ring)
+    single, combined = single_angles(ring, p), fourier(f, degrees, ring)
     forms = [single, combined, gathered(single), gathered(combined)]
     if [int(d) for d in f.degrees()[: ring.angles]] == degrees:  # else zero at θ = π, which its degrees do not tell
         forms.append(shortest(f, ring))
-    return Text().sum(parts_of(min(forms, key=length)))
+    return min(forms, key=length)
 
 
-def _single_angles(ring: Ring, p: Polynomial) -> Form:
+def single_angles(ring: Ring, p: Polynomial) -> Form:
     """p as it stands, in sines and cosines of single angles."""
     waves = [Wave(kind, ((j, 2),)) for j in ring.revolute for kind in ("sin", "cos")]
     parts = []

@@ -111,7 +111,8 @@ class Conditions(ConditionsData):
         return self._code().python() if language == "python" else self._code().c()
 
     def _code(self) -> Code:
-        return Code(self.robot.name, self.robot.n, self.families, self.letters, self.shifts)
+        said = () if self.determinants is None else self.determinants.minors
+        return Code(self.robot.name, self.robot.n, self.families, self.letters, self.shifts, said)
 
     def _repr_html_(self) -> str:
         """For notebooks."""

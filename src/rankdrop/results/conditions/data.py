@@ -7,18 +7,12 @@ from dataclasses import dataclass
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
+from rankdrop.exact.derivation import Step
+from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One step of a derivation done by hand: a heading, and lines under it."""
-
-    title: str
-    lines: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +29,8 @@ class ConditionSettings:
         special: whether arms of special lengths were derived too.
         steps: whether the derivation was written down.
         version: of rankdrop.
+        basic: numbers of the basic screws asked for; None for none.
+        frame: link whose frame was asked for; None for none.
     """
 
     method: str
@@ -46,6 +42,8 @@ class ConditionSettings:
     special: bool
     steps: bool
     version: str
+    basic: tuple[int, ...] | None = None
+    frame: int | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,6 +70,7 @@ class ConditionsData:
         seconds: spent.
         settings: what was asked for.
         chain: the arm over the exact ring, in which conditions are polynomials.
+        determinants: the determinant of the Jacobian, or its minors, in factors; None where no steps were asked for.
         anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
     """
 
@@ -96,6 +95,7 @@ class ConditionsData:
     seconds: float
     settings: ConditionSettings
     chain: Chain
+    determinants: Determinants | None = None
     anew: Callable[[], ConditionsData] | None = None
 
     @property

@@ -21,6 +21,7 @@ def conditions_to_dict(found: ConditionsData) -> Record:
         "method": found.method,
         "reason": found.reason,
         "steps": plain(found.steps),
+        "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),
         **found.verdict.to_dict(),
         "complete": found.complete,
         "interrupted": found.interrupted,

@@ -19,19 +19,21 @@ from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
+from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.equation import Equation
 from rankdrop.results.codec import Record, known
 from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionsData, ConditionSettings, Step
+from rankdrop.results.conditions.data import ConditionsData, ConditionSettings
 from rankdrop.results.conditions.record import SCHEMA, conditions_to_dict
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
 _SAME = 1e-12  # screws and frames that agree to this are the same arm, as for the shipped analyses
-_AGAIN = ("robot", "equations")
-"""Entries of the record that are made again: from the robot asked about, and from `terms`."""
+_AGAIN = ("robot", "equations", "determinants")
+"""Entries of the record that are made again: from the robot asked about, and from `terms`; determinants belong to
+steps, which are not stored."""
 
 
 def to_stored(found: ConditionsData) -> Record:

@@ -60,7 +60,7 @@ def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Sec
         found: what was derived.
         width: characters in a line of a formula; None for as many as it has.
     """
-    parts = (_steps, _coranks, _assumed, _not_real, _checks, _unfinished)
+    parts = (_steps, _determinants, _coranks, _assumed, _not_real, _checks, _unfinished)
     sections = (section for part in parts for section in part(found, width))
     return tuple(
         replace(one, lines=tuple(piece for line in one.lines for piece in sentence(line, width))) for one in sections
@@ -72,6 +72,25 @@ def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
         for number, step in enumerate(found.steps):
             summary = f"derivation of corank 1, {found.method}" if number == 0 else ""
             yield Section(step.title, summary, tuple(piece for line in step.lines for piece in either(line, width)))
+
+
+def _determinants(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    if found.determinants is not None:
+        said = found.determinants
+        title = "Determinant" if len(said.minors) == 1 or said.product else "Minors"
+        lines = [piece for line in said.lines() for piece in either(line, width)]
+        folded = any(step.whole for step in found.steps) or said.folded()
+        notes = ("what is folded here is whole with --steps-out and --json",) if folded else ()
+        yield Section(title, "", tuple(lines), notes=notes)
+
+
+def steps_text(found: ConditionsData) -> str:
+    """The derivation of corank 1 and the determinants with everything written out, unwrapped."""
+    blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in found.steps]
+    if found.determinants is not None:
+        blocks.append(["Determinants", *(f"  {line}" for line in found.determinants.lines(None))])
+    head = [f"{found.robot.name}: derivation of corank 1, {found.method}", _LEGEND]
+    return "\n\n".join("\n".join(block) for block in [head, *blocks]) + "\n"
 
 
 def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:

@@ -12,6 +12,7 @@ from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
 from rankdrop.family.which import Met
 from rankdrop.local.circuits import Circuit
+from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
 from rankdrop.local.ellipsoids import Ellipsoids
 from rankdrop.local.nearest import Nearest
@@ -120,6 +121,7 @@ class Blame:
         systems: screw systems (subalgebras) that hold sets of joints.
         always: why the arm is deficient everywhere; None where it is not.
         complete: False where the chain is too long to list every circuit.
+        hunt: what Hunt's matrix of cofactors names, held against finite motion; None where nothing is lost.
     """
 
     circuits: tuple[Circuit, ...]
@@ -128,6 +130,7 @@ class Blame:
     systems: tuple[ScrewSystem, ...]
     always: str | None
     complete: bool = True
+    hunt: Hunt | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,10 +54,10 @@ def representation_part(found: ExplanationData, full: bool) -> Iterator[Section]
         (one.name, ", ".join(f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
          short(one.sigma_min), "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
          "SINGULAR" if one.singular else "near" if one.near else "")
-        for one in (every.zyz, every.rpy, every.quaternion, every.rotvec)
+        for one in every.every
     )  # fmt: skip
     yield Section("Coordinates of the orientation", every.words, (),
-                  ("", "value [rad]", "σ_min of E", "nearest singularity", ""), rows, texts=(0, 1, 4))  # fmt: skip
+                  ("", "value [rad, 1]", "σ_min of E", "nearest singularity", ""), rows, texts=(0, 1, 4))  # fmt: skip
 
 
 def _lengths(values: Iterable[float]) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from rankdrop.family.which import Met
 from rankdrop.frames import TIP
+from rankdrop.local.cofactors import Hunt
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.details import DETAIL_PARTS
 from rankdrop.results.explanation.motion import escape_part, far_part, rates_part
@@ -174,6 +175,23 @@ def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
         )  # fmt: skip
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
                       columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
+
+
+    if full and blame.hunt is not None:
+        yield _hunt(blame.hunt)
+
+
+def _hunt(hunt: Hunt) -> Section:
+    rows = tuple(
+        (str(one.number), short(round(one.share, 4)), "yes" if one.named else "no", "yes" if one.actuator else "no",
+         short(round(abs(one.rate), 4)) if one.tells else "no", "yes" if one.escapes else "no")
+        for one in hunt.joints
+    )  # fmt: skip
+    return Section(
+        "Hunt's cofactors beside GR's rules", "", (hunt.words,),
+        columns=("joint", "column", "named", "GR's actuator", "leads out, rate", "by finite motion") if rows else (),
+        rows=rows,
+    )  # fmt: skip
 
 
 def _dependencies(found: ExplanationData) -> str:

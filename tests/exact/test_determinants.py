@@ -1,0 +1,138 @@
+"""Determinants said out loud are those of the numeric Jacobian, number and sign included."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.determinants import Minor, determinants_of
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import sample
+from rankdrop.results.conditions.text import steps_text
+from rankdrop.robot.open import open_robot
+from rankdrop.task import ROWS, resolve_task
+from rankdrop.verbs.conditions import conditions
+
+
+def texts(name: str, task: str | None = None) -> list[str]:
+    found = determinants_of(exact_chain(open_robot(name), task), Work())
+    assert not found.left
+    return [f"{one.name} = {one.value.text()}" for one in found.minors]
+
+
+def values(one: Minor, chain, q) -> np.ndarray:
+    """What the code that is written gives."""
+    text = one.value.expression(shifts=chain.shifts)
+    joints = {f"q{j}": q[:, j - 1] for j in range(1, chain.n + 1)}
+    return eval(text, {"sin": np.sin, "cos": np.cos, **chain.numbers, **joints}) + np.zeros(len(q))
+
+
+def test_the_planar_arm_of_the_lecture() -> None:
+    assert texts("planar2r") == ["det J = a1 a2 s2"]
+
+
+def test_the_decoupled_arm_of_the_lectures() -> None:
+    """ML: det J11 = a2 a3 s3 (a2 c2 + a3 c23); the sign is that of the order of rows and joints."""
+    assert texts("anthropomorphic") == [
+        "det J11 = −a2 d4 s3 (a2 c2 + d4 c23)", "det J22 = −s5", "det J = a2 d4 s3 s5 (a2 c2 + d4 c23)",
+    ]  # fmt: skip
+
+
+def test_canadarm2_has_kg_equation_7_among_its_minors() -> None:
+    said = texts("canadarm2")
+    assert len(said) == 7
+    assert said[0] == "|$1 $2 $3 $4 $5 $6| = d² s2 s4 (a s345 − d c45 − d c5)"
+    assert said[-1] == "|$2 $3 $4 $5 $6 $7| = −d² s4 s6 (a s345 + d c3 + d c34)"
+
+
+@pytest.mark.parametrize(
+    ("name", "task"),
+    [("planar2r", None), ("planar3r", "planar-position"), ("scara", None), ("stanford", None), ("puma560", None),
+     ("ur5", None), ("panda", None), ("canadarm2", None), ("anthropomorphic", "position")],
+)  # fmt: skip
+def test_they_are_the_determinants_of_the_numeric_jacobian(name: str, task: str | None) -> None:
+    """Of all rows, at random configurations: about any point and in any axes, so at the tip in the base's."""
+    robot = open_robot(name)
+    chain = exact_chain(robot, task)
+    found = determinants_of(chain, Work())
+    q = sample(robot, resolve_task(task, robot), 5, 3)
+    whole = [one for one in found.minors if len(one.rows) == min(chain.n, chain.task.m) and not one.about]
+    assert whole
+    place = {ROWS[r]: i for i, r in enumerate(chain.task.rows)}
+    metres = replace(chain.task, length_scale=1.0)
+    for one in whole:
+        j = np.array([task_jacobian(robot, x, metres) for x in q])
+        block = j[:, [place[row] for row in one.rows]][:, :, [k - 1 for k in one.joints]]
+        np.testing.assert_allclose(values(one, chain, q), np.linalg.det(block), rtol=1e-9, atol=1e-9)
+    if chain.n > chain.task.m:
+        assert [one.joints for one in whole] == list(combinations(range(1, chain.n + 1), chain.task.m))
+
+
+def test_fewer_joints_than_rows_have_minors_of_rows() -> None:
+    found = determinants_of(exact_chain(open_robot("planar2r"), "planar"), Work())
+    assert [one.name for one in found.minors] == ["|vx vy|", "|vx wz|", "|vy wz|"]
+    assert found.minors[0].value.text() == "a1 a2 s2"
+
+
+def test_multiplicities_are_told() -> None:
+    """PA-10: s4 is in some minors twice; the record has it with its power."""
+    chain = exact_chain(open_robot("pa10"))
+    record = determinants_of(chain, Work()).to_dict(tuple(chain.shifts))
+    first = record["minors"][0]
+    assert (first["text"], first["sign"]) == ("−d3² d5 c5 s2 s4²", -1)
+    powers = {one["text"]: one["multiplicity"] for one in first["factors"]}
+    assert powers == {"d3": 2, "d5": 1, "c5": 1, "s2": 1, "s4": 2}
+    assert [one["sign"] for one in record["minors"]][3] == 0  # joints 1, 2, 3, 5, 6, 7 are dependent everywhere
+
+
+def test_long_factors_are_folded_on_the_screen_and_whole_in_the_file() -> None:
+    found = conditions(open_robot("canadarm2"), method="cofactors", coranks=1, points=0, steps=True)
+    screen, whole = str(found), steps_text(found)
+    assert "a polynomial of 252 half-angle terms = 0" in screen
+    assert "--steps-out" in screen
+    assert "a polynomial of" not in whole
+    assert "4 d c2 cos(θ4/2) s6 cos²(θ3 + θ4/2)" in whole
+    said = found.determinants
+    assert any("[17 sines and cosines, of θ2, θ3, θ4, θ5, θ6]" in line for line in said.lines(100))
+    assert not any("sines and cosines" in line for line in said.lines(None))
+
+
+def test_without_steps_nothing_is_said() -> None:
+    found = conditions(open_robot("scara"), points=0)
+    assert found.determinants is None
+    assert found.to_dict()["determinants"] is None
+
+
+def test_code_gives_the_same_numbers(tmp_path) -> None:
+    """The Python module and the C header hold the determinants, with the letters as they are named there."""
+    robot = open_robot("puma560")
+    found = conditions(robot, coranks=1, points=0, steps=True)
+    module: dict = {}
+    exec(found.code("python"), module)
+    q = np.array([0.1, -0.7, 0.4, 0.3, 1.2, -0.5])
+    wanted = np.linalg.det(task_jacobian(robot, q, replace(found.task, length_scale=1.0)))
+    assert module["DETERMINANTS"]["det_J"](q) == pytest.approx(wanted, abs=1e-12)
+    assert module["det_J"](np.stack([q, q])).shape == (2,)
+    assert r"$\det J_{22} = -s_5$" in found.latex()
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    (tmp_path / "arm.h").write_text(found.code("c"))
+    numbers = ", ".join(repr(float(x)) for x in q)
+    (tmp_path / "main.c").write_text(
+        f'#include <stdio.h>\n#include "arm.h"\nint main(void) {{ double q[6] = {{{numbers}}};\n'
+        'printf("%.17g\\n", rankdrop_puma560_det_J(q)); return 0; }\n'
+    )
+    subprocess.run(
+        [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "main.c", "-o", "main", "-lm"],
+        cwd=tmp_path, check=True,
+    )  # fmt: skip
+    printed = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
+    assert float(printed) == pytest.approx(wanted, abs=1e-12)

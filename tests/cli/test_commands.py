@@ -111,6 +111,12 @@ def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
         (("find", "pa10", "--corank", "1", "--method", "magic"), "almarkhi"),
         (("find", "pa10", "--corank", "1", "--out", "a.xls"), ".csv, .json, .npz"),
         (("find", "pa10", "--corank", "1", "--history", "a.json"), ".csv, .npz"),
+        (("find", "pa10", "--corank", "1", "--step", "0.5"), "gradient and almarkhi"),
+        (("find", "pa10", "--corank", "1", "--method", "gradient", "--step", "long"), "line, or a number up to 2"),
+        (("find", "pa10", "--corank", "1", "--start", "1,2"), "7 joint values are needed"),
+        (("find", "pa10", "--corank", "1", "--start", "0"), "no random start has this number"),
+        (("find", "pa10", "--corank", "1", "--tie", "2"), "0 … 1"),
+        (("find", "pa10", "--corank", "1", "--iterations", "0"), "1 … 1000000"),
         (("fly",), "robots, analyze, conditions, find"),
     ],
 )
@@ -257,3 +263,36 @@ def test_a_reader_that_has_gone_is_no_error() -> None:
     os.close(writer)
     assert done.returncode == exits.BROKEN_PIPE
     assert done.stderr == b""
+
+
+def test_a_descent_is_told_its_start_its_steps_and_its_ties(run, tmp_path: Path) -> None:
+    path = tmp_path / "one.json"
+    common = ("find", "pa10", "--corank", "3", "--length-scale", "1", "--seed", "2", "--start", "269", "--quiet")
+    plain = run(*common, "--method", "gradient", "--json", str(path))
+    assert "random start 269" in plain.out
+    assert "method gradient, line search, at most 300 iterations" in " ".join(plain.out.split())
+    assert "It ended at σ4 … = 0.13" in " ".join(plain.out.split())
+    record = json.loads(path.read_text(encoding="utf-8"))
+    Draft202012Validator(load_schema("find")).validate(record)
+    assert record["configurations"][0]["outcome"] == "slow"
+    treated = run(*common, "--method", "almarkhi", "--tie", "0.01", "--json", str(path))
+    assert "1 of 1 starts converged" in treated.out
+    assert json.loads(path.read_text(encoding="utf-8"))["configurations"][0]["iterations"] == 34
+    run(*common, "--method", "almarkhi", "--tie", "0", "--step", "0.5", "--iterations", "7", "--json", str(path))
+    record = json.loads(path.read_text(encoding="utf-8"))
+    assert [record["settings"][key] for key in ("step", "tie", "iterations")] == [0.5, 0.0, 7]
+    assert record["configurations"][0]["iterations"] == 7
+
+
+def test_a_start_can_be_given_in_degrees(run, tmp_path: Path) -> None:
+    path = tmp_path / "one.csv"
+    ended = run("find", "planar2r", "--corank", "1", "--deg", "--start", "-10, 170", "--out", str(path), "--quiet")
+    assert ended.code == exits.FINE
+    q = path.read_text(encoding="utf-8").splitlines()[1].split(",")[3:5]
+    assert [float(value) for value in q] == pytest.approx([np.radians(-10), np.pi], abs=1e-6)
+
+
+def test_stuck_on_a_crease_is_not_a_near_miss(run) -> None:
+    ended = run("find", "pa10", "--corank", "2", "--length-scale", "1", "--seed", "2", "--start", "106", "--method",
+                "gradient", "--quiet")  # fmt: skip
+    assert "0 near misses, 1 stuck on a crease (a tie, no minimum), 0 slow." in " ".join(ended.out.split())

@@ -12,10 +12,10 @@ from rankdrop.exact.methods import derive
 from rankdrop.frames import SPACE, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose, task_jacobian
 from rankdrop.local.block import decompose, sample, singular_values
-from rankdrop.local.descent import gradient_tensor, plane_rotation, spread, tied_gradients
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.readable import readable_basis
 from rankdrop.local.redundancy import null_space_motion
+from rankdrop.local.tie_gradients import gradient_tensor, plane_rotation, spread, tied_gradients
 from rankdrop.reproduce.item import Sheet, Shown, listed
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -296,3 +296,29 @@ def test_stuck_on_a_crease_is_not_a_near_miss(run) -> None:
     ended = run("find", "pa10", "--corank", "2", "--length-scale", "1", "--seed", "2", "--start", "106", "--method",
                 "gradient", "--quiet")  # fmt: skip
     assert "0 near misses, 1 stuck on a crease (a tie, no minimum), 0 slow." in " ".join(ended.out.split())
+
+
+def test_tolerant_prints_the_known_optimum_and_saves_it(run, tmp_path: Path) -> None:
+    path = tmp_path / "tolerant.json"
+    ended = run("tolerant", "almarkhi4", "--relative", "--length-scale", "1", "--starts", "40", "--json", str(path),
+                "--quiet")  # fmt: skip
+    assert ended.code == exits.FINE
+    assert "Best worst case: σ3 left / σ1 = 0.5" in ended.out
+    assert "none is better" in " ".join(ended.out.split())
+    record = json.loads(path.read_text(encoding="utf-8"))
+    Draft202012Validator(load_schema("tolerant")).validate(record)
+    assert record["optimal"] is True
+
+
+def test_tolerant_ends_with_3_where_a_joint_is_always_needed(run) -> None:
+    ended = run("tolerant", "pa10", "--quiet")
+    assert ended.code == exits.UNEXPLAINED
+    assert "without joint 4 the rank is below 6 at every configuration" in " ".join(ended.out.split())
+
+
+def test_explain_tells_what_each_failure_leaves(run) -> None:
+    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0")
+    told = " ".join(ended.out.split())
+    assert "If one joint fails" in told
+    assert "4 joint4 0 0 5 of 6 cannot translate" in told
+    assert "If one joint fails" not in run("explain", "ur5", "--q", "0,-2.3,0.8,1.5,-1.5,0.3", "--evaluations", "0").out

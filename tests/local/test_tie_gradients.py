@@ -95,8 +95,8 @@ def test_a_crease_is_no_minimum_and_a_minimum_is_none_of_its_slopes():
         return values, tensor
 
     at = np.zeros((1, 2))
-    assert minimax.promised(*falls(at), np.ones(1))[1] == pytest.approx([1.0])
-    assert minimax.promised(*rests(at), np.ones(1))[1] == pytest.approx([0.0], abs=1e-12)
+    assert minimax.promised(*falls(at), np.ones(1)).fall == pytest.approx([1.0])
+    assert minimax.promised(*rests(at), np.ones(1)).most == pytest.approx([0.0], abs=1e-12)
     found = minimax.descend(rests, np.array([[0.7, -0.4], [-0.2, 0.9]]))
     assert np.abs(found.q).max() < 1e-5
     assert found.value == pytest.approx([0.0, 0.0], abs=1e-9)
@@ -111,9 +111,9 @@ def test_a_mixture_of_tied_vectors_counts_too():
         tensor[:, 0, 0, 1, 1] = tensor[:, 0, 1, 0, 1] = 1.0
         return np.zeros((len(q), 1, 2)), tensor
 
-    step, fall, _ = minimax.promised(*cone(np.zeros((1, 2))), np.ones(1))
-    assert np.abs(step).max() < 1e-9
-    assert fall == pytest.approx([0.0], abs=1e-9)
+    found = minimax.promised(*cone(np.zeros((1, 2))), np.ones(1))
+    assert np.abs(found.step).max() < 1e-9
+    assert found.most == pytest.approx([0.0], abs=1e-9)
 
 
 def test_where_a_plain_descent_stops_on_a_tie_is_no_minimum(pa10):

@@ -7,6 +7,7 @@ from typing import Any
 from rankdrop.atlas.which import Met
 from rankdrop.certify.ball import Certificate
 from rankdrop.explanation.data import ExplanationData, Lost
+from rankdrop.explanation.failures import failures_to_dict
 from rankdrop.record import Record, plain, robot_to_dict
 from rankdrop.verdict import of_explanation
 
@@ -51,6 +52,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         "certificate": None if found.far.certificate is None else certificate_to_dict(found.far.certificate),
         "uncertified": found.far.uncertified,
         "near_miss": plain(found.far.near_miss),
+        **failures_to_dict(found.failures),
         "ellipsoids": plain(found.ellipsoids),
         "redundancy": plain(found.redundancy),
         "representations": plain(found.representations),

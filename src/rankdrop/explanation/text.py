@@ -11,6 +11,7 @@ import numpy as np
 from rankdrop.atlas.which import Met
 from rankdrop.explanation.data import ExplanationData
 from rankdrop.explanation.details import DETAIL_PARTS
+from rankdrop.explanation.failures import failures_part
 from rankdrop.explanation.motion import escape_part, far_part, rates_part
 from rankdrop.explanation.words import fixed, minus, numbers, pitch_text, plural, power, short, vector, wrench_text
 from rankdrop.frames import TIP
@@ -201,6 +202,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "escape": escape_part,
     "far": far_part,
     "rates": rates_part,
+    "failures": failures_part,
     **DETAIL_PARTS,
     "closing": _closing,
     "more": _more,

@@ -26,7 +26,9 @@ from rankdrop.robot.model import Array
 Model = tuple[Array, Array]
 """(B, N, k) values a, and (B, N, k, k, n) their tensors T, of B configurations."""
 Evaluate = Callable[[Array], Model]
-_MIXING = 60  # steps of the accelerated projection on mixtures; the previous mixture is where it begins
+_ROUNDS = 25  # of the accelerated projection on mixtures before it begins anew
+_EFFORT = 20  # how often it may
+_EXACT = 1e-15  # difference of two bounds that is rounding [1]
 _LONGEST = 4.0  # τ: a step is at most so many times the shortest gradient [rad²]
 _SHORTEST = 1e-12  # τ below which a step is lost in rounding
 _ENOUGH = 1e-4  # share of the fall that the model promises which has to come true
@@ -49,26 +51,73 @@ class Lowest:
     iterations: NDArray[np.intp]
 
 
+@dataclass(frozen=True, eq=False)
+class Promise:
+    """A step of the model.
+
+    Attributes:
+        step: (B, n) Δ.
+        fall: (B,) of the model's F along it.
+        most: (B,) what no step's fall less ‖Δ‖²/2τ can exceed: near 0 where F cannot fall, however well Δ was found.
+        mixed: (B, N, k, k) Λ.
+    """
+
+    step: Array
+    fall: Array
+    most: Array
+    mixed: Array
+
+
 def largest(values: Array) -> Array:
     """(B,) F."""
     return np.asarray(values.max(axis=(1, 2)))
 
 
-def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, rounds: int = _MIXING) -> Array:
-    """(B, N, k, k) Λ by accelerated projected gradient; `mixed` is where to begin."""
+def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = _EFFORT) -> Array:
+    """(B, N, k, k) Λ by accelerated projected gradient, begun anew every few rounds; `mixed` is where to begin.
+
+    It ends where the step from Λ reaches nine tenths of what the best one can promise, which Λ itself bounds.
+    """
     count, pieces, k = values.shape
-    size = np.einsum("bjacn,bjacn->b", tensor, tensor)
-    pace = (1.0 / np.maximum(tau * size, 1e-300))[:, None, None, None]
+    gram = np.einsum("bjacn,bjacm->bnm", tensor, tensor)
+    pace = (1.0 / np.maximum(tau * np.linalg.eigvalsh(gram)[:, -1], 1e-300))[:, None, None, None]
     diagonal = values[..., None] * np.eye(k)
-    here = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k)).copy() if mixed is None else mixed
-    ahead, momentum = here, 1.0
-    for _ in range(rounds):
-        gradient = diagonal - np.einsum("b,bn,bjacn->bjac", tau, followed(ahead, tensor), tensor)
-        stepped = _on_traces(ahead + pace * (gradient + gradient.transpose(0, 1, 3, 2)) / 2)
-        later = (1.0 + np.sqrt(1.0 + 4.0 * momentum**2)) / 2.0
-        ahead = stepped + (momentum - 1.0) / later * (stepped - here)
-        here, momentum = stepped, later
+    here = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k)).copy() if mixed is None else mixed.copy()
+    open_rows = np.arange(count)
+    for _ in range(effort):
+        rows = open_rows
+        slopes, t = tensor[rows], tau[rows]
+        x = here[rows]
+        ahead, momentum = x, 1.0
+        for _ in range(_ROUNDS):
+            gradient = diagonal[rows] - np.einsum("b,bn,bjacn->bjac", t, followed(ahead, slopes), slopes)
+            stepped = _on_traces(ahead + pace[rows] * gradient)
+            later = (1.0 + np.sqrt(1.0 + 4.0 * momentum**2)) / 2.0
+            ahead = stepped + (momentum - 1.0) / later * (stepped - x)
+            x, momentum = stepped, later
+        here[rows] = x
+        best, reached = _bounds(values[rows], slopes, t, x)
+        open_rows = rows[best - reached > np.maximum(0.1 * best, _EXACT)]
+        if not len(open_rows):
+            break
     return here
+
+
+def _bounds(values: Array, tensor: Array, tau: Array, mixed: Array) -> tuple[Array, Array]:
+    """(B,) the fall of the model, its ‖Δ‖²/2τ counted, that no step exceeds, and that of the step from Λ."""
+    along = followed(mixed, tensor)
+    length = tau * (along**2).sum(axis=1) / 2.0
+    now = largest(values)
+    weighted = np.einsum("bjaa,bja->b", mixed, values)
+    return now - weighted + length, now - _after(values, tensor, -tau[:, None] * along) - length
+
+
+def _after(values: Array, tensor: Array, step: Array) -> Array:
+    """(B,) what the model makes of F after a step."""
+    moved = values[..., None] * np.eye(values.shape[-1]) + np.einsum("bjacn,bn->bjac", tensor, step)
+    if moved.shape[-1] == 1:
+        return np.asarray(moved[..., 0, 0].max(axis=1))
+    return np.asarray(np.linalg.eigvalsh(moved).max(axis=(1, 2)))
 
 
 def followed(mixed: Array, tensor: Array) -> Array:
@@ -94,19 +143,17 @@ def _on_simplex(weights: Array) -> Array:
     return np.maximum(weights - np.take_along_axis(excess, last[:, None], axis=1), 0.0)
 
 
-def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None) -> tuple[Array, Array, Array]:
-    """(B, n) step, (B,) the fall of F that the model promises for it, and (B, N, k, k) Λ."""
-    best = mixture(values, tensor, tau, mixed)
+def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = _EFFORT) -> Promise:
+    """The step from each of B configurations, and what it promises."""
+    best = mixture(values, tensor, tau, mixed, effort)
+    most, _ = _bounds(values, tensor, tau, best)
     step = -tau[:, None] * followed(best, tensor)
-    moved = values[..., None] * np.eye(values.shape[-1]) + np.einsum("bjacn,bn->bjac", tensor, step)
-    moved = (moved + moved.transpose(0, 1, 3, 2)) / 2
-    after = moved[..., 0, 0].max(axis=1) if moved.shape[-1] == 1 else np.linalg.eigvalsh(moved).max(axis=(1, 2))
-    return step, largest(values) - after, best
+    return Promise(step, largest(values) - _after(values, tensor, step), most, best)
 
 
 def descend(
     evaluate: Evaluate, q: Array, box: tuple[Array, Array] | None = None, *, iterations: int = 200,
-    enough: float = 1e-12,
+    enough: float = 1e-12, effort: int = _EFFORT,
 ) -> Lowest:  # fmt: skip
     """Bring F down from many configurations at once; F never rises.
 
@@ -115,42 +162,45 @@ def descend(
         q: (B, n) starts.
         box: lower and upper corner (n,) that no step leaves.
         iterations: most steps tried.
-        enough: a start ends where no step promises a greater fall than this.
+        enough: a start ends where no step can promise a greater fall than this.
+        effort: most rounds of 25 spent on each step.
     """
     q = np.array(q, dtype=np.float64)
     values, tensor = evaluate(q)
     tau, tried = np.ones(len(q)), np.zeros(len(q), dtype=np.intp)
     slope, live = np.full(len(q), np.inf), np.ones(len(q), dtype=np.bool_)
-    mixed = mixture(values, tensor, tau, rounds=1)
+    mixed = np.broadcast_to(np.eye(values.shape[2]) / values[0].size, tensor.shape[:4]).copy()
     for _ in range(iterations):
         rows = np.flatnonzero(live)
         if not len(rows):
             break
-        step, fall, mixed[rows] = _inside(q[rows], values[rows], tensor[rows], tau[rows], mixed[rows], box)
-        slope[rows] = np.linalg.norm(step, axis=1) / tau[rows]
+        found = _inside(q[rows], values[rows], tensor[rows], tau[rows], mixed[rows], box, effort)
+        slope[rows] = np.linalg.norm(found.step, axis=1) / tau[rows]
+        mixed[rows] = found.mixed
         tried[rows] += 1
-        ahead = q[rows] + step if box is None else np.clip(q[rows] + step, *box)
+        ahead = q[rows] + found.step if box is None else np.clip(q[rows] + found.step, *box)
         there, turned = evaluate(ahead)
         before = largest(values[rows])
-        better = before - largest(there) > np.maximum(_ENOUGH * fall, 0.0)
+        better = before - largest(there) > np.maximum(_ENOUGH * found.fall, 0.0)
         q[rows[better]], values[rows[better]], tensor[rows[better]] = ahead[better], there[better], turned[better]
         tau[rows] = np.where(better, np.minimum(2.0 * tau[rows], _LONGEST), tau[rows] / 4.0)
-        live[rows] = (tau[rows] > _SHORTEST) & ((fall > enough) | (better & (fall > 0.0)))
+        live[rows] = (tau[rows] > _SHORTEST) & (found.most > enough)
     return Lowest(q, largest(values), slope, tried)
 
 
 def _inside(
-    q: Array, values: Array, tensor: Array, tau: Array, mixed: Array, box: tuple[Array, Array] | None
-) -> tuple[Array, Array, Array]:
+    q: Array, values: Array, tensor: Array, tau: Array, mixed: Array, box: tuple[Array, Array] | None, effort: int
+) -> Promise:
     """`promised`, with joints that stand at the edge of the box held where the step would leave it."""
-    step, fall, best = promised(values, tensor, tau, mixed)
+    found = promised(values, tensor, tau, mixed, effort)
     if box is None:
-        return step, fall, best
+        return found
     held = np.zeros(q.shape, dtype=np.bool_)
     for _ in range(q.shape[1]):
-        out = ((q <= box[0]) & (step < 0.0)) | ((q >= box[1]) & (step > 0.0))
+        out = ((q <= box[0]) & (found.step < 0.0)) | ((q >= box[1]) & (found.step > 0.0))
         if not (out & ~held).any():
             break
         held |= out
-        step, fall, best = promised(values, np.where(held[:, None, None, None, :], 0.0, tensor), tau, best)
-    return step, fall, best
+        free = np.where(held[:, None, None, None, :], 0.0, tensor)
+        found = promised(values, free, tau, found.mixed, effort)
+    return found

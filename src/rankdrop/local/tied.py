@@ -43,8 +43,7 @@ def stays_up(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool) -> 
         gradient = np.einsum("baan->bn", tensor[:, 0][:, :1, :1])
         at = ((q / scale <= box[0]) & (gradient > 0.0)) | ((q / scale >= box[1]) & (gradient < 0.0))
         tensor = np.where(at[:, None, None, None, :], 0.0, tensor)
-    _, fall, _ = promised(values, tensor, np.ones(len(q)))
-    return np.asarray(fall <= FLAT)
+    return np.asarray(promised(values, tensor, np.ones(len(q))).most <= FLAT)
 
 
 def brought_down(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool, iterations: int = 200) -> Lowest:

@@ -1,8 +1,9 @@
 """One partition of an arm's families: rows found numerically, cut and joined as the exact conditions cut them.
 
 Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
-puts two conditions into one row where their joints are the same. What has been matched with exact families takes their
-partition, so that a family has one id and one name in every output; its evidence stays numerical.
+puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
+What has been matched with exact families takes their partition, so that a family has one id and one name in every
+output; its evidence stays numerical.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from rankdrop.atlas.linear import wrap
 from rankdrop.atlas.sampling import Setting
 from rankdrop.atlas.told import told
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.match import Agreement, Match, lies_on, solutions
+from rankdrop.exact.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.robot.model import Array
 
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, units of the arm]
@@ -42,23 +43,34 @@ def in_exact_terms(
         exact families each consists of; and for the id of each row given what it is called now.
     """
     by_row = {match.row: match for match in agreement.matches}
+    loose = {one.family: one for one in agreement.loose}
     rows, matches, now = [], [], dict[str, str]()
     for number, family in enumerate(families):
         over = [row for row in found.families if family.id in (*by_row[row.id].families, *by_row[row.id].parts)]
         if not over:
             continue
-        alone = len(over) == 1 and by_row[over[0].id].families == (family.id,) and not by_row[over[0].id].parts
-        made = over[0] if alone else _measured(setting, found, family, over, np.random.default_rng([seed, number, 9]))
+        one = by_row[over[0].id]
+        alone = len(over) == 1 and one.families == (family.id,) and not one.parts and one.row not in loose
+        rng = np.random.default_rng([seed, number, 9])
+        made = over[0] if alone else _measured(setting, found, family, over, rng)
         if made is None:
             continue
         now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
         rows.append(_named_after(setting, made, family))
         matches.append(Match(family.id, (family.id,)))
-    strangers = [row for row in found.families if row.id not in now]
+    strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
     named = numbered(strangers, setting.corank, after=len(families))  # in the order they have already
     matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
     now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
     return (*rows, *named), tuple(matches), now
+
+
+def _judged(row: Family, loose: Wider | None) -> Family:
+    """A row with the regular solutions of its equations that were met since counted in its soundness."""
+    if loose is None:
+        return row
+    tested, singular = row.soundness.tested, row.soundness.singular
+    return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
 
 
 def _named_after(setting: Setting, row: Family, family: ExactFamily) -> Family:

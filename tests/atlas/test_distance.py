@@ -7,6 +7,7 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from known.members import members
 from known.truths import PA10_TABLES
 
 from rankdrop.analyze import analyze
@@ -14,6 +15,7 @@ from rankdrop.atlas.distance import Agreement, FamilyDistance, agreement, family
 from rankdrop.atlas.family import Family
 from rankdrop.atlas.system import System
 from rankdrop.errors import ConfigurationError
+from rankdrop.known import shipped
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.result import Analysis
@@ -167,3 +169,16 @@ def test_one_configuration_is_needed() -> None:
     found = analysed("pa10")
     with pytest.raises(ConfigurationError):
         family_distances(found.families, found.robot, [0.0] * 6, found.task)
+
+
+@pytest.mark.parametrize("name", ["ur5", "z1"])
+def test_no_member_of_a_shipped_family_is_nearer_than_the_family_is_said_to_be(name: str) -> None:
+    """Rows that were cut as the exact conditions are have more equations than their codimension."""
+    found = shipped(name)
+    rng = np.random.default_rng(41)
+    for family in found.families:
+        reached = members(found.robot, found.task, family, 20, seed=7)
+        for member in reached[:3]:
+            q = member + rng.normal(size=found.robot.n) * 0.2
+            (record,) = family_distances([family], found.robot, q, found.task)
+            assert record.distance <= np.linalg.norm(member - q) + 1e-9, (family.id, family.name)

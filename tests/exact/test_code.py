@@ -67,6 +67,7 @@ def test_python_module_runs_on_numpy_alone_and_agrees(code):
     exec(compile(code.python(), "generated", "exec"), scope)
     q = np.random.default_rng(3).uniform(-3, 3, (4, 6, N))
     assert list(scope["FAMILIES"]) == ["k1.f1", "k1.f2", "k2.f1"]
+    assert scope["NAMES"] == {"k1.f1": "shoulder */ / 'θ2'", "k1.f2": "elbow_3", "k2.f1": "both"}
     for family in families():
         function = scope["FAMILIES"][family.id]
         assert_proportional(function(q), expected(family, q))

@@ -14,6 +14,8 @@ from jsonschema import Draft202012Validator
 
 from rankdrop import join as join_module
 from rankdrop.analyze import analyze
+from rankdrop.atlas.families import families
+from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.cli import exits, main
 from rankdrop.conditions import conditions
 from rankdrop.derived.conditions import Conditions
@@ -80,8 +82,6 @@ def test_an_exact_family_that_no_row_covers_is_told_and_ends_with_code_3(
 
 
 def _without_the_wrist(cloud: Any, **options: Any) -> Any:
-    from rankdrop.atlas.families import families
-
     found = families(cloud, **options)
     return replace(found, families=tuple(one for one in found.families if not one.name.startswith("wrist")))
 
@@ -95,6 +95,26 @@ def test_a_row_on_no_exact_family_is_told(meddle: Any, capsys: pytest.CaptureFix
     assert not found.verified
     assert found.exact is not None
     assert [one.families for one in found.exact.matches] == [()]
+
+
+def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_told_unsound(
+    monkeypatch: pytest.MonkeyPatch, meddle: Any
+) -> None:
+    """Fitted equations of a Jaco's first row hold at a regular place that few random starts reach."""
+    too_wide = vanishing_on([0, 1, 0], (0.0, 3.141592653589793, 1.0), periodic=True)
+
+    def loosely(cloud: Any, **options: Any) -> Any:
+        found = families(cloud, **options)
+        return replace(found, families=tuple(replace(one, equations=(too_wide,)) for one in found.families))
+
+    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "families", loosely)
+    by_exact = analyze(open_robot("planar3r"), starts=200)
+    assert by_exact.verified
+    assert [str(one) for one in by_exact.of_corank(1)[0].equations] != [str(too_wide)]
+    meddle(lambda exact: [])
+    row = analyze(open_robot("planar3r"), starts=200).of_corank(1)[0]
+    assert [str(one) for one in row.equations] == [str(too_wide)]
+    assert not row.soundness.holds
 
 
 def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(

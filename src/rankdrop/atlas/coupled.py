@@ -31,6 +31,10 @@ class Coupled:
         self.family, self.robot, self.box = family, robot, box
         self.centre = np.clip(centre, box[0], box[1])  # free joints of a q outside the limits go to the limit
         self.system = System(family.equations)
+        # on more equations than are independent Newton stays where no residual gets smaller: these are walked alone too
+        self.ways = [self.system]
+        if 0 < robot.n - family.dimension < len(family.equations):
+            self.ways.append(System(family.equations[: robot.n - family.dimension]))
         self.moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:
             self.moves[[number - 1 for number in equation.joints]] = True
@@ -41,13 +45,14 @@ class Coupled:
 
     def points(self) -> Array:
         """Ends of all starts."""
-        first = self._walk(self._starts(np.resize(_RADII, STARTS)))
+        starts = self._starts(np.resize(_RADII, STARTS))
+        first = np.concatenate([self._walk(starts.copy(), system) for system in self.ways])
         solved = np.abs(self.system.values(first)).max(axis=1) <= REACHED
         distance = np.linalg.norm((first - self.target) / self.scale, axis=1)[solved]
         if not len(distance) or distance.min() == 0:
             return first
-        second = self._walk(self._starts(np.full(STARTS // 2, 1.25 * distance.min())))
-        return np.concatenate([first, second])
+        starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
+        return np.concatenate([first, *(self._walk(starts.copy(), system) for system in self.ways)])
 
     def _starts(self, radii: Array) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
@@ -64,11 +69,11 @@ class Coupled:
                 q[:, j] = options[self.rng.integers(len(options), size=len(q))]
         return np.clip(q, self.box[0], self.box[1])
 
-    def _walk(self, q: Array) -> Array:
+    def _walk(self, q: Array, system: System) -> Array:
         """Newton steps of all starts until they stand still, then straight onto the family."""
         active = np.arange(len(q))
         for _ in range(_ITERATIONS):
-            step = self._step(q[active])
+            step = self._step(q[active], system)
             length = np.linalg.norm(step, axis=1)
             step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
             q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
@@ -87,12 +92,12 @@ class Coupled:
         near = q - 2 * np.pi * turns
         return np.where((near < self.box[0]) | (near > self.box[1]), q, near)
 
-    def _step(self, q: Array) -> Array:
+    def _step(self, q: Array, system: System) -> Array:
         """(N, n) Newton's step in scaled variables; joints at a limit that would cross it are held."""
         at = self.columns
-        exact = self.system.quadratic(q)
+        exact = system.quadratic(q)
         if exact is None:
-            (f, slopes), hessians = self.system.linear(q), self._hessians(q)
+            (f, slopes), hessians = system.linear(q), self._hessians(q, system)
         else:
             f, slopes, second = exact
             hessians = second[:, :, at[:, None], at] * np.outer(self.scale[at], self.scale[at])
@@ -113,13 +118,13 @@ class Coupled:
         step[:, at] = part
         return step
 
-    def _hessians(self, q: Array) -> Array:
+    def _hessians(self, q: Array, system: System) -> Array:
         """(N, e, c, c) second derivatives by the joints that matter, scaled, from differences of gradients."""
         at = self.columns
         shifts = np.zeros((2, len(at), 1, len(self.scale)))
         shifts[0, np.arange(len(at)), 0, at] = _DIFFERENCE * self.scale[at]
         shifts[1] = -shifts[0]
-        slopes = self.system.jacobian((q + shifts).reshape(-1, len(self.scale)))[:, :, at] * self.scale[at]
+        slopes = system.jacobian((q + shifts).reshape(-1, len(self.scale)))[:, :, at] * self.scale[at]
         slopes = slopes.reshape(2, len(at), len(q), -1, len(at))
         return np.asarray(np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1))
 

@@ -64,12 +64,12 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Wider:
-    """An exact family whose conditions hold on more than the family.
+    """A family of either side whose conditions hold on more than the family.
 
     Of several sets that the conditions describe together only some are meant; the others are of a lower corank.
 
     Attributes:
-        family: its id.
+        family: its id on its own side.
         solved, elsewhere: random solutions of its conditions, and how many of them have a lower corank.
     """
 
@@ -108,6 +108,7 @@ class Agreement:
         exact: points of exact families, and how many lie on a numeric one.
         differences: none where every point lies on both sides.
         wider: exact families to be read with care.
+        loose: numeric ones; their points of a lower corank were not tried on the other side.
     """
 
     matches: tuple[Match, ...]
@@ -115,6 +116,7 @@ class Agreement:
     exact: Check
     differences: tuple[Difference, ...]
     wider: tuple[Wider, ...] = ()
+    loose: tuple[Wider, ...] = ()
 
 
 def match(
@@ -158,7 +160,7 @@ def match(
     inside: set[tuple[str, str]] = set()
     counts = {True: Check(0, 0), False: Check(0, 0)}
     said: list[Difference] = []
-    wider: list[Wider] = []
+    wider: dict[bool, list[Wider]] = {True: [], False: []}
     for corank in sorted({one.corank for one in (*rows, *families)}):
         setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
         mine = [row for row in rows if row.corank == corank]
@@ -167,7 +169,7 @@ def match(
             rng = np.random.default_rng([seed, corank, numeric])
             own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
             for one in here:
-                points = solutions(setting, one, rng, singular=not numeric)
+                points = solutions(setting, one, rng)
                 met = _tried(setting, one, points, there)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
                 said += [Difference(own, one.id, one.name, text) for text in met.wrong(others)]
@@ -175,9 +177,9 @@ def match(
                 if not numeric:
                     inside |= {(name, one.id) for name in met.around}
                 if points.elsewhere:
-                    wider.append(Wider(one.id, points.solved, points.elsewhere))
+                    wider[numeric].append(Wider(one.id, points.solved, points.elsewhere))
     matches = tuple(_match(row.id, families, kin, inside) for row in rows)
-    return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider))
+    return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider[False]), tuple(wider[True]))
 
 
 def _match(row: str, families: Sequence[Side], kin: set[tuple[str, str]], inside: set[tuple[str, str]]) -> Match:
@@ -262,14 +264,15 @@ def _tried(setting: Setting, one: Side, points: Points, others: Sequence[Side]) 
     )
 
 
-def solutions(setting: Setting, one: Side, rng: np.random.Generator, *, singular: bool = True) -> Points:
+def solutions(setting: Setting, one: Side, rng: np.random.Generator) -> Points:
     """Solutions of a family's equations from random starts, where these are well conditioned.
+
+    Those of a lower corank are left out, and counted.
 
     Args:
         setting: the arm and the corank.
         one: the family.
         rng: of the starts.
-        singular: leave out, and count, solutions of a lower corank.
     """
     witness = np.array([one.witness], dtype=np.float64)
     if not one.equations:
@@ -281,8 +284,7 @@ def solutions(setting: Setting, one: Side, rng: np.random.Generator, *, singular
     slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
     q = q[slopes[:, min(setting.robot.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
     solved = len(q)
-    if singular:
-        q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
+    q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
     elsewhere = solved - len(q)
     witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
     return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)

@@ -79,7 +79,9 @@ class Code:
         imports = "import numpy as np\n" + (f"from numpy import {', '.join(needed)}\n" if needed else "")
         entries = "".join(f'    "{family.id}": {_function(family.id)},\n' for family in self.families)
         table = f'FAMILIES = {{\n{entries}}}\n"""The functions by the marks of their families."""\n'
-        return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
+        said = "".join(f'    "{family.id}": "{_plain(family.name)}",\n' for family in self.families)
+        names = f'NAMES = {{\n{said}}}\n"""What the families are called."""\n'
+        return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table + "\n" + names])
 
     def _python_function(self, family: Described) -> str:
         names = {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
@@ -121,6 +123,7 @@ class Code:
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
         lines += [f" * {_comment(line)}" for line in self._conditions(family)]
         lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
+        lines += [f"#define {prefix.upper()}_{_mark(family.id).upper()}_NAME \"{_plain(family.name)}\""]
         head = f"{prefix}_{_mark(family.id)}(const double q[{self.n}], double residual[{len(residuals)}])"
         body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
         return [*lines, f"static inline void {head}", "{", *body, "}"]

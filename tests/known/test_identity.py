@@ -1,0 +1,66 @@
+"""A family has one id and one name for one arm and task, in every output, however it was found."""
+
+from __future__ import annotations
+
+import pytest
+
+from known.arms import FEW
+from rankdrop.analyze import analyze
+from rankdrop.explain import explain
+from rankdrop.known import shipped
+from rankdrop.known_conditions import conditions_names, shipped_conditions
+from rankdrop.report.content import content
+from rankdrop.robot.open import open_robot
+
+STARTS = 1500
+pytestmark = pytest.mark.shipped
+
+
+def named(families):
+    return [(one.id, one.name, one.corank, one.dimension) for one in families]
+
+
+@pytest.mark.parametrize("name", conditions_names())
+def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
+    found, derived = shipped(name), shipped_conditions(name)
+    assert named(found.families) == named(derived.families)
+    for corank in {one.corank for one in found.families}:
+        names = [one.name for one in found.of_corank(corank)]
+        assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", FEW)
+def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
+    arm = open_robot(name)
+    one = analyze(arm, starts=STARTS, seed=0)
+    other = analyze(arm, starts=STARTS, seed=5)
+    assert named(one.families) == named(other.families) == named(shipped(name).families)
+
+
+@pytest.mark.parametrize("name", ["ur5e", "puma560"])
+def test_every_face_calls_a_family_the_same(name):
+    found, derived = shipped(name), shipped_conditions(name)
+    expected = {one.id: one.name for one in found.families}
+    scope: dict = {}
+    exec(compile(derived.code("python"), "generated", "exec"), scope)
+    assert scope["NAMES"] == expected
+    header = derived.code("c")
+    for mark, said in expected.items():
+        assert f'_{mark.replace(".", "_").upper()}_NAME "{said}"' in header
+    shown = content(found)
+    assert {one.id: one.name for one in shown.analysis.families} == expected
+    assert shown.exact is not None
+    assert {one.id: one.name for one in shown.exact.families} == expected
+    for family in found.families:
+        met = explain(open_robot(name), family.witness).met[0].family
+        assert (met.id, met.name) == (family.id, family.name)
+
+
+@pytest.mark.parametrize("name", ["irb2600", "ur5"])
+def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):
+    """Sampling lists an IRB 2600's elbow twice, by its two values, and puts two sets of a UR5 into one row."""
+    sampled = analyze(open_robot(name), starts=STARTS, exact="off").of_corank(2)
+    both = analyze(open_robot(name), starts=STARTS).of_corank(2)
+    assert len(sampled) != len(both)
+    assert named(both) == named(one for one in shipped_conditions(name).families if one.corank == 2)
+    assert all(one.soundness.holds and one.explained.explained for one in both)

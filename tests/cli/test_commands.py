@@ -322,3 +322,16 @@ def test_explain_tells_what_each_failure_leaves(run) -> None:
     assert "If one joint fails" in told
     assert "4 joint4 0 0 5 of 6 cannot translate" in told
     assert "If one joint fails" not in run("explain", "ur5", "--q", "0,-2.3,0.8,1.5,-1.5,0.3", "--evaluations", "0").out
+
+
+def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
+    ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet")
+    told = " ".join(ended.out.split())
+    assert "3.3614" in told
+    assert "2.9218" not in told
+    assert "Within 5° of singularities share of the joint space inside the limits" in told
+    off = run("analyze", "planar2r", "--limits", "--within", "0", "--starts", "100", "--exact", "off", "--quiet")
+    assert "Within" not in off.out
+    wide = run("analyze", "planar2r", "--within", "0.1", "--starts", "100", "--exact", "off", "--quiet")
+    assert "Within 5.73° of singularities share of the joint space, distance over all" in " ".join(wide.out.split())
+    assert run("analyze", "planar2r", "--within", "2").code == exits.BAD_INPUT

@@ -21,6 +21,7 @@ from rankdrop.atlas.cells import (
     share_text,
     values_text,
 )
+from rankdrop.atlas.inside import Inside, inside_limits, outside_text
 from rankdrop.exactly import conditions_of
 
 if TYPE_CHECKING:
@@ -46,7 +47,9 @@ def corank_section(console: Console, analysis: Analysis, summary: CorankSummary)
     yield ""
     yield _title(analysis, summary, len(rows))
     if rows:
-        yield from _rows(console, analysis.robot, rows, analysis.exact)
+        inside = {row.id: inside_limits(row, analysis.robot) for row in rows if analysis.settings.limits}
+        shown = tuple(inside[row.id].shown(row) if row.id in inside else row for row in rows)
+        yield from _rows(console, analysis.robot, shown, analysis.exact, inside)
     yield Text(_starts_line(summary), style="dim")
 
 
@@ -65,19 +68,19 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
 
 
 def _rows(
-    console: Console, robot: Robot, rows: tuple[Family, ...], exact: Joined | None
+    console: Console, robot: Robot, rows: tuple[Family, ...], exact: Joined | None, inside: dict[str, Inside]
 ) -> Iterator[RenderableType]:
     roomy, tight = _family_table(robot, rows, gap=1), _family_table(robot, rows, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
     if console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN:
         yield _family_table(robot, rows, gap=1, lost=True)
-        yield from _footnotes(rows, exact, lost=False)
+        yield from _footnotes(robot, rows, exact, inside, lost=False)
         return
     fitting = [
         table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width
     ]
     yield fitting[0] if fitting else _family_list(robot, rows)
-    yield from _footnotes(rows, exact, lost=True)
+    yield from _footnotes(robot, rows, exact, inside, lost=True)
 
 
 def _family_table(robot: Robot, rows: tuple[Family, ...], *, gap: int, lost: bool = False) -> Table:
@@ -132,7 +135,9 @@ def _unbroken(cell: str) -> int:
     return len(cell) if len(cell) <= _LONGEST_UNBROKEN else max(map(len, cell.split()))
 
 
-def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) -> Iterator[RenderableType]:
+def _footnotes(
+    robot: Robot, rows: tuple[Family, ...], exact: Joined | None, inside: dict[str, Inside], *, lost: bool
+) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column(no_wrap=True)
@@ -140,6 +145,8 @@ def _footnotes(rows: tuple[Family, ...], exact: Joined | None, *, lost: bool) ->
     told = _told(rows)
     for index, row in enumerate(rows, start=1):
         notes = conditions_of(row, exact)
+        if row.id in inside and inside[row.id].outside:
+            notes = [("limits", outside_text(inside[row.id], robot)), *notes]
         if not notes and row.id not in told:
             continue
         if lost and row.id in told:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import acos, atan, cos, degrees, pi, sin, sqrt
+from math import acos, asin, atan, cos, degrees, pi, sin, sqrt
 
 import numpy as np
 
@@ -301,7 +301,7 @@ def printed_null_directions(q: Array, count: int) -> Array:
 def angle_between(rows: Array, columns: Array) -> float:
     """Largest principal angle between the spans of (k, 6) orthonormal rows and (6, k) orthonormal columns [deg]."""
     outside = rows.T - columns @ (columns.T @ rows.T)
-    return degrees(float(np.arcsin(min(1.0, np.linalg.norm(outside, 2)))))
+    return degrees(asin(min(1.0, float(np.linalg.norm(outside, 2)))))
 
 
 def in_six(row: Array) -> str:

@@ -6,22 +6,19 @@ import doctest
 import importlib
 import pkgutil
 
-import pytest
-
 import rankdrop
 
 FOUND = (module.name for module in pkgutil.walk_packages(rankdrop.__path__, "rankdrop."))
 MODULES = ["rankdrop", *(name for name in FOUND if name != "rankdrop._core")]
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_examples(name: str) -> None:
-    module = importlib.import_module(name)
-    failed, _ = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
-    assert failed == 0
-
-
-def test_there_are_examples() -> None:
-    finder = doctest.DocTestFinder()
-    examples = [test for name in MODULES for test in finder.find(importlib.import_module(name)) if test.examples]
-    assert len(examples) > 10
+def test_what_the_examples_show_is_what_comes() -> None:
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE, verbose=False)
+    finder, examples = doctest.DocTestFinder(), 0
+    told: list[str] = []
+    for name in MODULES:
+        for test in finder.find(importlib.import_module(name)):
+            examples += bool(test.examples)
+            runner.run(test, out=told.append)
+    assert examples > 10
+    assert not told, "".join(told)

@@ -17,9 +17,8 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
@@ -42,6 +41,11 @@ OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matpl
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""
+MUTUAL = {
+    ("exact", "exact/methods"), ("exact", "exact/reading"), ("exact/arm", "exact/decoupling"),
+    ("exact/decoupling", "exact/signs"), ("exact/suppression", "exact/writing"),
+}  # fmt: skip
+"""Folders that still import each other."""
 
 
 def modules() -> dict[str, Path]:
@@ -58,9 +62,15 @@ def modules() -> dict[str, Path]:
 MODULES = modules()
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    """The syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path: Path, *, at_import_only: bool = False) -> Iterator[str]:
     """Full dotted names imported by a file; `from a import b` gives a.b. Names for type checking count unless asked."""
-    stack: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    stack: list[ast.AST] = [parsed(path)]
     while stack:
         node = stack.pop()
         if isinstance(node, ast.Import):
@@ -76,7 +86,8 @@ def imports(path: Path, *, at_import_only: bool = False) -> Iterator[str]:
             stack.extend(ast.iter_child_nodes(node))
 
 
-def own_imports(module: str) -> set[str]:
+@cache
+def own_imports(module: str) -> frozenset[str]:
     """Modules of this package that `module` imports."""
     names = set()
     for name in imports(MODULES[module]):
@@ -85,7 +96,7 @@ def own_imports(module: str) -> set[str]:
         inner = name.removeprefix("rankdrop.")
         # `from rankdrop.task import Task` names a thing inside a module, `from rankdrop.cli import exits` a module
         names.add(inner if inner in MODULES else inner.rpartition(".")[0] or inner)
-    return names - {module}
+    return frozenset(names - {module})
 
 
 def floor(module: str) -> int:
@@ -97,32 +108,54 @@ def test_every_module_has_a_floor() -> None:
     assert [module for module in MODULES if module.split(".")[0] not in FLOORS] == []
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_imports_go_down(module: str) -> None:
-    upward = [name for name in own_imports(module) if floor(name) > floor(module)]
-    assert upward == []
+def test_imports_go_down() -> None:
+    upward = [
+        f"{module} imports {name}" for module in MODULES for name in own_imports(module) if floor(name) > floor(module)
+    ]
+    assert not upward, "\n".join(upward)
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_the_package_root_is_not_imported_from_inside(module: str) -> None:
-    root = [name for name in imports(MODULES[module]) if name == "rankdrop" or name.startswith("rankdrop.__")]
-    assert root == []
+def test_the_package_root_is_not_imported_from_inside() -> None:
+    from_the_root = [
+        f"{module} imports {name}"
+        for module, path in MODULES.items()
+        for name in imports(path)
+        if name == "rankdrop" or name.startswith("rankdrop.__")
+    ]
+    assert not from_the_root, "\n".join(from_the_root)
 
 
 def test_no_cycles() -> None:
-    left = {module: own_imports(module) & set(MODULES) for module in MODULES}
+    left = {module: own_imports(module) & MODULES.keys() for module in MODULES}
     while ready := [module for module, needed in left.items() if not needed & set(left)]:
         for module in ready:
             del left[module]
     assert not left, f"these import each other: {sorted(left)}"
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_optional_packages_are_imported_where_they_are_needed(module: str) -> None:
-    tops = {name.split(".")[0] for name in imports(MODULES[module], at_import_only=True)}
-    assert tops & OPTIONAL == set()
-    if floor(module) < 6:
-        assert tops & FACES == set()
+def folder(module: str) -> str:
+    """The folder a module's file is in; "" for the top of the package."""
+    return MODULES[module].parent.relative_to(SOURCE).as_posix().removeprefix(".")
+
+
+def test_no_two_folders_import_each_other() -> None:
+    """But for what is listed, which gets shorter only. The top of the package, which holds the verbs, is no folder."""
+    needed: dict[str, set[str]] = {}
+    for module in MODULES:
+        theirs = {folder(name) for name in own_imports(module) if name in MODULES}
+        needed.setdefault(folder(module), set()).update(theirs - {folder(module), ""})
+    both = {(one, other) for one in needed for other in needed[one] if one and one < other and one in needed[other]}
+    assert both - MUTUAL == set(), "these folders import each other: move what both need, or make them one"
+    assert MUTUAL - both == set(), "these do no longer: take them from MUTUAL"
+
+
+def test_optional_packages_are_imported_where_they_are_needed() -> None:
+    early = []
+    for module, path in MODULES.items():
+        refused = OPTIONAL if floor(module) == 6 else OPTIONAL | FACES
+        tops = {name.split(".")[0] for name in imports(path, at_import_only=True)}
+        early += [f"{module} imports {name}" for name in sorted(tops & refused)]
+    assert not early, "\n".join(early)
 
 
 def test_importing_the_package_stays_light() -> None:

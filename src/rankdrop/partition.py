@@ -56,7 +56,7 @@ def in_exact_terms(
         if made is None:
             continue
         now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
-        rows.append(_named_after(setting, made, family))
+        rows.append(replace(made, id=family.id, name=family.name))
         matches.append(Match(family.id, (family.id,)))
     strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
     named = numbered(strangers, setting.corank, after=len(families))  # in the order they have already
@@ -71,16 +71,6 @@ def _judged(row: Family, loose: Wider | None) -> Family:
         return row
     tested, singular = row.soundness.tested, row.soundness.singular
     return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
-
-
-def _named_after(setting: Setting, row: Family, family: ExactFamily) -> Family:
-    """A row with the id, the name, and the witness of the exact family, where that is within the limits."""
-    row = replace(row, id=family.id, name=family.name)
-    at = np.array(family.witness)
-    if not setting.allowed(at[None])[0] or not lies_on(row, at[None], setting.tolerances)[0]:
-        return row
-    directions, _ = told(setting.robot, at, at[None], setting.task, setting.corank)
-    return replace(row, witness=family.witness, lost_directions=directions, lost_words=family.lost_words)
 
 
 def _measured(

@@ -19,6 +19,7 @@ from rankdrop.atlas.family import CorankSummary, Family, Pinned, Share, Soundnes
 from rankdrop.atlas.share import Near, NearShare
 from rankdrop.errors import ResultFileError
 from rankdrop.frames import Frame
+from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
 from rankdrop.task import Task
 
@@ -96,12 +97,23 @@ def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
         "about": robot.about,
         "notes": list(robot.notes),
         **({"lengths": dict(robot.lengths)} if robot.lengths else {}),
+        **_near_to_dict(robot),
         "source": asdict(robot.source),
         "made_for": robot.task,
         "frame": {"axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)},
         "rows": list(task.rows),
         "home": robot.home.tolist(),
         "chain": [_joint_to_dict(joint) for joint in robot.joints],
+    }
+
+
+def _near_to_dict(robot: Robot) -> Record:
+    """The ideal arm that is near, and what `--ideal` takes to find it; no entry where none is."""
+    found = near_ideal(robot)
+    if found is None:
+        return {}
+    return {
+        "near": {"text": found.text, "length": found.length, "angle": found.angle, "ideal": found.tolerance.text}
     }
 
 

@@ -120,7 +120,7 @@ def test_members_satisfy_their_family(name: str) -> None:
     analysis = known(name)
     for family in analysis.families:
         q = members(analysis.robot, analysis.task, family, 50, 3)
-        assert len(q) > 25
+        assert len(q) > 20
         assert max(np.abs(equation(q)).max() for equation in family.equations) < 1e-9
         assert sigma_lost(analysis, q, family.corank) <= SINGULAR
 

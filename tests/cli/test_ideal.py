@@ -30,6 +30,18 @@ def test_one_line_says_what_is_near_and_what_to_type(run, command: tuple[str, ..
     assert "The arm itself" not in ended.out
 
 
+def test_what_is_near_stands_in_every_file_too(run) -> None:
+    near = {"text": "this arm is within 1 mm of one with a spherical wrist and no offset along axes 2 and 3",
+            "length": pytest.approx(1e-3, rel=0.2), "angle": 0.0, "ideal": "1.1mm"}  # fmt: skip
+    arm = ("gen3_6dof", "--json", "-")
+    commands = [("analyze", *arm, "--starts", "100", "--exact", "off", "--quiet"),
+                ("explain", *arm, "--q", "0,1,1,0.3,0.4,0.5")]  # fmt: skip
+    for command in commands:
+        assert json.loads(run(*command).out)["robot"]["near"] == near
+    exact = ("explain", "puma560", "--q", "0,0.5,1,0.3,0.4,0.5", "--json", "-")
+    assert "near" not in json.loads(run(*exact).out)["robot"]
+
+
 def test_an_exact_arm_is_told_nothing(run) -> None:
     assert "--ideal" not in run("explain", "puma560", "--q", "0,0.5,1,0.3,0.4,0.5").out
     assert "--ideal" not in run("conditions", "puma560", "--quiet").out
@@ -117,3 +129,14 @@ def test_a_calibrated_arm_as_it_is_ends_with_an_honest_verdict(run, command: tup
     assert "see --ideal 0.46mm,0.095deg" in text
     assert max(map(len, ended.out.splitlines())) <= 100
     assert len(ended.out.splitlines()) < 380
+
+
+def test_many_rows_of_a_calibrated_arm_are_folded_but_for_a_few(run) -> None:
+    options = ("--starts", "1000", "--exact", "off", "--quiet")
+    short, long = (run("analyze", CALIBRATED, *options, *more).out for more in ((), ("--all",)))
+    rows = int(one_line(short).split("Corank 2 (rank 4 of 6): ")[1].split()[0])
+    assert rows > 24
+    assert f"and {rows - 3} more rows, none unsound: " in one_line(short)
+    assert "All of them with --all." in one_line(short)
+    assert "more rows" not in one_line(long)
+    assert len(short.splitlines()) < 80 < len(long.splitlines())

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from pathlib import Path
-from types import ModuleType
 from xml.etree import ElementTree
+
+from scripts import tool
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "docs" / "images" / "pa10.svg"
-
-
-def tool() -> ModuleType:
-    """The drawing tool, from its file."""
-    spec = importlib.util.spec_from_file_location("draw_singularities", ROOT / "tools" / "draw_singularities.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def numbers(text: str) -> list[float]:
@@ -29,7 +19,7 @@ def numbers(text: str) -> list[float]:
 
 def test_the_picture_is_what_is_drawn_now() -> None:
     """Up to a tenth of a pixel: the last bits of coordinates may differ from machine to machine."""
-    drawn, kept = tool().drawing(), PICTURE.read_text(encoding="utf-8")
+    drawn, kept = tool("draw_singularities").drawing(), PICTURE.read_text(encoding="utf-8")
     assert re.sub(r"-?\d+\.?\d*", "#", drawn) == re.sub(r"-?\d+\.?\d*", "#", kept)
     assert all(abs(a - b) < 0.11 for a, b in zip(numbers(drawn), numbers(kept), strict=True))
 

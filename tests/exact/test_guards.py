@@ -54,10 +54,10 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     """The families agree; the ranks alone do not."""
     robot = open_robot("scara")
     task = resolve_task(None, robot)
-    rows = families(search(robot, 1, starts=100)).families
+    numeric = families(search(robot, 1, starts=100))
     monkeypatch.setattr(join_module, "conditions", lambda *args, **options: replace(conditions(*args, **options),
                                                                                     **change))  # fmt: skip
-    found = join(robot, task, 4, rows)
+    _, found = join(robot, task, 4, [numeric])
     assert found is not None
     assert found.status == DIFFERS
     assert len(found.disagreements) == 1

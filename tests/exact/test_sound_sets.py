@@ -73,7 +73,7 @@ def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
     assert left == 0
 
 
-@pytest.mark.parametrize("seed", [1, 2, 12])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), 12])
 def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
     complete, families, tested, left = lost(structured(seed))
     assert complete
@@ -90,7 +90,7 @@ def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> 
     assert left == 0 or not complete
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_7r_arm_with_all_offsets_is_complete_with_letters_at_every_corank(seed: int) -> None:
     found = conditions(all_offsets(seed))
     assert found.complete

@@ -182,3 +182,14 @@ def test_a_set_cut_where_its_solution_has_no_denominator_keeps_both_components(r
     parts = cut_half(one, a, Work())
     assert is_there(ring, parts, {}, a, b), "A = B = 0 with t3 free"
     assert is_there(ring, parts, {3: "pi"}, a), "A = 0 with θ3 = π"
+
+
+def test_a_condition_that_was_solved_with_is_still_known_where_the_solution_does_not_exist() -> None:
+    """t5 = √2 put into t6 (t4² − 1) + t4 t5 (t6² − 1) = 0, which is solved for t5: at t4 = t6 = 0 it says nothing."""
+    ring = Ring([4, 5, 6])
+    t4, t5, t6 = (ring.t[j] for j in (4, 5, 6))
+    system = [form(f, ring) for f in (t5**2 - 2, t6 * (t4**2 - 1) + t4 * t5 * (t6**2 - 1))]
+    (curve,) = decompose(ring, {}, system, 2, Work())
+    met = {(piece.pins[4], piece.pins[6], str(piece.equations)) for piece in cut(curve, ring.s[4] * ring.s[6], Work())}
+    wanted = str((t5**2 - 2,))
+    assert met == {(one, two, wanted) for one in ("0", "pi") for two in ("0", "pi")}

@@ -1,18 +1,16 @@
 """docs/arms.md is true: its rows are those of the shipped results, and of the makers' files analysed now.
 
-The 98 files of `data/arms` anew: `pytest -m slow tests/known/test_arms_page.py` (a quarter of an hour); two by default.
+The 98 files of `data/arms` anew: `pytest -m slow tests/known/test_arms_page.py` (a quarter of an hour); one by default.
 """
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
 import pytest
+from scripts import tool
 
 from rankdrop import known_conditions as shelf
 from rankdrop.known import shipped
@@ -20,25 +18,14 @@ from rankdrop.robot.open import robot_names
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "arms.md"
-QUICK = ("m1509_blue", "cr5_robot")
+QUICK = ("m1509_blue",)
 AT_LEAST = 94
 """Of the makers' files so many end with exit code 0 from both commands."""
 LONGEST = 20.0
 """CPU seconds that one command may take for one of them."""
 
 
-def _tool() -> ModuleType:
-    """The tool that writes the page, from its file."""
-    spec = importlib.util.spec_from_file_location("make_arms_page", ROOT / "tools" / "make_arms_page.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
-
-
-TOOL = _tool()
+TOOL = tool("make_arms_page")
 NAMES = [one["name"] for one in TOOL.skeletons()]
 ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in NAMES]
 

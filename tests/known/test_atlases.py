@@ -1,7 +1,7 @@
 """The atlases that come with the package are those of the catalogue's arms, true, complete, and found by geometry.
 
-All of them made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. It is the one
-test that analyses the whole catalogue.
+One of each structure made anew and compared: `pytest -m slow tests/known/test_atlases.py`; two by default. The whole
+catalogue, with fewer starts: `test_every_arm.py`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from known.arms import KINDS
+from known.arms import KINDS, structures
 from rankdrop.analyze import analyze
 from rankdrop.atlas.monitor import Monitor
 from rankdrop.atlas.row import soundness
@@ -31,7 +31,7 @@ from rankdrop.task import resolve_task
 from rankdrop.version import VERSION
 
 QUICK = ("planar3r", "puma560")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names()]
+ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures()]
 
 
 def test_every_arm_of_the_catalogue_has_one_and_all_are_small():
@@ -82,10 +82,16 @@ def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(na
         assert (coranks[seen.family[exact]] == corank).all()
 
 
+def test_what_is_made_anew_is_of_many_structures():
+    assert set(QUICK) <= set(structures())
+    assert len(structures()) > 40
+
+
+@pytest.mark.shipped  # rows take the partition of the exact conditions, which `test_shipped_conditions.py` derives anew
 @pytest.mark.parametrize("name", ANEW)
 def test_made_anew_it_is_the_same(name):
     found = shipped(name)
-    again = analyze(open_robot(name), starts=found.settings.starts, seed=found.settings.seed, exact="off")
+    again = analyze(open_robot(name), starts=found.settings.starts, seed=found.settings.seed, exact="auto")
     rows = [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in again.families]
     assert rows == [(f.id, f.name, f.corank, f.dimension, f.free, f.coupled) for f in found.families]
     for new, old in zip(again.families, found.families, strict=True):

@@ -13,6 +13,7 @@ from rankdrop.report.content import content
 from rankdrop.robot.open import open_robot
 
 STARTS = 1500
+LONG = ("iiwa14", "canadarm2", "fetch8")
 pytestmark = pytest.mark.shipped
 
 
@@ -29,7 +30,7 @@ def test_shipped_atlas_and_shipped_conditions_list_the_same_families(name):
         assert len(set(names)) == len(names)
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] if x in LONG else []) for x in FEW])
 def test_what_is_analysed_on_the_spot_has_the_ids_and_names_of_what_is_shipped(name):
     arm = open_robot(name)
     one = analyze(arm, starts=STARTS, seed=0)

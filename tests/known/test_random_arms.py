@@ -15,7 +15,10 @@ def random_arm(n: int, seed: int):
     return from_dh(rows, convention="standard", name=f"random{n}r")
 
 
-@pytest.mark.parametrize(("n", "coranks"), [(6, [True, True, False]), (7, [True, False]), (8, [True, False])])
+@pytest.mark.parametrize(
+    ("n", "coranks"),
+    [(6, [True, True, False]), (7, [True, False]), pytest.param(8, [True, False], marks=pytest.mark.slow)],
+)
 def test_coranks_that_exist(n, coranks):
     analysis = analyze(random_arm(n, 4), starts=600, seed=4, exact="off")
     assert [summary.converged > 0 for summary in analysis.coranks] == coranks

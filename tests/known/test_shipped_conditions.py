@@ -1,6 +1,6 @@
 """The exact conditions that come with the package are those of the catalogue's arms, and what a derivation gives.
 
-Those of each kind derived anew and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
+One of each structure anew, and compared: `pytest -m slow tests/known/test_shipped_conditions.py`; three by default.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from known.arms import KINDS
+from known.arms import structures
 from rankdrop import known_conditions as shelf
 from rankdrop.analyze import analyze
 from rankdrop.cli import exits, main
@@ -30,7 +30,9 @@ from rankdrop.version import VERSION
 
 SHIPPED = shelf.conditions_names()
 QUICK = ("planar3r", "puma560", "scara")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KINDS if name in SHIPPED]
+ANEW = [
+    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures() if name in SHIPPED
+]
 
 
 def through_json(found: Conditions) -> Any:

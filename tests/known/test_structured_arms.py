@@ -125,7 +125,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     assert 0 < wide.soundness.singular < wide.soundness.tested
 
 
-@pytest.mark.parametrize(("n", "seed"), [(6, 6), (7, 16), (6, 32)])
+@pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])
 def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed: int) -> None:
     found, rng = analysed(n, seed), np.random.default_rng(seed)
     assert unsound(found, rng) == {}
@@ -133,12 +133,6 @@ def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [6, 7])
-def test_both_gates_hold_for_forty_arms(n: int) -> None:
-    wrong = {}
-    for seed in range(40):
-        found, rng = analysed(n, seed), np.random.default_rng(seed)
-        failed = unsound(found, rng), uncovered(found, rng)
-        if any(failed):
-            wrong[seed] = failed
-    assert wrong == {}
+@pytest.mark.parametrize(("n", "seed"), [(n, seed) for n in (6, 7) for seed in range(40)])
+def test_both_gates_hold_for_forty_arms(n: int, seed: int) -> None:
+    test_rows_are_sound_everywhere_and_singular_points_are_on_them(n, seed)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
 from math import pi
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from scripts import tool
 
 from rankdrop.kinematics import pose
 from rankdrop.robot.dh import from_dh
@@ -16,24 +14,13 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, revolute
 
-
-def _tool() -> ModuleType:
-    path = Path(__file__).resolve().parents[2] / "tools" / "dh_table.py"
-    spec = importlib.util.spec_from_file_location("dh_table", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-TOOL = _tool()
+TOOL = tool("dh_table")
 
 
 def again(robot: Robot) -> Robot:
     """The robot of its table."""
-    base, rows, tool = TOOL.dh_table(robot)
-    return from_dh(rows, convention="standard", base=base, tool=tool)
+    base, rows, end = TOOL.dh_table(robot)
+    return from_dh(rows, convention="standard", base=base, tool=end)
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -196,15 +196,21 @@ def test_lengths_lose_their_last_digits_of_noise() -> None:
     assert (one.a, two.a, two.d) == (0.24, pytest.approx(0.1234567891, abs=1e-16), 0.0)
 
 
-@pytest.mark.parametrize("unit", [1e-3, 1e3])
-def test_in_other_units_the_tolerance_of_lengths_goes_with_the_arm(unit: float) -> None:
-    bound = 30.0 if unit > 1 else 0.03  # metres; the links of this arm have 0.6 units
-    tolerance = MEETING * 0.6 * unit / bound
-    for share, inside in ((0.99, True), (1.02, False)):
-        rows = [(0, pi / 2, 0.3 * unit, 0), (0.4 * unit, 0, share * tolerance, 0), (0.2 * unit, 0, 0, 0)]
-        arm = from_dh(rows, convention="standard")
-        assert meeting(arm) == pytest.approx(tolerance, rel=0.01)
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3, 1e6], ids=["km", "m", "mm", "µm"])
+@pytest.mark.parametrize("size", [0.05, 1.0, 25.0])
+def test_two_micrometres_are_the_same_in_any_unit(unit: float, size: float) -> None:
+    for noise, inside in ((1e-6, True), (0.99 * MEETING, True), (1.01 * MEETING, False)):
+        rows = [(0, pi / 2, 0.3 * size, 0), (0.4 * size, 0, noise, 0), (0.2 * size, 0, 0, 0)]
+        arm = from_dh([(a * unit, alpha, d * unit, 0) for a, alpha, d, _ in rows], convention="standard")
+        assert meeting(arm) == pytest.approx(MEETING * unit)
         assert (squared(arm)[0] is not arm) is inside
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3, 1e6], ids=["km", "m", "mm", "µm"])
+def test_noise_of_less_than_a_nanometre_goes_in_any_unit(unit: float) -> None:
+    rows = [(0.4 + 4e-10, pi / 2, 0, 0), (0.3, 0, 0, 0), (0.1, 0, 0, 0)]
+    arm = from_dh([(a * unit, alpha, d * unit, 0) for a, alpha, d, _ in rows], convention="standard")
+    assert numbers_of(squared(arm)[0], angle=1e-6, length=1e-9 * unit)[0].a == 0.4 * unit
 
 
 def test_an_arm_without_structure_is_left_alone(rng: np.random.Generator) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from math import degrees, floor, isclose
 
 from rankdrop.atlas.equation import Equation, pretty_angle
@@ -19,7 +18,7 @@ _LEGEND = (
     "{length} m counted as 1 rad."
 )
 _SAME = 1e-9
-_MOST_TERMS, _FIRST_TERMS = 30, 8  # a longer condition is for programs; its beginning is for people
+_MOST_TERMS = 30  # a longer condition is for programs
 _FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
 
 
@@ -88,8 +87,5 @@ def _counted(equation: Equation) -> str:
 
 
 def condition_text(equation: Equation) -> str:
-    """One condition for reading; of a very long one the beginning."""
-    if len(equation.terms) <= _MOST_TERMS:
-        return f"{equation.pretty()} = 0"
-    first = replace(equation, terms=equation.terms[:_FIRST_TERMS])
-    return f"{first.pretty()} + … = 0 ({len(equation.terms)} terms; all of them with --json)"
+    """One condition for reading; a very long one is only counted."""
+    return f"{equation.pretty()} = 0" if len(equation.terms) <= _MOST_TERMS else _counted(equation)

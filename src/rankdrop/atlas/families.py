@@ -107,7 +107,7 @@ def families(
     rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
     found = []
-    for count, row in enumerate(kept):
+    for count, row in enumerate(sorted(kept, key=_order)):
         per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
         shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
@@ -178,6 +178,12 @@ def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, t
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
+
+
+def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:
+    """By which the rows get their random numbers: what a row is, not when it was found."""
+    s = row.signature
+    return (s.rank, s.pinned, s.coupled, row.sets)
 
 
 def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array) -> Family:

@@ -19,6 +19,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 
 AT_LEAST = "≥"
+_MANY, _LARGEST = 24, 8  # of more rows, those of calibrated arms, so many are told
 
 
 def overview(
@@ -62,8 +63,11 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     """Shares of the joint space near the families."""
     names = {family.id: family.name for family in families}
     where = "the joint space inside the limits" if near.limits else "the joint space"
-    rows = [*((one.id, names.get(one.id, ""), one) for one in near.families), ("any", "", near.any)]
+    told = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
+    rows = [*((one.id, names.get(one.id, ""), one) for one in told), ("any", "", near.any)]
     notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
+    if len(told) < len(near.families):
+        notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")
     if near.any.bound:
         notes.append(f"{AT_LEAST}: coupled joints, whose nearest point may be missed, or a row without conditions")
     return Section(

@@ -34,6 +34,7 @@ def analyze(
     starts: Whole = 10_000,
     seed: Whole = 0,
     threads: Whole = 0,
+    all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -63,6 +64,7 @@ def analyze(
         starts: Random starts for each corank.
         seed: Of every random choice; the same seed gives the same result.
         threads: Processors to use; 0 means all. The result does not depend on it.
+        all: Show every row. Otherwise of more than 24 of one corank, those of calibrated arms, a few stand for all.
         json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
         quiet: No progress.
     """
@@ -87,14 +89,16 @@ def analyze(
         record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds))
+        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds, every=all))
     if json is not None:
         steps.append(lambda: write_json(record, json))
     do_all(steps)
     return _exit_code(analysis)
 
 
-def _print(analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float) -> None:
+def _print(
+    analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float, every: bool
+) -> None:
     from rich.text import Text
 
     from rankdrop.atlas.cells import legend
@@ -119,7 +123,7 @@ def _print(analysis: Analysis, task: Task, made: Idealised | None, there: Sequen
     if made is not None:
         print_sections([moved_section(made)], first=False)
     for summary in analysis.coranks:
-        show(console, corank_section(console, analysis, summary))
+        show(console, corank_section(console, analysis, summary, every=every))
     if there:
         print_sections([there_section(there)], first=False)
     key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []

@@ -39,9 +39,7 @@ def near_line(robot: Robot, asked: Idealised | None) -> dict[str, str]:
     from rankdrop.robot.ideal import near_ideal
 
     found = near_ideal(robot) if asked is None else None
-    if found is None or not found.tolerance.text:
-        return {}
-    return {"near": f"{found.text}: see --ideal {found.tolerance.text}"}
+    return {} if found is None else {"near": found.line}
 
 
 def of_ideal(verdict: Verdict, asked: Idealised | None) -> Verdict:

@@ -97,29 +97,32 @@ class _Turned:
             u = rng.randrange(2, P)
             self._tops.append(gens[k] + u)
             self._bottoms.append(1 - gens[k] * u)
-        self._slides = gens[ring.angles :]
+        self._moving = ring.moving
 
     def half(self, f: Polynomial, degrees: Sequence[int]) -> Polynomial:
         """f · Π (1 − u_j t_j)^degree at the turned angles; the degrees are those it counts for."""
-        degrees = degrees[: self._angles]
-        powers: dict[tuple[int, int], Polynomial] = {}
-        one = self.context.constant(1)
-        total = self.context.constant(0)
         g = reduced(f)
-        tick(20 + 12 * len(f))
-        for e, value in g.to_dict().items():
-            term = one * int(value)
-            for k, degree in enumerate(degrees):
-                power = int(e[k])
-                if degree:
+        tick(20 + 12 * len(f) + 2 * prod(1 + degree for degree in degrees[: self._angles]))
+        powers: dict[tuple[int, int], Polynomial] = {}
+
+        def nested(items: list[tuple[tuple[int, ...], int]], k: int) -> Polynomial:
+            """Σ c t^e with the angles from the k-th on turned: one power of each is multiplied in at a time."""
+            if k == self._angles:
+                return self.context.from_dict({(0,) * k + e[k : self._moving]: value for e, value in items})
+            groups: dict[int, list[tuple[tuple[int, ...], int]]] = {}
+            for item in items:
+                groups.setdefault(item[0][k], []).append(item)
+            total = self.context.constant(0)
+            for power, group in groups.items():
+                inner = nested(group, k + 1)
+                if degrees[k]:
                     if (k, power) not in powers:
-                        powers[k, power] = self._tops[k] ** power * self._bottoms[k] ** (degree - power)
-                    term = term * powers[k, power]
-            for k, slide in enumerate(self._slides, self._angles):
-                if e[k]:
-                    term = term * slide ** int(e[k])
-            total += term
-        return total
+                        powers[k, power] = self._tops[k] ** power * self._bottoms[k] ** (degrees[k] - power)
+                    inner = inner * powers[k, power]
+                total += inner
+            return total
+
+        return nested([(tuple(map(int, e)), int(value)) for e, value in g.to_dict().items()], 0)
 
 
 class _Known:

@@ -11,7 +11,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
-from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.decoupling.decouple import Decoupling, decouple, why_not
 from rankdrop.exact.family import ExactFamily
@@ -69,7 +69,7 @@ def corank_one(
     Args:
         chain: the arm.
         method: one of `METHODS`; "auto" takes decoupling where blocks are square, suppression for redundant arms with
-            all six rows, the determinant for other square Jacobians, else the tree.
+            all six rows and at most `WIDE` joints, the determinant for other square Jacobians, else the tree.
         tree: of the arm.
         families: made from it.
         work: deadline and random points.
@@ -87,7 +87,7 @@ def corank_one(
     if method == "auto" and tree.complete and longest > _LONG:
         reason = f"{why_not(chain)}; with conditions of {longest} terms no second method comes to an end"
         return CorankOne("tree", reason, (("Rank tree", _tree_lines(tree)),))
-    if method == "suppression" or (method == "auto" and six and chain.n > 6 and tree.generic_rank == 6):
+    if method == "suppression" or (method == "auto" and six and 6 < chain.n <= WIDE and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
         return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):

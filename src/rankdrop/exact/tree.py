@@ -22,6 +22,8 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.barren import barren
+from rankdrop.exact.cleared import smallest
+from rankdrop.local.block import generic_rank
 
 _STAGE = 0.7  # share of the time left that one rank may take
 _TRIED = 12  # minors factored before one is chosen: more cost more than the better choice saves
@@ -72,21 +74,27 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
     whole = Variety.whole(chain.ring)
-    generic = rank_on(chain.columns, whole)
-    tree = Tree(generic)
+    try:
+        columns, never = smallest(chain)
+    except OutOfTime as stop:
+        rank = generic_rank(chain.own, chain.own_task)
+        return Tree(rank, complete=False, left=[f"{stop}: the arm's screws were not written down"])
+    generic = rank_on(columns, whole)
+    tree = Tree(generic + never)
     found: list[Drop] = []
+    lowest = max(lowest - never, 0)
     for order in range(generic, lowest, -1):
         waiting = [whole]
         try:
-            if order < generic and barren(chain.ring, chain.columns, order, {}, (), work):
+            if order < generic and barren(chain.ring, columns, order, {}, (), work):
                 break  # nowhere is the rank as low
             with work.share(1.0 if order == lowest + 1 else _STAGE):
-                _explore(chain.columns, order, waiting, found, tree, work)
+                _explore(columns, order, waiting, found, tree, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             tree.complete = False
             what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
             tree.left.append(
-                f"{what} while looking for drops below rank {order}: {len(waiting)} sets were not looked into "
+                f"{what} while looking for drops below rank {order + never}: {len(waiting)} sets were not looked into "
                 "to the end"
             )
             if isinstance(stop, KeyboardInterrupt):
@@ -94,7 +102,8 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
                 break
         if not any(drop.rank < order for drop in found):
             break
-    tree.drops = largest(found)
+    tree.drops = largest([Drop(one.piece, one.rank + never) for one in found])
+    tree.pointless = [(piece, order + never, last) for piece, order, last in tree.pointless]
     return tree
 
 

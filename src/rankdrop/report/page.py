@@ -17,6 +17,7 @@ from rankdrop.report.sections import (
     workspace_section,
 )
 from rankdrop.report.tables import corank_tables
+from rankdrop.robot.ideal import near_ideal
 from rankdrop.sections import html
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
@@ -80,7 +81,9 @@ def _header(content: Content) -> str:
     told = f'<details class="small"><summary>source of the numbers</summary>{escape(source)}</details>'
     notes = told if source else ""
     notes += "".join(f"<p class='bad'>{escape(note)}</p>" for note in analysis.notes)
-    notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in robot.notes)
+    near = None if content.beside else near_ideal(robot)
+    small = [*robot.notes, *([] if near is None else [near.line])]
+    notes += "".join(f"<p class='small'>{escape(note)}</p>" for note in small)
     return (
         f'<header><h1>{escape(robot.name)} <span class="badge {css}">{verdict.word}</span></h1>'
         f'<p class="{css}">{escape(verdict.sentence)}</p>'

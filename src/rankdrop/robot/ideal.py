@@ -71,6 +71,11 @@ class Near:
         joint = ", " if more else " and "
         return f"this arm is within {', '.join(parts)} of one with {joint.join(self.gained[:2])}{more}"
 
+    @property
+    def line(self) -> str:
+        """`text` and the option with which commands take the ideal arm."""
+        return f"{self.text}: see --ideal {self.tolerance.text}"
+
 
 def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
     """A tolerance as it is typed: a length, an angle or both, each with its unit.
@@ -150,7 +155,7 @@ def near_ideal(robot: Robot) -> Near | None:
         if near is not None and near.length < (tolerance.length or 0.0) / 2:  # another number set it
             near = _found_with(robot, _wide(replace(tolerance, length=near.length), 1.0), gained) or near
         if near is not None:
-            return near
+            return near if near.tolerance.text else None  # else the arm is read as that one already
     return None
 
 

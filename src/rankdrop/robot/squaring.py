@@ -59,10 +59,16 @@ def exact_direction(direction: Array, angle: float) -> Array:
     return found if float(np.linalg.norm(found - direction)) <= angle else direction
 
 
-def tidy(lengths: Array) -> Array:
-    """Lengths [m] that are a whole number of micrometres to a nanometre are that: 0.240000000000178 is 0.24."""
-    whole = np.rint(lengths * 1e6) / 1e6
-    return np.asarray(np.where(np.abs(lengths - whole) < NOTHING, whole, lengths)) + 0.0
+def tidy(lengths: Array, unit: float = 1.0) -> Array:
+    """Lengths that are a whole number of micrometres to a nanometre are that: 0.240000000000178 m is 0.24.
+
+    Args:
+        lengths: in any unit.
+        unit: a power of 1000: a metre in it.
+    """
+    step = 1e6 / unit  # a whole number, or what it divides: 0.24 comes out as it is written
+    whole = np.rint(lengths * step) / step
+    return np.asarray(np.where(np.abs(lengths - whole) < NOTHING * unit, whole, lengths)) + 0.0
 
 
 def _apart(one: Array, two: Array) -> float:

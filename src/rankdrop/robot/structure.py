@@ -26,7 +26,7 @@ _SAME = 1e-13
 _PASSES = 5
 """Making the axes exact may leave a frame that is exact but for noise, and the other way round; two are enough."""
 ORDINARY = (0.03, 30.0)
-"""Sizes of arms [m] for which `MEETING` is meant; beyond them it goes with the arm, which then is in other units."""
+"""Sizes of arms [m]: three decades, so that every arm is of this size in just one of km, m, mm and µm."""
 
 
 def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None) -> tuple[Robot, tuple[Change, ...]]:
@@ -39,7 +39,7 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
     Args:
         robot: any arm.
         angle: how exact an angle has to be [rad]; between the tip and the last link never less than 2e-5.
-        length: how exact a length has to be [m]; None is 2 µm, for arms of 3 cm to 30 m.
+        length: how exact a length has to be [m]; None is 2 µm, also of an arm whose numbers are millimetres.
 
     Returns:
         (arm, changes by more than a nanometre or a billionth of a radian). The arm is `robot` itself where no number
@@ -65,10 +65,19 @@ def squared(robot: Robot, *, angle: float = SQUARE, length: float | None = None)
 
 
 def meeting(robot: Robot) -> float:
-    """How near axes have to come to meet [m]: `MEETING`, in proportion for an arm in other units than metres."""
-    size = extent(robot)
-    low, high = ORDINARY
-    return MEETING * (size / low if size < low else max(size / high, 1.0))
+    """How near axes have to come to meet: `MEETING` in the unit of length in which the arm is of `ORDINARY` size."""
+    return MEETING * _unit(robot)
+
+
+def _unit(robot: Robot) -> float:
+    """1 for an arm in metres, 1000 for one whose numbers are millimetres: a power of 1000."""
+    size, (low, high) = extent(robot), ORDINARY
+    power = 0
+    while size > high * 1000.0**power:
+        power += 1
+    while 0.0 < size <= low * 1000.0**power:
+        power -= 1
+    return float(1000.0**power)
 
 
 _Frame = tuple[Array, Array, bool]  # as given, as made, whether it is far from the arm
@@ -79,34 +88,34 @@ def _frames_squared(robot: Robot, angle: float) -> Robot:
 
     Frames far from the arm are carried along as they are: a small turn of them would be a long way of the axes.
     """
-    old, new, stray = np.eye(4), np.eye(4), False
+    old, new, stray, unit = np.eye(4), np.eye(4), False, _unit(robot)
     joints = []
     for joint, far in zip(robot.joints, astray(robot), strict=True):
         after_old = np.asarray(joint.frame)
-        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, 0.0 if far or stray else angle)
-        screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), angle)
+        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, unit, 0.0 if far or stray else angle)
+        screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), unit, angle)
         joints.append(replace(joint, screw=screw, frame=after_new))
         old, new, stray = after_old, after_new, far
-    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, 0.0 if stray else min(angle, SQUARE))
+    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, unit, 0.0 if stray else min(angle, SQUARE))
     return replace(robot, joints=tuple(joints), home=home)
 
 
-def _pose_squared(pose: Array, angle: float, length: float = 0.0) -> Array:
+def _pose_squared(pose: Array, unit: float, angle: float, length: float = 0.0) -> Array:
     """Pose of one frame in another, rotation exact; parts of the way up to `length` are zero."""
     found = np.eye(4)
     found[:3, :3] = exact_rotation(pose[:3, :3], angle)
-    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3]))
+    found[:3, 3] = np.where(np.abs(pose[:3, 3]) <= length, 0.0, tidy(pose[:3, 3], unit))
     return found
 
 
-def _screw_squared(joint: Joint, before: _Frame, after: _Frame, angle: float) -> Array:
+def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, angle: float) -> Array:
     """The screw in the frame of whichever link's origin is nearer to the axis, made exact there, back in the base."""
     own = [_in_frame(joint.screw, old) for old, _, _ in (after, before)]
-    use = 0 if joint.kind is JointKind.PRISMATIC or _miss(own[0]) <= _miss(own[1]) + NOTHING else 1
+    use = 0 if joint.kind is JointKind.PRISMATIC or _miss(own[0]) <= _miss(own[1]) + NOTHING * unit else 1
     _, frame, far = (after, before)[use]
     direction, point, pitch = _line_of(own[use], joint.kind)
     axis = frame[:3, :3] @ exact_direction(direction, 0.0 if far else angle)
-    return _screw(joint.kind, axis, frame[:3, :3] @ tidy(point) + frame[:3, 3], pitch)
+    return _screw(joint.kind, axis, frame[:3, :3] @ tidy(point, unit) + frame[:3, 3], pitch)
 
 
 def _in_frame(screw: Array, frame: Array) -> Array:
@@ -134,26 +143,28 @@ def _screw(kind: JointKind, direction: Array, point: Array, pitch: float) -> Arr
 
 def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     """Denavit and Hartenberg's numbers made exact, and the arm built of them again where that changes one."""
+    unit = _unit(robot)
     lines = axis_lines(robot, length=length)
     normals = common_normals(robot, lines, angle=angle, length=length)
-    made = [_exact(one, angle, length) for one in between(lines, normals)]
+    made = [_exact(one, unit, angle, length) for one in between(lines, normals)]
     made = _cancelled(made, [joint.kind is JointKind.PRISMATIC for joint in robot.joints], length)
-    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), angle)
+    pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), unit, angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
         pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
         after = frame_at(normals[i + 1].direction, lines[i].direction, normals[i + 1].near)
-        frame = pose @ _pose_squared(np.linalg.inv(after) @ joint.frame, angle, length)
+        frame = pose @ _pose_squared(np.linalg.inv(after) @ joint.frame, unit, angle, length)
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
         joints.append(replace(joint, screw=screw, frame=frame))
         pose = pose @ translation(numbers.a, 0.0, 0.0) @ rotation("x", numbers.twist)
-    home = joints[-1].frame @ _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, min(angle, SQUARE))
+    at_tip = _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, unit, min(angle, SQUARE))
+    home = joints[-1].frame @ at_tip
     found = replace(robot, joints=tuple(joints), home=home)
     return robot if _same(robot, found) else found
 
 
-def _exact(given: Numbers, angle: float, length: float) -> Numbers:
-    d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x))) for x in (given.d, given.a))
+def _exact(given: Numbers, unit: float, angle: float, length: float) -> Numbers:
+    d, a = (0.0 if abs(x) <= length else float(tidy(np.array(x), unit)) for x in (given.d, given.a))
     phase = exact_angle(given.phase, angle, step_for(angle))  # that of a joint that turns counts from anywhere
     return Numbers(phase, d, a, exact_angle(given.twist, angle))
 

@@ -139,12 +139,14 @@ def _eliminated(
     values = [put(ring, form(g, ring), solved) for g in others]
     for piece in decompose(ring, pins, values, most - 1, work, done):
         if not piece.half_vanishes(solved.denominator):
-            found += _solved_on(piece, f, solved.place)
+            found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in used(g)])
     return found
 
 
-def _solved_on(piece: Variety, f: Polynomial, place: int) -> list[Variety]:
-    """A set in the other variables, with the one that a condition is linear in added."""
+def _solved_on(piece: Variety, f: Polynomial, place: int, others: list[Polynomial]) -> list[Variety]:
+    """A set in the other variables, with the one that a condition is linear in added; other conditions on it are kept
+    in mind for where it cannot be solved.
+    """
     f = piece.ring.half_at(f, piece.pins)
     parts = coefficients(f, place)
     if len(parts) != 2:
@@ -154,6 +156,7 @@ def _solved_on(piece: Variety, f: Polynomial, place: int) -> list[Variety]:
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
             equations=(*(primitive(h) for h, _ in f.factor()[1] if place in used(h)), *piece.equations),
+            known=(*piece.known, *(others if used(parts[1]) else ())),
         )
     ]
 
@@ -165,7 +168,8 @@ def _reduced(
     for f, g, k in divisions(ring, system):
         work.check()
         others = [form(h, ring) for h in system if h is not g]
-        return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+        pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+        return [replace(piece, known=(*piece.known, g)) for piece in pieces]
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()

@@ -26,6 +26,8 @@ from rankdrop.exact.algebra.work import OutOfTime
 MANY = 20_000
 """Polynomials of more terms than this take minutes and gigabytes to factor."""
 
+_LONGEST = 2_000_000  # products of terms in one multiplication: half a second, and some hundred megabytes at worst
+
 
 class Ring:
     """Both rings over the rationals, for named joints and lengths.
@@ -257,6 +259,16 @@ class Ring:
         found = self.to_trig(f)
         return found if found is not None else self.to_trig(f * f)
 
+    def product(self, one: Polynomial, two: Polynomial) -> Polynomial:
+        """Of two polynomials, not reduced.
+
+        Raises:
+            OutOfTime: it would have millions of terms; it cannot be interrupted, and takes gigabytes.
+        """
+        if len(one) * len(two) > _LONGEST or max(len(one), len(two)) > 5 * MANY:
+            raise OutOfTime(f"a product of polynomials of {len(one):,} and {len(two):,} terms would grow too long")
+        return one * two
+
     def determinant(self, rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
         """Determinant of a square matrix over `trig`, reduced: Laplace along sparse rows, minors kept."""
         n = len(rows)
@@ -274,7 +286,7 @@ class Ring:
                     if row[column] != 0:
                         below = minor(columns[:place] + columns[place + 1 :])
                         tick(2 + 0.3 * len(row[column]) * len(below))
-                        part = row[column] * below
+                        part = self.product(row[column], below)
                         total = total - part if place % 2 else total + part
                 minors[columns] = self.reduce(total)
             return minors[columns]

@@ -76,7 +76,7 @@ def meet(one: Variety, polynomials: Sequence[Polynomial], work: Work) -> list[Va
     """
     ring = one.ring
     halves = (ring.to_half(ring.at(p, one.pins)) for p in polynomials)
-    conditions = [form(f, ring) for f in one.equations]
+    conditions = [form(f, ring) for f in (*one.equations, *one.known)]
     conditions += [(f, tuple(2 * d for d in degree)) for f, degree in halves]
     found = decompose(ring, one.pins, conditions, one.codimension + 1 - len(one.pins), work)
     return [piece for piece in found if piece.codimension == one.codimension + 1]
@@ -104,7 +104,7 @@ def pinned(one: Variety, joint: int, value: str, work: Work, codimension: int = 
         return [one] if one.pins[joint] == value else []
     if one.stands(joint, value):
         return [one]
-    conditions = [at(ring, form(f, ring), {joint: value}) for f in one.equations]
+    conditions = [at(ring, form(f, ring), {joint: value}) for f in (*one.equations, *one.known)]
     codimension = codimension or one.codimension + 1
     most = codimension - len(one.pins) - 1
     found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
@@ -169,7 +169,7 @@ def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
             factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
             return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
         return [replace(one, rest=(h,), equations=(*one.equations, h))]
-    system = [form(f, ring) for f in (*one.equations, h)]
+    system = [form(f, ring) for f in (*one.equations, *one.known, h)]
     return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
 
 
@@ -209,11 +209,11 @@ def _edges(one: Variety, work: Work) -> list[Variety]:
             work.check()
             if solved.place < ring.angles:
                 joint = ring.revolute[solved.place]
-                there = [at(ring, form(f, ring), {joint: "pi"}) for f in (*one.equations, factor)]
+                there = [at(ring, form(f, ring), {joint: "pi"}) for f in (*one.equations, *one.known, factor)]
                 found += decompose(ring, {**one.pins, joint: "pi"}, there, most - 1, work)
             if top == 0:
                 continue
-            system = (*one.equations, factor, solved.numerator, solved.denominator)
+            system = (*one.equations, *one.known, factor, solved.numerator, solved.denominator)
             found += decompose(ring, one.pins, [form(f, ring) for f in system], most, work)
     edges = [piece for piece in independent(found) if piece.codimension == one.codimension + 1]
     one.__dict__["edges"] = edges  # remembered: a set is cut many times

@@ -51,6 +51,8 @@ class Variety:
         also: trigonometric polynomials that vanish on this set.
         apart: trigonometric polynomials that vanish nowhere on it: an open part of what the conditions hold on.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
+        known: more half-angle polynomials that vanish on it. Where the denominator of a solution vanishes the equations
+            may say nothing of a variable, on sets as large as this one; these, which they were made from, still do.
     """
 
     ring: Ring
@@ -60,6 +62,7 @@ class Variety:
     also: tuple[Polynomial, ...] = ()
     apart: tuple[Polynomial, ...] = ()
     equations: tuple[Polynomial, ...] = ()
+    known: tuple[Polynomial, ...] = ()
 
     @classmethod
     def whole(cls, ring: Ring) -> Variety:
@@ -215,7 +218,7 @@ class Variety:
         trig = trig_evaluator(self.ring)
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
-            and not any(half_value(self.ring, f, point) for f in self.equations)
+            and not any(half_value(self.ring, f, point) for f in (*self.equations, *self.known))
             and not any(trig(p, point) for p in self.also)
             for point in points
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -13,6 +13,7 @@ from rankdrop.errors import TaskError
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, sections
 from rankdrop.exact.arm.naming import named_lengths
 from rankdrop.exact.arm.pose import Matrix, identity, inverse, joint_screw, moved, times
@@ -20,6 +21,10 @@ from rankdrop.frames import BODY, WORLD_ALIGNED
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import UnitRobot, exponent, in_units, task_in_units
+
+WIDE = 8
+"""Joints for the six rows of a pose beyond which letters, and dependent-screw suppression, take longer than they may:
+the sets of lower rank bind four freedoms and more, of as many conditions in letters."""
 
 
 @dataclass(frozen=True)
@@ -110,14 +115,29 @@ class Chain:
 
     @cached_property
     def frame(self) -> int:
-        """The link frame (1 … n − 1) in which the screws are shortest."""
+        """The link frame (1 … n − 1) in which the screws are shortest.
+
+        Raises:
+            OutOfTime: they are too long in each.
+        """
         if self.n == 1:
             return 1
 
-        def terms(k: int) -> int:
-            return sum(len(x) for column in self.screws(k) for x in column)
+        terms: dict[int, int] = {}
+        for k in sorted(self.frames, key=lambda k: abs(2 * k - self.n)):
+            try:
+                terms[k] = sum(len(x) for column in self.screws(k) for x in column)
+            except OutOfTime:
+                if not terms:  # not even in the middle
+                    raise
+        return min(terms, key=lambda k: (terms[k], abs(2 * k - self.n)))
 
-        return min(range(1, self.n), key=lambda k: (terms(k), abs(2 * k - self.n)))
+    @property
+    def frames(self) -> range:
+        """The link frames that are tried: of a long arm those in its middle, for every joint between makes the screws
+        of general arms three times longer."""
+        near = self.n // 4 if self.n > WIDE else 0
+        return range(1 + near, self.n - near)
 
     @cached_property
     def columns(self) -> list[list[Polynomial]]:
@@ -132,7 +152,7 @@ class Chain:
             return self.screws(self.frame)
         if rows in ((0, 1, 2), (3, 4, 5)):
             return min(
-                ([[c[r] for r in rows] for c in self._at_tip(k)] for k in range(1, self.n + 1)),
+                ([[c[r] for r in rows] for c in self._at_tip(k)] for k in (*self.frames, self.n)),
                 key=lambda columns: sum(len(x) for c in columns for x in c),
             )
         return [[column[r] for r in rows] for column in self._in_task_axes()]
@@ -140,16 +160,14 @@ class Chain:
     def screws(self, k: int) -> list[list[Polynomial]]:
         """The n joint screws (v; ω) in the frame of link k (1 … n): z along axis k, x along the normal after it."""
         if k not in self._screws:
-            self._screws[k] = [
-                joint_screw(self.ring, pose, s.kind) for pose, s in zip(self._poses(k), self.sections, strict=True)
-            ]
+            self._screws[k] = self.near(k, range(1, self.n + 1))
         return self._screws[k]
 
     def screws_about(self, k: int, m: int) -> list[list[Polynomial]]:
         """The n joint screws in the axes of link k, the linear part taken at the origin of the frame of link m."""
         if k == m:
             return self.screws(k)
-        pose = self._poses(k)[m - 1]
+        pose = next(pose for j, pose in self._poses(k) if j == m)
         if m > k:  # the frame before joint m turns and slides
             pose = times(self.ring, pose, self._joint(m))
         return [moved(self.ring, screw, [pose[i][3] for i in range(3)]) for screw in self.screws(k)]
@@ -162,22 +180,29 @@ class Chain:
     def _screws(self) -> dict[int, list[list[Polynomial]]]:
         return {}
 
-    def _poses(self, k: int) -> list[Matrix]:
-        """Per joint a frame with z along its axis, seen from the frame of link k."""
+    def near(self, k: int, joints: Sequence[int]) -> list[list[Polynomial]]:
+        """Screws (v; ω) of some joints in the frame of link k: of joints near it they are short in any arm."""
+        found = {
+            j: joint_screw(self.ring, pose, self.sections[j - 1].kind)  # at once: long ones end it before longer poses
+            for j, pose in self._poses(k, min(*joints, k), max(*joints, k))
+            if j in joints
+        }
+        return [found[j] for j in joints]
+
+    def _poses(self, k: int, first: int = 1, last: int | None = None) -> Iterator[tuple[int, Matrix]]:
+        """Per joint of a stretch that holds link k (all joints) a frame with z along its axis, seen from link k."""
         ring = self.ring
-        found: dict[int, Matrix] = {}
         pose = identity(ring)
-        for j in range(k + 1, self.n + 1):
+        for j in range(k + 1, (last or self.n) + 1):
             pose = times(ring, pose, self._link(j - 1))
-            found[j] = pose
+            yield j, pose
             pose = times(ring, pose, self._joint(j))
         pose = identity(ring)
-        for j in range(k, 0, -1):
-            found[j] = pose
+        for j in range(k, first - 1, -1):
+            yield j, pose
             pose = times(ring, pose, inverse(ring, self._joint(j)))
             if j > 1:
                 pose = times(ring, pose, inverse(ring, self._link(j - 1)))
-        return [found[j] for j in range(1, self.n + 1)]
 
     def _joint(self, j: int) -> Matrix:
         """Rz(θ_j) Tz(d_j)."""
@@ -274,9 +299,9 @@ def exact_chain(
     Args:
         robot: revolute and prismatic joints, each a variable of its own.
         task: as in `resolve_task`; None is the one that the arm is made for.
-        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, and
-            there are at most `MANY` different lengths), or a mapping from letters to values [m]: lengths of that
-            value get the letter.
+        lengths: "letters", "numbers", "auto" (letters where the twists are quarter turns, `ODD` others aside, there
+            are at most `MANY` different lengths, and at most `WIDE` joints for all six rows), or a mapping from letters
+            to values [m]: lengths of that value get the letter.
 
     Raises:
         RobotError: a helical or a mimic joint.
@@ -295,6 +320,8 @@ def exact_chain(
     found, remarks = sections(in_units(robot))
     found = tuple(replace(one, d=one.d * unit, a=one.a * unit) for one in found)
     tip = _tip(robot) if resolved.m < 6 and min(resolved.rows) < 3 else None
+    if lengths == "auto" and resolved.m == 6 and len(found) > WIDE:
+        lengths = "numbers"
     letters, written = named_lengths(robot, found, lengths, tip)
     if letters and isinstance(lengths, str):
         remarks += tuple(

@@ -16,11 +16,11 @@ def identity(ring: Ring) -> Matrix:
 
 def times(ring: Ring, one: Matrix, two: Matrix) -> Matrix:
     """One pose after another."""
-    return [
-        [ring.reduce(sum((one[i][k] * two[k][j] for k in range(4) if one[i][k] != 0 and two[k][j] != 0), ring.zero))
-         for j in range(4)]
-        for i in range(4)
-    ]  # fmt: skip
+    return [[ring.reduce(_inner(ring, row, [two[k][j] for k in range(4)])) for j in range(4)] for row in one]
+
+
+def _inner(ring: Ring, row: list[Polynomial], column: list[Polynomial]) -> Polynomial:
+    return sum((ring.product(a, b) for a, b in zip(row, column, strict=True) if a != 0 and b != 0), ring.zero)
 
 
 def inverse(ring: Ring, pose: Matrix) -> Matrix:
@@ -45,4 +45,4 @@ def moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[
 
 
 def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
-    return [ring.reduce(a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) for i in range(3)]
+    return [ring.reduce(ring.product(a[i - 2], b[i - 1]) - ring.product(a[i - 1], b[i - 2])) for i in range(3)]

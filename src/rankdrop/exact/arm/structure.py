@@ -132,21 +132,20 @@ def _twisted(section: Section) -> bool:
 def _meet_in_one(chain: Chain, triple: tuple[int, int, int]) -> bool:
     """Both normals have no length and their feet on the middle axis coincide; no two of the axes are parallel."""
     first, middle, _ = triple
-    screws = chain.screws(middle)
     apart = all(_twisted(chain.sections[j - 1]) for j in (first, middle))
-    return apart and not any(x != 0 for j in triple for x in screws[j - 1][:3])
+    return apart and not any(x != 0 for screw in chain.near(middle, triple) for x in screw[:3])
 
 
 def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]:
-    groups = []
-    left = [j for j in range(1, chain.n + 1) if revolute[j - 1]]
-    while left:
-        screws = chain.screws(left[0])
-        group = tuple(j for j in left if screws[j - 1][3] == 0 and screws[j - 1][4] == 0)
-        left = [j for j in left if j not in group]
-        if len(group) > 1:
-            groups.append(group)
-    return tuple(groups)
+    groups: list[list[int]] = []
+    for j in (j for j in range(1, chain.n + 1) if revolute[j - 1]):
+        # a joint between that is not parallel to two others turns one about itself: those in a row are enough
+        axis = chain.near(groups[-1][-1], [j])[0][3:5] if groups else None
+        if axis is not None and not any(x != 0 for x in axis):
+            groups[-1].append(j)
+        else:
+            groups.append([j])
+    return tuple(tuple(group) for group in groups if len(group) > 1)
 
 
 def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[NearStructure]:

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import comb
+from math import comb, lcm
 
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Factor, Product, Symbol, product, total, wave
 
-Pair = tuple[Fraction, Fraction]
-"""Real and imaginary part."""
+Pair = tuple[int, int]
+"""Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
 
 
 def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
@@ -34,12 +34,13 @@ def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
         number · (sum of terms), equal to it exactly.
     """
     n = ring.angles
-    state: dict[tuple[int, ...], Pair] = {
-        tuple(int(e) for e in powers): (Fraction(int(value.p), int(value.q)), Fraction(0))
-        for powers, value in f.terms()
-    }
+    terms = [(tuple(int(e) for e in powers), int(value.p), int(value.q)) for powers, value in f.terms()]
+    bottom = lcm(*(q for _, _, q in terms))
+    state: dict[tuple[int, ...], Pair] = {powers: (p * (bottom // q), 0) for powers, p, q in terms}
     for k in range(n):
-        state = _expanded(state, k, int(degrees[k]))
+        if degrees[k]:
+            state = _expanded(state, k, int(degrees[k]))
+            bottom <<= int(degrees[k])
     parts = []
     for key, (real, imaginary) in state.items():
         turns = key[:n]
@@ -51,7 +52,8 @@ def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
         for kind, value in (("cos", twice * real), ("sin", -twice * imaginary)):
             sign, one = wave(kind, dict(zip(ring.revolute, turns, strict=True)))
             if value and sign:
-                parts.append(product(value * sign, monomial if one is None else [*monomial, (one, 1)]))
+                factors = monomial if one is None else [*monomial, (one, 1)]
+                parts.append(product(Fraction(value * sign, bottom), factors))
     return total(parts)
 
 
@@ -62,7 +64,7 @@ def symbols(powers: Sequence[int], ring: Ring) -> list[tuple[Factor, int]]:
 
 
 def _expanded(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[tuple[int, ...], Pair]:
-    """The power of t_k in every key replaced by the power of z_k."""
+    """The power of t_k in every key replaced by the power of z_k, all times 2^degree."""
     tables = {power: _table(power, degree) for power in {key[k] for key in state}}
     found: dict[tuple[int, ...], Pair] = {}
     for key, (real, imaginary) in state.items():
@@ -71,17 +73,16 @@ def _expanded(state: dict[tuple[int, ...], Pair], k: int, degree: int) -> dict[t
             real, imaginary = imaginary, -real
         for z, value in tables[power].items():
             new = (*key[:k], z, *key[k + 1 :])
-            one, two = found.get(new, (Fraction(0), Fraction(0)))
+            one, two = found.get(new, (0, 0))
             found[new] = (one + value * real, two + value * imaginary)
     return {key: pair for key, pair in found.items() if any(pair)}
 
 
-def _table(power: int, degree: int) -> dict[int, Fraction]:
-    """2^(−D) (z − 1/z)^k (z + 1/z)^(D−k) by powers of z."""
-    found: dict[int, Fraction] = {}
+def _table(power: int, degree: int) -> dict[int, int]:
+    """(z − 1/z)^k (z + 1/z)^(D−k) by powers of z."""
+    found: dict[int, int] = {}
     for i in range(power + 1):
         for j in range(degree - power + 1):
             z = degree - 2 * i - 2 * j
-            value = (-1) ** i * comb(power, i) * comb(degree - power, j)
-            found[z] = found.get(z, Fraction(0)) + Fraction(value, 2**degree)
+            found[z] = found.get(z, 0) + (-1) ** i * comb(power, i) * comb(degree - power, j)
     return {z: value for z, value in found.items() if value}

@@ -1,0 +1,71 @@
+"""Entries that are numbers clear rows and columns: the rank falls by one with each, everywhere."""
+
+from __future__ import annotations
+
+import random
+from math import pi
+
+import pytest
+from reference.arms import standard_dh
+
+pytest.importorskip("flint")
+
+from rankdrop.conditions import conditions
+from rankdrop.exact.algebra.field import P, complete, rank, trig_evaluator
+from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
+from rankdrop.exact.cleared import smallest
+from rankdrop.exact.tree import rank_tree
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot
+
+HALF = pi / 2
+WRIST = [(0, HALF, 0.35, 0), (0, -HALF, 0, 0), (0, 0, 0.1, 0)]
+ELBOW = [(0, HALF, 0, 0), (0.3, 0, 0, 0), (0, HALF, 0, 0), *WRIST]
+
+
+def gantry(slides: int) -> Robot:
+    """An elbow arm with a spherical wrist that hangs on slides square to one another."""
+    return standard_dh("gantry", [*[(0, HALF, 0, HALF, 1)] * slides, *ELBOW])
+
+
+def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
+    rng = random.Random(seed)
+    point = complete(chain.ring, {name: rng.randrange(2, P) for name in chain.ring.names}, pins)
+    assert point is not None
+    evaluate = trig_evaluator(chain.ring)
+    return rank([[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns])
+
+
+@pytest.mark.parametrize("robot", [gantry(1), gantry(2), gantry(3), open_robot("tiago")], ids=lambda one: str(one.n))
+def test_the_rank_is_that_of_the_jacobian_everywhere(robot: Robot) -> None:
+    chain = exact_chain(robot)
+    columns, lower = smallest(chain)
+    assert lower >= 2
+    assert len(columns) == chain.n - lower
+    met = set()
+    for seed in range(60):
+        rng = random.Random(seed)
+        pins = {j: rng.choice(["0", "pi", "pi/2"]) for j in rng.sample(chain.ring.revolute, rng.randrange(7))}
+        full = rank_at(chain, chain.columns, seed, pins)
+        assert rank_at(chain, columns, seed, pins) + lower == full
+        met.add(full)
+    assert len(met) > 1
+
+
+def test_slides_in_all_directions_leave_the_wrist() -> None:
+    """What turns the end effector is left: three rows of it, less the axis whose own link's frame is taken."""
+    chain = exact_chain(gantry(3))
+    columns, lower = smallest(chain)
+    assert (lower, len(columns[0])) == (4, 2)
+    assert rank_tree(chain, Work(60.0)).generic_rank == 6
+
+
+def test_a_redundant_arm_on_a_gantry_is_derived_to_the_end() -> None:
+    found = conditions(gantry(3), points=300)
+    assert found.chain.n > WIDE
+    assert not found.letters
+    assert found.complete
+    assert found.method == "tree"
+    assert found.families
+    assert found.explained.holds

@@ -1,0 +1,25 @@
+"""What a plain command passes through is little, and gets less: these bounds go down only."""
+
+from __future__ import annotations
+
+import pytest
+
+from scripts import tool
+
+BOUNDS = {
+    "analyze planar3r --starts 300 --quiet --threads 1": (85, 55),
+    "conditions puma560 --quiet": (53, 27),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (96, 61),
+}
+"""Command line -> at most so many files of the package, at most so many types that instances are made of."""
+
+
+@pytest.mark.parametrize("line", BOUNDS)
+def test_a_command_passes_no_more_files_and_types_than_before(line: str) -> None:
+    found = tool("count_passed").counted(line)
+    assert found["exit"] == ["0"]
+    assert "cli/main.py" in found["files"]
+    assert "rankdrop.robot.model.Robot" in found["types"]
+    for kind, bound in zip(("files", "types"), BOUNDS[line], strict=True):
+        passed = found[kind]
+        assert len(passed) <= bound, f"{len(passed)} {kind}, {bound} are allowed:\n" + "\n".join(passed)

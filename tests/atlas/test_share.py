@@ -45,7 +45,7 @@ def test_a_pinned_joint_takes_the_share_of_its_range():
 def test_being_near_is_what_walking_there_says(name):
     robot, found = open_robot(name), shipped(name)
     rows = found.of_corank(1)
-    q, delta = sample(robot, found.task, 15, 3), 0.3
+    q, delta = sample(robot, found.task, 40, 3), 0.6
     scale = joint_scale(robot, found.task)
     walked = np.zeros((len(rows), len(q)), dtype=bool)
     for i, at in enumerate(q):

@@ -63,6 +63,7 @@ def test_almarkhi4_second_singular_value_is_least_at_0_70833(rng):
     best = int(np.argmin(found.value))
     assert found.value[best] == pytest.approx(0.7083299566, abs=1e-8)
     assert found.slope[best] < 1e-5
+    assert stays_up(robot, task, 1, found.q[best : best + 1], limits=False)[0]
     around = found.q[best] + 1e-3 * rng.normal(size=(2000, 4))
     assert singular_values(robot, around, task)[:, 1].min() >= found.value[best] - 1e-9
     printed = [found.q[best, 0], 3.04691, 2.28528, -2.57122]

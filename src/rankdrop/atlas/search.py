@@ -51,6 +51,7 @@ _ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
 MOST_ITERATIONS = 1_000_000
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
 _LOWEST = 32  # near misses that σ itself is brought down from
+_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
 
 
 class Outcome(IntEnum):
@@ -144,7 +145,8 @@ class Search:
         q = into_units(self.robot, self.q[lowest])
         found = brought_down(robot, task, self.rank, q, limits=self.limits).value
         nonzero = found[found > self.tolerances.singular]
-        return float((nonzero if len(nonzero) and len(self.converged) else found).min())
+        least = (nonzero if len(nonzero) and len(self.converged) else found).min()
+        return float(f"{least:.{_DIGITS}g}")
 
     def count(self, outcome: Outcome) -> int:
         """Number of starts that ended so."""

@@ -249,3 +249,11 @@ def test_numbers_out_of_range_are_refused(options: dict[str, Any], words: str) -
 
 def test_the_largest_seed_and_numbers_of_numpy_are_taken() -> None:
     assert search(open_robot("scara"), 1, starts=np.int64(10), seed=2**63 - 1).seed == 2**63 - 1  # type: ignore[arg-type]
+
+
+def test_near_misses_of_the_sum_of_squares_that_lead_on_to_zero_are_no_smallest_sigma():
+    found = search(open_robot("dobot_cr5"), 3, starts=10_000, seed=0)
+    assert found.count(Outcome.NEAR_MISS) > 0
+    assert found.sigma[found.outcome == Outcome.NEAR_MISS, found.rank].min() > 0.1
+    assert len(found.converged) > 9000
+    assert found.smallest_near_miss is None

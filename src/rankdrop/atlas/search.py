@@ -50,7 +50,7 @@ _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, A
 _ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
 MOST_ITERATIONS = 1_000_000
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
-_LOWEST = 32  # near misses that σ itself is brought down from
+_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
 _DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
 
 
@@ -133,20 +133,28 @@ class Search:
         """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
 
         Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
-        value, σ[rank] itself is brought down from there, across its creases.
+        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
+        go down to zero as well, there is none.
         """
         missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
         if not len(missed):
             return None
-        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")[:_LOWEST]]
+        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
         if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
             return float(self.sigma[lowest[0], self.rank])
         robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
-        q = into_units(self.robot, self.q[lowest])
-        found = brought_down(robot, task, self.rank, q, limits=self.limits).value
-        nonzero = found[found > self.tolerances.singular]
-        least = (nonzero if len(nonzero) and len(self.converged) else found).min()
-        return float(f"{least:.{_DIGITS}g}")
+        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
+        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
+        best = quick.q[np.argsort(quick.value, kind="stable")]
+        for first in range(0, len(best), _FINISHED):
+            some = best[first : first + _FINISHED]
+            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
+            least = found.value
+            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
+                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+            if len(least):
+                return float(f"{least.min():.{_DIGITS}g}")
+        return None
 
     def count(self, outcome: Outcome) -> int:
         """Number of starts that ended so."""

@@ -27,7 +27,8 @@ Model = tuple[Array, Array]
 """(B, N, k) values a, and (B, N, k, k, n) their tensors T, of B configurations."""
 Evaluate = Callable[[Array], Model]
 _ROUNDS = 25  # of the accelerated projection on mixtures before it begins anew
-_EFFORT = 20  # how often it may
+EFFORT = 20
+"""How often it may begin anew."""
 _EXACT = 1e-15  # difference of two bounds that is rounding [1]
 _LONGEST = 4.0  # τ: a step is at most so many times the shortest gradient [rad²]
 _SHORTEST = 1e-12  # τ below which a step is lost in rounding
@@ -73,7 +74,7 @@ def largest(values: Array) -> Array:
     return np.asarray(values.max(axis=(1, 2)))
 
 
-def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = _EFFORT) -> Array:
+def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Array:
     """(B, N, k, k) Λ by accelerated projected gradient, begun anew every few rounds; `mixed` is where to begin.
 
     It ends where the step from Λ reaches nine tenths of what the best one can promise, which Λ itself bounds.
@@ -143,7 +144,7 @@ def _on_simplex(weights: Array) -> Array:
     return np.maximum(weights - np.take_along_axis(excess, last[:, None], axis=1), 0.0)
 
 
-def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = _EFFORT) -> Promise:
+def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
     """The step from each of B configurations, and what it promises."""
     best = mixture(values, tensor, tau, mixed, effort)
     most, _ = _bounds(values, tensor, tau, best)
@@ -153,7 +154,7 @@ def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = Non
 
 def descend(
     evaluate: Evaluate, q: Array, box: tuple[Array, Array] | None = None, *, iterations: int = 200,
-    enough: float = 1e-12, effort: int = _EFFORT,
+    enough: float = 1e-12, effort: int = EFFORT,
 ) -> Lowest:  # fmt: skip
     """Bring F down from many configurations at once; F never rises.
 

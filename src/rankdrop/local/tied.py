@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.local.block import joint_scale, limit_box
-from rankdrop.local.minimax import Evaluate, Lowest, Model, descend, promised
+from rankdrop.local.minimax import EFFORT, Evaluate, Lowest, Model, descend, promised
 from rankdrop.local.tie_gradients import gradient_tensor
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -46,10 +46,12 @@ def stays_up(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool) -> 
     return np.asarray(promised(values, tensor, np.ones(len(q))).most <= FLAT)
 
 
-def brought_down(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool, iterations: int = 200) -> Lowest:
+def brought_down(
+    robot: Robot, task: Task, rank: int, q: Array, *, limits: bool, iterations: int = 200, effort: int = EFFORT
+) -> Lowest:
     """σ[rank] descended from (B, n) configurations to where it is least nearby; `q` of the result in rad and m."""
-    scale = joint_scale(robot, task)
-    found = descend(tied_model(robot, task, rank), q / scale, _box(robot, task, limits), iterations=iterations)
+    scale, box = joint_scale(robot, task), _box(robot, task, limits)
+    found = descend(tied_model(robot, task, rank), q / scale, box, iterations=iterations, effort=effort)
     return Lowest(found.q * scale, found.value, found.slope, found.iterations)
 
 

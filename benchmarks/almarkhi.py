@@ -5,7 +5,7 @@ from __future__ import annotations
 import measure  # first: sets the number of threads
 from reference import arms
 
-from rankdrop.atlas.search import Outcome, search
+from rankdrop.families.searching import Outcome, search
 
 
 def main() -> None:

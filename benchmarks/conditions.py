@@ -22,8 +22,8 @@ LIMIT = 60.0
 
 def verb(arm: str, coranks: int | None) -> dict[str, Any]:
     """`conditions`, without the numeric cloud and without special lengths: what is derived."""
-    from rankdrop.conditions import conditions
     from rankdrop.robot.open import open_robot
+    from rankdrop.verbs.conditions import conditions
 
     robot = open_robot(arm)
     conditions(open_robot("scara"), points=0, special=False)  # what is imported on first use

@@ -7,9 +7,9 @@ from functools import partial
 import measure  # first: sets the number of threads
 import numpy as np
 
-from rankdrop.known import shipped
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 
 OWN, SPARSEST = 0.5, {1: 8.0, 2: 8.0, 3: 15.0}  # targets [ms], the second by corank

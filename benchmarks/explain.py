@@ -7,11 +7,11 @@ from functools import partial
 import measure  # first: sets the number of threads
 import numpy as np
 
-from rankdrop.explain import explain
-from rankdrop.known import shipped
 from rankdrop.local.block import sample
+from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.verbs.explain import explain
 
 TARGET = 50.0  # [ms]
 

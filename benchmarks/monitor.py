@@ -5,8 +5,8 @@ from __future__ import annotations
 import measure  # first: sets the number of threads
 import numpy as np
 
-from rankdrop.atlas.monitor import Monitor
-from rankdrop.known import shipped
+from rankdrop.families.monitor import Monitor
+from rankdrop.results.known import shipped
 
 ONE, MANY = 50.0, 5.0  # targets [us]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import measure  # first: it sets the number of threads
 import numpy as np
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas.distance import family_distances
+from rankdrop.families.distance import family_distances
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 ARMS = ("pa10", "ur5", "puma560", "panda")
 MORE = ("gen3", "canadarm2", "fetch8", "stanford")  # for information

@@ -8,7 +8,7 @@ import measure  # first: sets the number of threads
 import numpy as np
 from reference import arms, newton
 
-from rankdrop.atlas.search import Outcome, refine
+from rankdrop.families.searching import Outcome, refine
 from rankdrop.task import resolve_task
 
 

@@ -7,9 +7,9 @@ from time import sleep
 import measure  # first: sets the number of threads
 import numpy as np
 
-from rankdrop.explain import explain
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.known import shipped
+from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.known import shipped
+from rankdrop.verbs.explain import explain
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.panel import details_html, status_html
 from rankdrop.viewer.session import Session

@@ -7,10 +7,10 @@ The certified radius is a lower bound, proven: nothing inside that ball is singu
 import numpy as np
 
 import rankdrop
-from rankdrop.atlas.distance import family_distances
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.check import check
-from rankdrop.known import known_analysis
+from rankdrop.families.distance import family_distances
+from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
 
 arm = rankdrop.open_robot("ur5")

@@ -10,9 +10,9 @@ import io
 import numpy as np
 
 import rankdrop
-from rankdrop.atlas.monitor import Monitor
 from rankdrop.certify.ball import certified_radius
-from rankdrop.known import known_analysis
+from rankdrop.families.monitor import Monitor
+from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
 
 CSV = """time,j1,j2,j3,j4,j5,j6

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from rankdrop import known_conditions
+from rankdrop.results.conditions import known as known_exact
 
 settings.register_profile("same-every-run", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("same-every-run")
@@ -22,7 +22,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def _derived_anew(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tests are of derivations, not of the results that are shipped, unless they are marked `shipped`."""
     if request.node.get_closest_marker("shipped") is None:
-        monkeypatch.setattr(known_conditions, "_record", lambda name: None)
+        monkeypatch.setattr(known_exact, "_record", lambda name: None)
 
 
 @pytest.fixture

@@ -1,12 +1,4 @@
-"""Imports go down only. Floors, lowest first:
-
-0  errors, tolerances, version, sections (text in parts), the compiled core
-1  robot/, reach  the robot as data, and the numbers it is known by
-2  kinematics, task, frames, units of length, and what the core is told of them
-3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
-4  atlas/      over the whole joint space; certify/: proofs
-5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results
-6  cli/, report/, viewer/, reproduce/
+"""Imports go down only; CONTRIBUTING says what is on each floor. Faces use public names, exact and families are apart.
 
 A module imports from lower floors, and from its own where that makes no cycle. Imports inside functions count too.
 """
@@ -14,11 +6,14 @@ A module imports from lower floors, and from its own where that makes no cycle. 
 from __future__ import annotations
 
 import ast
+import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+
+import rankdrop
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
@@ -28,13 +23,15 @@ FLOORS = {
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
     "local": 3,
-    "atlas": 4, "certify": 4, "exact": 4,
-    "analyze": 5, "result": 5, "record": 5, "known": 5, "known_conditions": 5, "findings": 5, "schema": 5,
-    "conditions": 5, "derived": 5, "join": 5, "partition": 5, "joined": 5, "verdict": 5, "checks": 5, "exactly": 5,
-    "beside": 5, "tolerant": 5,
-    "explain": 5, "explanation": 5,
-    "cli": 6, "report": 6, "viewer": 6, "reproduce": 6,
+    "family": 4,
+    "families": 5, "exact": 5, "certify": 5,
+    "compare": 6,
+    "results": 7, "schema": 7,
+    "verbs": 8,
+    "cli": 9, "report": 9, "viewer": 9, "reproduce": 9,
 }  # fmt: skip
+TOP = 9
+FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
             "trimesh", "websockets", "playwright"}  # fmt: skip
@@ -42,7 +39,7 @@ OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matpl
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""
 MUTUAL = {
-    ("exact", "exact/methods"), ("exact", "exact/reading"), ("exact/arm", "exact/decoupling"),
+    ("exact", "exact/methods"), ("exact/arm", "exact/decoupling"),
     ("exact/decoupling", "exact/signs"), ("exact/suppression", "exact/writing"),
 }  # fmt: skip
 """Folders that still import each other."""
@@ -91,7 +88,7 @@ def own_imports(module: str) -> frozenset[str]:
     """Modules of this package that `module` imports."""
     names = set()
     for name in imports(MODULES[module]):
-        if not name.startswith("rankdrop."):
+        if not name.startswith("rankdrop.") or name in PUBLIC:
             continue
         inner = name.removeprefix("rankdrop.")
         # `from rankdrop.task import Task` names a thing inside a module, `from rankdrop.cli import exits` a module
@@ -115,12 +112,42 @@ def test_imports_go_down() -> None:
     assert not upward, "\n".join(upward)
 
 
+PUBLIC = frozenset(f"rankdrop.{name}" for name in rankdrop.__all__)
+
+
+def test_exact_and_families_are_apart() -> None:
+    meeting = [
+        f"{module} imports {name}"
+        for module in MODULES
+        for name in own_imports(module)
+        if {module.split(".")[0], name.split(".")[0]} == {"exact", "families"}
+    ]
+    assert not meeting, "\n".join(meeting)
+
+
+def test_faces_use_public_names() -> None:
+    """From the top of the package, or from a room whose list of names (`__init__.pyi`) has them."""
+    private = []
+    for module, path in MODULES.items():
+        if floor(module) < TOP:
+            continue
+        for name in imports(path):
+            parts = name.split(".")
+            if parts[0] != "rankdrop" or parts[1] in FACE_ROOMS or name in PUBLIC:
+                continue
+            room = importlib.import_module(f"rankdrop.{parts[1]}")
+            listed = parts[2] in room.__all__ if hasattr(room, "__all__") else not parts[2].startswith("_")
+            if len(parts) != 3 or not listed:
+                private.append(f"{module} uses {name}")
+    assert not private, "\n".join(private)
+
+
 def test_the_package_root_is_not_imported_from_inside() -> None:
     from_the_root = [
         f"{module} imports {name}"
         for module, path in MODULES.items()
         for name in imports(path)
-        if name == "rankdrop" or name.startswith("rankdrop.__")
+        if name == "rankdrop" or name.startswith("rankdrop.__") or (name in PUBLIC and floor(module) < TOP)
     ]
     assert not from_the_root, "\n".join(from_the_root)
 
@@ -152,7 +179,7 @@ def test_no_two_folders_import_each_other() -> None:
 def test_optional_packages_are_imported_where_they_are_needed() -> None:
     early = []
     for module, path in MODULES.items():
-        refused = OPTIONAL if floor(module) == 6 else OPTIONAL | FACES
+        refused = OPTIONAL if floor(module) == TOP else OPTIONAL | FACES
         tops = {name.split(".")[0] for name in imports(path, at_import_only=True)}
         early += [f"{module} imports {name}" for name in sorted(tops & refused)]
     assert not early, "\n".join(early)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import inspect
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +14,7 @@ import rankdrop
 
 SOURCE = Path(__file__).resolve().parents[1] / "src" / "rankdrop"
 FILES = sorted(SOURCE.rglob("*.py"))
+ROOMS = ("robot", "local", "family", "families", "exact", "compare", "results", "verbs")
 NAMES: list[str] = getattr(rankdrop, "__all__", [])
 
 
@@ -59,3 +63,25 @@ def test_everything_public_has_a_docstring() -> None:
             bare.append(f"{name}: the module itself")
     assert FILES
     assert not bare, "without a docstring:\n" + "\n".join(bare)
+
+
+def test_the_package_is_loaded_lazily() -> None:
+    """A name is loaded when it is asked for: `import rankdrop` costs a hundredth of a second, `--help` not NumPy."""
+    code = "import sys, rankdrop; print(sum(m.startswith('rankdrop') for m in sys.modules), 'numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    count, numpy = done.stdout.split()
+    assert int(count) <= 4
+    assert numpy == "False"
+    code = "import sys; from rankdrop.cli.main import run; run(['--help']); sys.exit('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+def test_a_name_is_not_hidden_by_the_module_that_holds_it() -> None:
+    """Rooms are lazy as well: a module of the same name, once loaded, would stand in place of the name."""
+    hidden = [
+        f"{room.__name__}.{name}"
+        for room in (rankdrop, *(importlib.import_module(f"rankdrop.{one}") for one in ROOMS))
+        for name in room.__all__
+        if importlib.util.find_spec(f"{room.__name__}.{name}") is not None
+    ]
+    assert not hidden, "\n".join(hidden)

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rankdrop
-from rankdrop.atlas.family import Family
-from rankdrop.explanation.explanation import Explanation
+from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses
+from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.model import Array
 
 WIDTH, HEIGHT = 330, 400  # of one panel

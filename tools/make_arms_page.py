@@ -22,17 +22,17 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
-from rankdrop.analyze import analyze
 from rankdrop.cli import exits
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
+from rankdrop.compare.joined import AGREES, NOT_DERIVED
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.joined import AGREES, NOT_DERIVED
-from rankdrop.known import shipped
-from rankdrop.known_conditions import conditions_names, shipped_conditions
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.known import conditions_names, shipped_conditions
+from rankdrop.results.known import shipped
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -20,12 +20,12 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
-from rankdrop.analyze import analyze
-from rankdrop.known import INDEX, SEED, STARTS
-from rankdrop.record import robot_to_dict
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.known import INDEX, SEED, STARTS
 from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "atlases"

@@ -17,10 +17,10 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
-from rankdrop.conditions import conditions
-from rankdrop.derived.stored import to_stored
-from rankdrop.known_conditions import conditions_names, known_conditions
+from rankdrop.results.conditions.known import conditions_names, known_conditions
+from rankdrop.results.conditions.stored import to_stored
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.verbs.conditions import conditions
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "derivations"
 PROCESSES = 2

@@ -29,7 +29,7 @@ from time import process_time
 import numpy as np
 
 from rankdrop.cli.main import run
-from rankdrop.known import shipped
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot, robot_names
 
 FEW = ("planar3r", "scara", "stanford", "puma560", "ur5e", "iiwa14", "canadarm2", "fetch8")

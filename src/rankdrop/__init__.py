@@ -6,43 +6,9 @@
     ['sin θ2']
 """
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas.search import search
-from rankdrop.conditions import conditions
-from rankdrop.errors import RankdropError
-from rankdrop.explain import explain
-from rankdrop.frames import Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose
-from rankdrop.local.block import singular_values
-from rankdrop.local.escape import escape
-from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.redundancy import redundancy
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Joint, Robot
-from rankdrop.robot.open import open_robot
-from rankdrop.task import Task
-from rankdrop.tolerances import Tolerances
+import lazy_loader
+
 from rankdrop.version import VERSION as __version__
 
-__all__ = [
-    "Analysis",
-    "Frame",
-    "Joint",
-    "RankdropError",
-    "Robot",
-    "Task",
-    "Tolerances",
-    "__version__",
-    "analyze",
-    "conditions",
-    "escape",
-    "explain",
-    "jacobian",
-    "jacobian_derivative",
-    "nearest_singularity",
-    "open_robot",
-    "pose",
-    "redundancy",
-    "search",
-    "singular_values",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # what there is stands in __init__.pyi
+__all__ += ["__version__"]

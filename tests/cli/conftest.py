@@ -12,15 +12,15 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas.equation import Equation, Term
-from rankdrop.atlas.family import CorankSummary, Family, Pinned, Share, Soundness, Unseen
-from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.cli import main
-from rankdrop.result import Analysis, Settings
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.family.equation import Equation, Term
+from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
+from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT
+from rankdrop.verbs.analyze import analyze
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import robot_names
 from rankdrop.schema import load_schema
 
@@ -68,7 +68,7 @@ def test_json_in_a_file_is_the_same_for_any_number_of_threads(run, tmp_path: Pat
 
 
 def test_unexplained_points_end_with_three(run, shapes: Analysis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "analyze", lambda *args, **options: shapes)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", lambda *args, **options: shapes)
     ended = run("analyze", "pa10")
     assert ended.code == exits.UNEXPLAINED
     assert ended.out.startswith("Incomplete: ")
@@ -133,7 +133,7 @@ def test_a_bug_ends_with_one_and_a_traceback(run, monkeypatch: pytest.MonkeyPatc
     def broken(*args: object, **options: object) -> None:
         raise ZeroDivisionError("this test's own")
 
-    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "analyze", broken)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", broken)
     ended = run("analyze", "pa10")
     assert ended.code == exits.INTERNAL
     assert "Traceback" in ended.err

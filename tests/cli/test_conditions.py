@@ -16,12 +16,12 @@ from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.derived.conditions import Conditions
-from rankdrop.derived.text import condition_lines
-from rankdrop.derived.wrap import either, formula, sentence
 from rankdrop.errors import OptionError, ResultFileError, TaskError
 from rankdrop.exact.family import Assumption
-from rankdrop.record import json_text
+from rankdrop.results.codec import json_text
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.text import condition_lines
+from rankdrop.results.conditions.wrap import either, formula, sentence
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 
@@ -361,7 +361,7 @@ def test_a_condition_is_not_tested_against_half_of_the_singular_set(run) -> None
     assert "not tested: the singular set is not completely derived" in one_line(ended.out)
 
 
-@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.conditions.corank_one"])
+@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.conditions.corank_one"])
 def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatch, where: str) -> None:
     module, _, name = where.rpartition(".")
     calls = {"left": 2 if name == "_explore" else 0}
@@ -387,7 +387,7 @@ def test_a_disagreement_is_shown_and_ends_with_three(
     run, puma: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wrong = replace(puma, disagreements=("the rank tree has θ5 = 0, decoupling has not",))
-    monkeypatch.setattr(sys.modules["rankdrop.conditions"], "conditions", lambda *args, **options: wrong)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", lambda *args, **options: wrong)
     ended = run("conditions", "puma560", "--quiet")
     assert ended.code == exits.UNEXPLAINED
     assert "DISAGREEMENT: the rank tree has θ5 = 0, decoupling has not" in ended.out

@@ -15,9 +15,9 @@ from rankdrop.cli import exits
 from rankdrop.cli.configuration import parse_configuration
 from rankdrop.cli.sections import interrupted
 from rankdrop.errors import ConfigurationError
-from rankdrop.explain import explain
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
+from rankdrop.verbs.explain import explain
 
 REGULAR = ("ur5", "--deg", "--q", "0,-135,45,90,-90,0")
 SINGULAR = ("puma560", "--q", "0.3 0.5 0.4 0.2 0 0.6")

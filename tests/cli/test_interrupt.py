@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas import search as search_module
 from rankdrop.cli import exits
-from rankdrop.result import Analysis
+from rankdrop.families import searching as search_module
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 PROGRAM = """
 import sys
@@ -83,7 +83,7 @@ def test_the_unfinished_corank_is_said(run, monkeypatch: pytest.MonkeyPatch) -> 
             raise KeyboardInterrupt
         return whole(robot, corank, **options)
 
-    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "search", interrupting)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "search", interrupting)
     analysis = analyze(open_robot("anthropomorphic"), starts=100)
     assert (analysis.complete, analysis.unfinished, len(analysis.coranks)) == (False, 2, 1)
     ended = run("analyze", "anthropomorphic", "--starts", "100", "--quiet")

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 import rankdrop
-from rankdrop.atlas.cells import rounded_share, share_text
-from rankdrop.atlas.family import Share
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, ResultFileError, RobotError
-from rankdrop.result import Analysis
+from rankdrop.families.cells import rounded_share, share_text
+from rankdrop.family.record import Share
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 
 from .conftest import command

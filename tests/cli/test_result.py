@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ResultFileError
-from rankdrop.record import json_text
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import json_text
 
 
 def test_round_trip_changes_nothing(found: Analysis, shapes: Analysis, tmp_path: Path) -> None:

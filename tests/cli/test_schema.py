@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
-from rankdrop.explain import explain
-from rankdrop.explanation.record import far_to_dict, way_out_to_dict
-from rankdrop.findings import find_to_dict
-from rankdrop.known import shipped
-from rankdrop.record import json_text
-from rankdrop.result import Analysis
+from rankdrop.families.searching import search
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import json_text
+from rankdrop.results.explanation.record import far_to_dict, way_out_to_dict
+from rankdrop.results.findings import find_to_dict
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import NAMES, load_schema
+from rankdrop.verbs.explain import explain
 
 
 def validator(name: str) -> Draft202012Validator:

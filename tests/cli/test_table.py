@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from rankdrop.atlas.cells import coupled_conditions, joint_cell
-from rankdrop.atlas.equation import Equation, Term
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.exact.match import Match, Wider
-from rankdrop.exactly import conditions_of
-from rankdrop.joined import ExactRow, Joined
-from rankdrop.result import Analysis
+from rankdrop.compare.exactly import conditions_of
+from rankdrop.compare.joined import ExactRow, Joined
+from rankdrop.compare.match import Match, Wider
+from rankdrop.families.cells import coupled_conditions, joint_cell
+from rankdrop.family.equation import Equation, Term
+from rankdrop.results.analysis import Analysis
 
 
 @pytest.fixture

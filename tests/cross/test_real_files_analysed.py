@@ -7,8 +7,8 @@ import os
 import pytest
 
 from cross.real_files import FILES, XACROS, RealFile
-from rankdrop.analyze import analyze
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 if not os.environ.get("RANKDROP_REQUIRE_CROSS"):
     pytest.importorskip("pinocchio")  # the extra "cross" brings it and the packages with the files

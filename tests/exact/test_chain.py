@@ -13,7 +13,6 @@ pytest.importorskip("flint")
 
 from known.arms import KINDS
 
-from rankdrop.conditions import conditions
 from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import turn
@@ -21,6 +20,7 @@ from rankdrop.exact.arm.letters import letters_text, never_zero, sign_of, value_
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
 

@@ -10,7 +10,6 @@ from reference.arms import standard_dh
 
 pytest.importorskip("flint")
 
-from rankdrop.conditions import conditions
 from rankdrop.exact.algebra.field import P, complete, rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
@@ -18,6 +17,7 @@ from rankdrop.exact.cleared import smallest
 from rankdrop.exact.tree import rank_tree
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
 WRIST = [(0, HALF, 0.35, 0), (0, -HALF, 0, 0), (0, 0, 0.1, 0)]

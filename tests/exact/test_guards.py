@@ -6,20 +6,21 @@ from dataclasses import replace
 
 import pytest
 
-from rankdrop import join as join_module
-from rankdrop.atlas.families import families
-from rankdrop.atlas.search import search
-from rankdrop.conditions import _cloud, conditions
+from rankdrop.compare.joined import DIFFERS
+from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.merge import merge
-from rankdrop.exact.settled import covered
-from rankdrop.exact.tree import rank_tree
-from rankdrop.join import join
-from rankdrop.joined import DIFFERS
+from rankdrop.exact.settled import covered, doubled, settled
+from rankdrop.exact.tree import Drop, rank_tree
+from rankdrop.families.searching import search
+from rankdrop.families.table import families
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs import join as join_module
+from rankdrop.verbs.conditions import _cloud, conditions
+from rankdrop.verbs.join import join
 
 
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
@@ -41,6 +42,34 @@ def test_a_drop_that_numbers_have_and_letters_have_not_is_not_covered() -> None:
     for missing in range(len(tree.drops)):
         less = replace(tree, drops=[drop for i, drop in enumerate(tree.drops) if i != missing])
         assert not covered(chain, less, plain), tree.drops[missing]
+
+
+def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
+    """A set without points, or a system not taken apart, may hold what letters have not."""
+    chain = exact_chain(open_robot("puma560"))
+    tree = rank_tree(chain, Work(60.0, 0))
+    plain = rank_tree(replace(chain, letters={}, written={}), Work(60.0, 0))
+    clear = replace(plain, pointless=[])
+    assert settled(chain, tree, clear)
+    assert not settled(chain, tree, replace(clear, pointless=[(plain.drops[0].piece, 5, True)]))
+    assert not settled(chain, tree, replace(clear, unresolved=["t1 = 0; t2 = 0; t3 = 0"]))
+    assert not settled(chain, tree, replace(clear, complete=False))
+    assert not settled(chain, replace(tree, complete=False), clear)
+
+
+def test_a_square_at_these_lengths_is_seen() -> None:
+    ring_of = exact_chain(open_robot("puma560"))
+    tree = rank_tree(ring_of, Work(60.0, 0))
+    assert not doubled(ring_of, tree)
+    (a, x), (b, y) = list(ring_of.letters.items())[:2]
+    ring = ring_of.ring
+    one, two, t = ring.letter_half[a], ring.letter_half[b], ring.t[5]
+    f = one * (1 + t**2) - two * t * 2
+    drop = Drop(Variety(ring, {}, rest=(f,), equations=(f,)), 5)
+    same = replace(ring_of, letters={**ring_of.letters, b: x})
+    assert x != y
+    assert not doubled(ring_of, replace(tree, drops=[drop]))
+    assert doubled(same, replace(tree, drops=[drop]))
 
 
 @pytest.mark.parametrize(

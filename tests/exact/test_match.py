@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from rankdrop.atlas.equation import Equation, Term
-from rankdrop.atlas.vanishing import vanishing_on
-from rankdrop.conditions import conditions
+from rankdrop.compare.match import Agreement, match
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.match import Agreement, match
-from rankdrop.known import shipped
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.family.equation import Equation, Term
+from rankdrop.results.known import shipped
+from rankdrop.verbs.conditions import conditions
 
 ARMS = ("pa10", "puma560", "stanford", "scara", "anthropomorphic", "planar3r")
 

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from rankdrop.compare.cloud import cloud
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra.atom import SIMPLE
@@ -19,7 +20,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.methods import METHODS, Derivation, apart, derive
 from rankdrop.exact.methods.apart import factors_within
 from rankdrop.exact.methods.words import Words
-from rankdrop.exact.verify import cloud, random_points, rank_check
+from rankdrop.exact.verify import random_points, rank_check
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

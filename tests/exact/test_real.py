@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.conditions import conditions
+from rankdrop.exact import families
 from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.variety import Variety
@@ -22,6 +22,7 @@ from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.conditions import conditions
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +70,36 @@ def test_a_limit_that_was_met_is_told(chain: Chain) -> None:
     sets, not_real = real_sets(chain, [Drop(Variety(chain.ring, {3: "0"}), 5)], work, left)
     assert (sets, not_real) == ([], [])
     assert left == ["the limit on work was met: 1 of 1 sets were not looked at for real points"]
+
+
+def test_points_near_which_conditions_touch_zero_are_told(chain: Chain) -> None:
+    """t5² = 0 is met to 1e-8 only: the rank is neither lost there nor clearly higher."""
+    left: list[str] = []
+    f = chain.ring.t[5] ** 2
+    piece = Variety(chain.ring, {}, rest=(f,), also=(chain.ring.s[5],), equations=(f,))
+    sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
+    assert (sets, not_real) == ([], [])
+    assert len(left) == 1
+    assert "its conditions are dependent at all that were found" in left[0]
+
+
+def test_conditions_that_hold_where_the_rank_is_higher_are_told(
+    chain: Chain, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """θ5 = 0 or θ4 = 3 θ1, as it were: on the second set the rank is full."""
+    t = chain.ring.t
+    f = t[5] * (t[4] - t[1] * 3)
+    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
+    monkeypatch.setattr(families, "sharpened", lambda *_: None)
+    left: list[str] = []
+    sets, _ = real_sets(chain, [Drop(piece, 5)], Work(), left)
+    assert len(sets) == 1
+    assert len(left) == 1
+    assert "hold at configurations of higher rank, too" in left[0]
+    left.clear()
+    sets, _ = real_sets(chain, [Drop(Variety(chain.ring, {5: "0"}), 5)], Work(), left)
+    assert len(sets) == 1
+    assert not left
 
 
 def test_points_of_a_set_have_its_rank(chain: Chain) -> None:

@@ -9,15 +9,15 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.conditions import conditions
+from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.barren import barren
-from rankdrop.exact.verify import cloud, explained
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 H = np.pi / 2
 
@@ -80,6 +80,27 @@ def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
     assert families >= 5
     assert tested >= 1000
     assert left == 0
+
+
+def test_a_condition_that_touches_zero_for_these_lengths_is_not_lost() -> None:
+    """a5 = d3, along an axis and across one: a5 − d3 sin θ5 has a double zero, and letters meet no point of it."""
+    complete, _, tested, left = lost(structured(66))
+    assert complete
+    assert tested >= 1000
+    assert left == 0
+
+
+@pytest.mark.parametrize("name", ["m1n6s200", "j2n6s300"])
+def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) -> None:
+    """Corank 2 of arms with two 60° twists: θ2 … θ5 at single values, roots of roots."""
+    found = conditions(open_robot(name), method="tree", points=0, special=False)
+    assert found.complete
+    sizes = [(family.corank, family.codimension) for family in found.families]
+    assert sizes == [(1, 1), (2, 3), (2, 3), (2, 4), (3, 4)]
+    met = cloud(open_robot(name), found.task, 2, 100, 7)
+    check, _ = explained(met, [family.equations for family in found.of_corank(2)])
+    assert check.tested > 200
+    assert check.holds
 
 
 @pytest.mark.slow

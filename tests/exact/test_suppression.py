@@ -8,13 +8,16 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.atlas.search import Outcome, search
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.field import rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.suppress import suppress
+from rankdrop.exact.suppression.cases import Case
+from rankdrop.exact.suppression.piece import Factor
+from rankdrop.exact.suppression.stratum import Stratum
+from rankdrop.exact.suppression.suppress import _Derivation, suppress
 from rankdrop.exact.tree import rank_tree
+from rankdrop.families.searching import Outcome, search
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 
@@ -191,3 +194,18 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
             and all(evaluate(p, point) != 0 for p in family.stratum.inequalities)
         ]
         assert len(holding) == 1, (holding, point)
+
+
+def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
+    """PA-10, sin θ3 = 0: all six freedoms are left at almost every point."""
+    chain = exact_chain(open_robot("pa10"))
+    ring = chain.ring
+    derivation = _Derivation(chain, chain.frame, None, Work(60.0), None)
+    regular, elbow = (Stratum.whole(ring).meet(Factor(ring.s[joint])) for joint in (3, 4))
+    for stratum in (regular, elbow.avoid(Factor(ring.s[2])).meet(Factor(ring.s[2])), elbow):
+        derivation.family(Case("1", stratum, tuple(range(1, 8))), ())
+    assert [family.stratum for family in derivation.families] == [elbow]
+    assert [left.split(":")[1].strip() for left in derivation.left] == [
+        "all six freedoms are left at points of it",
+        "no point of it was met",
+    ]

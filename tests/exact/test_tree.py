@@ -11,16 +11,16 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
-from rankdrop.atlas.system import System
-from rankdrop.conditions import conditions
 from rankdrop.exact.algebra.effort import spent
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.real import reality
 from rankdrop.exact.tree import Drop, largest, rank_tree
 from rankdrop.exact.verify import rank_modulo
+from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
 FAST = ["anthropomorphic", "stanford", "irb140", "rcrrrr", "almarkhi4", "scara", "planar3r", "puma560", "ur5", "vx300s"]

@@ -193,3 +193,53 @@ def test_a_condition_that_was_solved_with_is_still_known_where_the_solution_does
     met = {(piece.pins[4], piece.pins[6], str(piece.equations)) for piece in cut(curve, ring.s[4] * ring.s[6], Work())}
     wanted = str((t5**2 - 2,))
     assert met == {(one, two, wanted) for one in ("0", "pi") for two in ("0", "pi")}
+
+
+def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones(ring: Ring) -> None:
+    """Three unsolved conditions: points solve one after the other, and where a coefficient vanishes is a set, too."""
+    t = ring.t
+    f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
+    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    h = t[1] * t[3] ** 2 - t[2] * t[3] - 3
+    (one,) = cut_half(base, h, Work())
+    assert one.rest == (f, g, h)
+    assert one.codimension == 3
+    assert len(one.samples) > 10
+    evaluate = half_evaluator(ring)
+    assert all(evaluate(p, point) == 0 for p in (f, g, h) for point in one.samples)
+    point = one.point(random.Random(0))
+    assert point is not None
+    assert all(evaluate(p, point) == 0 for p in (f, g, h))
+    (linear,) = cut_half(base, t[1] * t[4] - t[2] - 1, Work())
+    assert (linear.rest, len(linear.solved)) == ((f, g), 1)
+    assert all(evaluate(t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
+    (both,) = cut_half(one, t[4] ** 2 * t[3] - t[1] - 1, Work())
+    assert len(both.rest) == 4
+    assert both.samples
+
+
+def test_where_a_condition_on_top_always_holds_its_variable_is_free(ring: Ring) -> None:
+    """On t1² + t2² = 7 the condition (t4² + t2² − 7) t3² + t4 − t1 = 0 holds for every t3 where t4 = t1."""
+    t = ring.t
+    f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
+    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    found = cut_half(base, (t[4] ** 2 + t[2] ** 2 - 7) * t[3] ** 2 + t[4] - t[1], Work())
+    assert {one.codimension for one in found} == {3}
+    assert [one.half_vanishes(t[4] - t[1]) for one in found].count(True) == 1
+    assert any(not one.half_vanishes(t[4] - t[1]) for one in found)
+
+
+def test_a_condition_on_top_is_free_where_a_joint_of_its_coefficients_stands_at_pi(ring: Ring) -> None:
+    """Frankie: on A(θ1, θ2) = 0 the condition sin θ2 (…) + t3 (…) holds for every θ3 where θ2 = 0, and where θ2 = π.
+
+    The coefficient of t3 is of a lower degree in t2 than the condition: it vanishes at t2 = ∞ as well.
+    """
+    t = ring.t
+    f = 165 * (t[1] ** 2 * t[2] ** 2 + t[1] ** 2 - t[2] ** 2 - 1) + 1264 * (t[1] * t[2] ** 2 - t[1])
+    g = 7 * t[1] ** 2 * t[4] ** 2 - 3 * t[4] + t[1] + 5
+    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    # cos θ3 · (A at θ2 + …) and sin θ3 sin θ2: zero for every θ3 at θ2 = 0 and at θ2 = π
+    h = (t[3] ** 2 - 1) * (165 * (t[1] ** 2 * t[2] ** 2 - t[1] ** 2 - t[2] ** 2 + 1)
+                           + 1264 * (t[1] * t[2] ** 2 + t[1])) + 660 * t[3] * t[2] * (t[1] ** 2 + 1)  # fmt: skip
+    found = cut_half(base, h, Work())
+    assert {one.pins.get(2) for one in found} == {"0", "pi", None}

@@ -9,14 +9,15 @@ from math import atan, pi
 import numpy as np
 import pytest
 
-from rankdrop.atlas.equation import Equation, Term
-from rankdrop.atlas.families import families
-from rankdrop.atlas.search import search
-from rankdrop.atlas.vanishing import vanishing_on
+from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.check import Check
-from rankdrop.exact.verify import cloud, explained, random_points, rank_agreement, rank_check, rank_modulo
+from rankdrop.exact.verify import random_points, rank_agreement, rank_check, rank_modulo
+from rankdrop.families.searching import search
+from rankdrop.families.table import families
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.family.equation import Equation, Term
 from rankdrop.local.block import singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -12,14 +12,14 @@ from reference.measure import relative
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
-from rankdrop.atlas.monitor import Monitor
-from rankdrop.atlas.search import METHODS, Search, search
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.setting import enclose, settings_for
+from rankdrop.families.monitor import Monitor
+from rankdrop.families.searching import METHODS, Search, search
 from rankdrop.frames import BODY, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
-from rankdrop.known import shipped
 from rankdrop.local.block import block, decompose, joint_scale
+from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
 

@@ -11,23 +11,23 @@ import numpy as np
 import pytest
 from known.arms import FEW
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas.slices import telling_slices
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
+from rankdrop.compare.joined import NOT_DERIVED
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.letters import sign_of
-from rankdrop.explain import explain
-from rankdrop.joined import NOT_DERIVED
-from rankdrop.known import known_analysis, known_names, shipped
+from rankdrop.families.slices import telling_slices
 from rankdrop.reach import reach
-from rankdrop.record import family_to_dict
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import family_to_dict
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.known import known_analysis, known_names, shipped
 from rankdrop.robot.fingerprint import geometry
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.explain import explain
 
 UNITS = {"µm": 6, "mm": 3, "km": -3}
 """Power of ten that numbers in metres are multiplied by."""

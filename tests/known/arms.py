@@ -10,8 +10,8 @@ import csv
 from functools import cache
 from pathlib import Path
 
-from rankdrop.known import shipped
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import robot_names
 
 with (Path(__file__).resolve().parents[1] / "data" / "catalogue.csv").open(encoding="utf-8", newline="") as _stream:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from known.truths import all_explained, all_sound
-from rankdrop.analyze import analyze
-from rankdrop.atlas.search import refine
+from rankdrop.families.searching import refine
 from rankdrop.local.block import decompose
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 # AM Figure 6, printed to two decimals; the true lost direction at the exact singularity nearby, recomputed
 FIGURE_6 = [

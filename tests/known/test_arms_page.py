@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from scripts import tool
 
-from rankdrop import known_conditions as shelf
-from rankdrop.known import shipped
+from rankdrop.results.conditions import known as shelf
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import robot_names
 
 ROOT = Path(__file__).resolve().parents[2]

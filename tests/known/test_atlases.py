@@ -13,21 +13,21 @@ import numpy as np
 import pytest
 
 from known.arms import KINDS, structures
-from rankdrop.analyze import analyze
-from rankdrop.atlas.monitor import Monitor
-from rankdrop.atlas.row import soundness
-from rankdrop.atlas.sampling import Setting
-from rankdrop.atlas.search import search
-from rankdrop.atlas.system import System
 from rankdrop.errors import ResultFileError
+from rankdrop.families.monitor import Monitor
+from rankdrop.families.row import soundness
+from rankdrop.families.sampling import Setting
+from rankdrop.families.searching import search
+from rankdrop.family.system import System
 from rankdrop.frames import BODY
-from rankdrop.known import SEED, STARTS, known_analysis, known_names, shipped
-from rankdrop.record import robot_to_dict
+from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.known import SEED, STARTS, known_analysis, known_names, shipped
 from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 
 QUICK = ("planar3r", "puma560")

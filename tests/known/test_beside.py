@@ -9,17 +9,17 @@ import pytest
 from reference.kinematics import jacobian
 from robot.test_structure import noisy
 
-from rankdrop.atlas.members import members
-from rankdrop.beside import Idealised, Nearby, here, idealised, nearby
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
-from rankdrop.explain import explain
-from rankdrop.known import known_analysis, shipped
-from rankdrop.known_conditions import known_conditions
+from rankdrop.families.members import members
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.known import known_conditions
+from rankdrop.results.known import known_analysis, shipped
 from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.beside import Idealised, Nearby, here, idealised, nearby
+from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.explain import explain
 
 CALIBRATED = Path(__file__).parents[1] / "data" / "ur5_calibrated.toml"
 

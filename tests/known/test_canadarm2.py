@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from known.truths import text_values
-from rankdrop.analyze import analyze
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 A, C, D = 0.635, 0.504, 6.85  # lengths [m]
 

@@ -12,12 +12,12 @@ import pytest
 
 from known.arms import KINDS
 from known.truths import text_values
-from rankdrop.analyze import analyze
-from rankdrop.atlas.search import search
+from rankdrop.families.searching import search
 from rankdrop.kinematics import task_jacobian
-from rankdrop.record import json_text
+from rankdrop.results.codec import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze
 
 QUICK = ("irb140", "iiwa14", "stanford")
 ARMS = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KINDS]

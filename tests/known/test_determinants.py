@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from known.truths import DETERMINANTS, all_explained, all_sound, text_values, zeros
-from rankdrop.analyze import analyze
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
 
 
 @pytest.fixture(scope="module", params=sorted(DETERMINANTS))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from known.truths import PA10_TABLES, all_explained, all_sound
-from rankdrop.analyze import analyze
 from rankdrop.robot.dh import from_dh
+from rankdrop.verbs.analyze import analyze
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,12 @@ from __future__ import annotations
 import pytest
 
 from known.arms import structures
-from rankdrop.analyze import analyze
-from rankdrop.joined import AGREES
-from rankdrop.known import shipped
-from rankdrop.known_conditions import conditions_names
-from rankdrop.result import Analysis
+from rankdrop.compare.joined import AGREES
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.conditions.known import conditions_names
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.verbs.analyze import analyze
 
 QUICK = ("planar3r", "gp25", "ur30")
 ALONE = {"yumi", "rml63"}

@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.analyze import analyze
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.explain import explain
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.explanation.words import raised
 from rankdrop.kinematics import jacobian
-from rankdrop.known import shipped
 from rankdrop.local.block import joint_scale, sample, singular_values
-from rankdrop.local.escape import escape
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.record import json_text
+from rankdrop.local.ways_out import escape
+from rankdrop.results.codec import json_text
+from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.explanation.words import raised
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, prismatic, revolute
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import Tolerances
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.explain import explain
 
 ARMS = ("pa10", "ur5", "puma560", "panda", "scara", "stanford", "planar3r", "rcrrrr", "gen3", "fetch8")
 
@@ -83,7 +83,7 @@ def test_a_near_miss_is_not_a_singularity() -> None:
     """Gen3's 12 mm offsets: where an arm without them would lose two freedoms σ stays at 4e-5 and above."""
     arm = open_robot("gen3")
     task = resolve_task(None, arm)
-    from rankdrop.atlas.search import Outcome, search
+    from rankdrop.families.searching import Outcome, search
 
     cloud = search(arm, 2, task=task, starts=4000)
     missed = cloud.q[(cloud.outcome == Outcome.NEAR_MISS) & (cloud.sigma[:, 4] < 1e-3)]
@@ -222,7 +222,7 @@ def test_lengths_in_mm_are_suspected() -> None:
 
 
 def test_the_proven_radius_is_rounded_down() -> None:
-    from rankdrop.explanation.words import angle_below
+    from rankdrop.results.explanation.words import angle_below
 
     assert angle_below(0.99999) == "0.9999 rad (57.2°)"
     assert angle_below(0.0) == "0 rad (0°)"

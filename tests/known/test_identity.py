@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from known.arms import FEW
-from rankdrop.analyze import analyze
-from rankdrop.explain import explain
-from rankdrop.known import shipped
-from rankdrop.known_conditions import conditions_names, shipped_conditions
 from rankdrop.report.content import content
+from rankdrop.results.conditions.known import conditions_names, shipped_conditions
+from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.explain import explain
 
 STARTS = 1500
 LONG = ("iiwa14", "canadarm2", "fetch8")

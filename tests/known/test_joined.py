@@ -12,19 +12,19 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop import join as join_module
-from rankdrop.analyze import analyze
-from rankdrop.atlas.families import families
-from rankdrop.atlas.vanishing import vanishing_on
 from rankdrop.cli import exits, main
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
-from rankdrop.record import json_text
-from rankdrop.result import Analysis
+from rankdrop.families.table import families
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import json_text
+from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.schema import load_schema
+from rankdrop.verbs import join as join_module
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
 
 ARMS = {  # exact families that the rows consist of, corank by corank
     "pa10": (4, 4, 1), "ur5": (3, 5, 1), "puma560": (3, 3), "canadarm2": (7, 4, 1), "stanford": (3, 3), "scara": (1,),
@@ -68,7 +68,7 @@ def test_an_exact_family_that_no_row_covers_is_told_and_ends_with_code_3(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "families", _without_the_wrist)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "families", _without_the_wrist)
     path = tmp_path / "arm.json"
     line = ("analyze", "anthropomorphic", "--starts", "300", "--quiet", "--exact", "on", "--json", str(path))
     assert main.run(line) == exits.UNEXPLAINED
@@ -107,7 +107,7 @@ def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_tol
         found = families(cloud, **options)
         return replace(found, families=tuple(replace(one, equations=(too_wide,)) for one in found.families))
 
-    monkeypatch.setattr(sys.modules["rankdrop.analyze"], "families", loosely)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "families", loosely)
     by_exact = analyze(open_robot("planar3r"), starts=200)
     assert by_exact.verified
     assert [str(one) for one in by_exact.of_corank(1)[0].equations] != [str(too_wide)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from known.truths import DETERMINANTS, PA10_TABLES
-from rankdrop.atlas.search import search
+from rankdrop.families.searching import search
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

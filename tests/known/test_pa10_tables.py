@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from known.truths import PA10_TABLES, all_explained, all_sound, text_values
-from rankdrop.analyze import analyze
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.analyze import analyze
 from rankdrop.robot.dh import from_dh
+from rankdrop.verbs.analyze import analyze
 
 
 def random_arm(n: int, seed: int):

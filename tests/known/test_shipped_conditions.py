@@ -14,18 +14,18 @@ import numpy as np
 import pytest
 
 from known.arms import structures
-from rankdrop import known_conditions as shelf
-from rankdrop.analyze import analyze
 from rankdrop.cli import exits, main
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
-from rankdrop.derived.stored import from_stored, to_stored
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.frames import BODY
-from rankdrop.known import candidates
-from rankdrop.record import json_text
+from rankdrop.results.codec import json_text
+from rankdrop.results.conditions import known as shelf
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions.stored import from_stored, to_stored
+from rankdrop.results.known import candidates
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.verbs.analyze import analyze
+from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 SHIPPED = shelf.conditions_names()

@@ -10,16 +10,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.analyze import analyze
-from rankdrop.atlas import residual as residual_module
-from rankdrop.atlas.families import families
-from rankdrop.atlas.search import refine, search
-from rankdrop.exact.verify import Cloud, explained
+from rankdrop.compare.cloud import Cloud, explained
+from rankdrop.families import residual as residual_module
+from rankdrop.families.searching import refine, search
+from rankdrop.families.table import families
 from rankdrop.local.block import singular_values
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze
 
 LENGTHS = (0.0, 0.0, 0.2, 0.3, 0.5, 1.0)
 RIGHT = np.array([0.0, np.pi, np.pi / 2, -np.pi / 2])

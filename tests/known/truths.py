@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.result import Analysis
+from rankdrop.results.analysis import Analysis
 
 Array = np.ndarray
 Condition = Callable[[Array], Array]

@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.local.screws import Screw, rewrite_wrench, screw_of
-from rankdrop.local.words import blocked_words, words
+from rankdrop.local.sentences import blocked_words, words
 
 
 @pytest.mark.parametrize(

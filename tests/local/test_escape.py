@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.atlas.search import search
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
+from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
-from rankdrop.local.escape import Escape, escape
+from rankdrop.local.ways_out import Escape, escape
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.atlas.search import search
 from rankdrop.errors import OptionError
+from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
 from rankdrop.local.departure import departures
 from rankdrop.local.finite_motions import measured_gains

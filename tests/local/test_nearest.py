@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.atlas.search import search
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families.searching import search
 from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import idle_joints, nearest_singularity
 from rankdrop.robot.model import Array, Robot

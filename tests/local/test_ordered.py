@@ -12,7 +12,7 @@ from reference import arms
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
-from rankdrop.local.lie_product import motion
+from rankdrop.local.lie import motion
 from rankdrop.local.ordered import OrderedScrewSet, ordered_subsets
 from rankdrop.local.ordered_report import report
 from rankdrop.local.ordered_session import session

@@ -13,7 +13,7 @@ from rankdrop.local.block import decompose, sample, singular_values
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.factored import factor
 from rankdrop.local.objectives import away_from_limits, away_from_singularity, towards
-from rankdrop.local.redundancy import null_space_motion, readable_parts, redundancy
+from rankdrop.local.redundant import null_space_motion, readable_parts, redundancy
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

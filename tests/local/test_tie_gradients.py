@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.atlas.search import Outcome, refine
+from rankdrop.families.searching import Outcome, refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
 from rankdrop.local.tie_gradients import gradient_tensor, plane_rotation, spread, tied_gradients

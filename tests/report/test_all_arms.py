@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from known.arms import KINDS
 
-from rankdrop.known import shipped
 from rankdrop.report.content import content
 from rankdrop.report.page import page
+from rankdrop.results.known import shipped
 
 LARGEST = 15_000_000
 

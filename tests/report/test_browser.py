@@ -10,10 +10,10 @@ import pytest
 from browser.chromium import Browser, find_chromium
 
 from rankdrop.kinematics import pose
-from rankdrop.known import shipped
 from rankdrop.local.block import sample, singular_values
 from rankdrop.report.content import arrows, content
 from rankdrop.report.page import page
+from rankdrop.results.known import shipped
 
 pytestmark = [
     pytest.mark.browser,

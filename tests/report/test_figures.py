@@ -11,10 +11,10 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.kinematics import pose
-from rankdrop.known import shipped
 from rankdrop.report.arm_figure import placed
 from rankdrop.report.content import Content, content
 from rankdrop.report.figures import check_figures, figure_names, figures
+from rankdrop.results.known import shipped
 
 pytest.importorskip("matplotlib")
 

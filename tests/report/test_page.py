@@ -10,14 +10,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rankdrop.atlas.family import Share, Soundness
+from rankdrop.family.record import Share, Soundness
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.known import shipped
 from rankdrop.report.content import Content, arrows, content
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page
 from rankdrop.report.skeleton import skeleton
 from rankdrop.report.typeset import typeset
+from rankdrop.results.known import shipped
 
 LARGEST = 15_000_000
 
@@ -87,7 +87,7 @@ def test_without_the_exact_conditions_the_section_says_why() -> None:
 
 
 def test_conditions_that_the_analysis_holds_are_not_derived_again() -> None:
-    from rankdrop.analyze import analyze
+    from rankdrop.verbs.analyze import analyze
 
     analysis = analyze(shipped("scara").robot, starts=200)
     shown_of_it = content(analysis)
@@ -153,7 +153,7 @@ def test_an_analysis_shows_itself_in_a_notebook() -> None:
 
 
 def test_a_search_shows_itself_in_a_notebook() -> None:
-    from rankdrop.atlas.search import search
+    from rankdrop.families.searching import search
 
     found = search(shipped("scara").robot, 1, starts=20)
     assert "<td>converged</td><td>20</td>" in found._repr_html_()

@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.atlas.search import Outcome
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.families.searching import Outcome
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, figures, other_pictures

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.open import open_robot, robot_names
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import from_screws
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf

@@ -11,7 +11,7 @@ from known.arms import KINDS
 from reference.kinematics import exponential, pose
 
 from rankdrop.exact.arm.geometry import sections
-from rankdrop.known import known_analysis
+from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.normals import axis_lines, extent

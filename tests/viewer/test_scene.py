@@ -7,7 +7,7 @@ import pytest
 from known.arms import KINDS
 
 from rankdrop.kinematics import jacobian, link_poses, pose
-from rankdrop.known import known_analysis
+from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

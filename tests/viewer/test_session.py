@@ -11,8 +11,8 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.known import known_analysis
+from rankdrop.results.explanation.explanation import Explanation
+from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.live import Live, Now
@@ -143,7 +143,7 @@ def test_every_word_from_a_file_is_escaped() -> None:
 
 
 def test_the_panel_says_lost_motions_and_joints_to_blame() -> None:
-    from rankdrop.explain import explain
+    from rankdrop.verbs.explain import explain
 
     found = explain(open_robot("puma560"), [0.3, 0.5, 0.4, 0.2, 0.0, 0.6], evaluations=0)
     text = details_html(found)

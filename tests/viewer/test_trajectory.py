@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.atlas.monitor import Monitor
+from rankdrop.families.monitor import Monitor
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.tab_path import thinned

@@ -14,9 +14,9 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised, Nearby
-    from rankdrop.result import Analysis
+    from rankdrop.results import Analysis
     from rankdrop.task import Task
+    from rankdrop.verbs import Idealised, Nearby
 
 _WITHIN = "5deg"
 
@@ -68,11 +68,11 @@ def analyze(
         json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
         quiet: No progress.
     """
-    from rankdrop.analyze import analyze as run
-    from rankdrop.beside import nearby
+    from rankdrop import analyze as run
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
+    from rankdrop.verbs import nearby
 
     check_target(json, "--json")
     begun = monotonic()
@@ -101,16 +101,15 @@ def _print(
 ) -> None:
     from rich.text import Text
 
-    from rankdrop.atlas.cells import legend
-    from rankdrop.atlas.overview import near_overview
-    from rankdrop.beside import moved_section, there_section
-    from rankdrop.checks import sampled, unseen
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.exact_text import exact_section
     from rankdrop.cli.ideal import near_line, of_ideal
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show, verdict_line
+    from rankdrop.families import legend, near_overview
+    from rankdrop.results import sampled, unseen
+    from rankdrop.verbs import moved_section, there_section
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
@@ -136,7 +135,7 @@ def _print(
 
 def _within(text: str | None, limits: bool) -> float | None:
     """The distance asked for [rad]; None for none."""
-    from rankdrop.robot.quantity import quantity
+    from rankdrop.robot import quantity
 
     distance = quantity(text or (_WITHIN if limits else "0"), "angle", where="--within")
     return distance or None

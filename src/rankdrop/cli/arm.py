@@ -14,7 +14,7 @@ from rankdrop.errors import OptionError
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rankdrop.robot.model import Robot
+    from rankdrop.robot import Robot
     from rankdrop.task import Task
 
 
@@ -54,7 +54,7 @@ def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
     Raises:
         RankdropError: the arm or the task does not exist, a package is not NAME=PATH, an argument not NAME:=VALUE.
     """
-    from rankdrop.robot.open import open_robot
+    from rankdrop.robot import open_robot
     from rankdrop.task import resolve_task
 
     robot = open_robot(

@@ -14,10 +14,10 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised, Nearby
     from rankdrop.cli.question import Answer
-    from rankdrop.derived.conditions import Conditions
+    from rankdrop.results import Conditions
     from rankdrop.task import Task
+    from rankdrop.verbs import Idealised, Nearby
 
 _FILE = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 _ANGLES = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
@@ -90,13 +90,13 @@ def conditions(
         json: Write everything as JSON.
         quiet: No progress.
     """
-    from rankdrop.beside import nearby
+    from rankdrop import conditions as run
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
-    from rankdrop.conditions import conditions as run
-    from rankdrop.exact.arm.chain import exact_chain
+    from rankdrop.exact import exact_chain
+    from rankdrop.verbs import nearby
 
     targets = {"--latex": latex, "--python": python, "--c": c, "--json": json}
     for option, target in targets.items():
@@ -142,7 +142,7 @@ def lengths_of(text: str) -> str | dict[str, float]:
         OptionError: neither.
     """
     from rankdrop.errors import OptionError, RobotError
-    from rankdrop.robot.quantity import quantity
+    from rankdrop.robot import quantity
 
     if "=" not in text:
         return text.strip()
@@ -165,12 +165,12 @@ def lengths_of(text: str) -> str | dict[str, float]:
 
 
 def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None, there: Sequence[Nearby]) -> None:
-    from rankdrop.beside import moved_section, there_section
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.ideal import near_line
     from rankdrop.cli.sections import INDENT, print_sections
     from rankdrop.cli.terminal import results, show, verdict_line
-    from rankdrop.derived.text import arm_lines
+    from rankdrop.results import arm_lines
+    from rankdrop.verbs import moved_section, there_section
 
     console = results()
     verdict = verdict_line(answer.verdict)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rankdrop.errors import ConfigurationError, RobotError
 
 if TYPE_CHECKING:
-    from rankdrop.robot.model import Robot
+    from rankdrop.robot import Robot
 
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _AS_TYPED = str.maketrans({"−": "-", "–": "-", "π": "pi", "{": " ", "}": " "})  # as copied from what is printed
@@ -56,7 +56,7 @@ def _unit(unit: str, *, deg: bool) -> str:
 
 
 def _value(word: str, name: str, unit: str, option: str, *, deg: bool) -> float:
-    from rankdrop.robot.quantity import quantity
+    from rankdrop.robot import quantity
 
     try:
         value = quantity(word, "length" if unit == "m" else "angle", where=f"{option}, joint {name}")

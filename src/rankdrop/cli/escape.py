@@ -46,16 +46,14 @@ def escape(
         lie: Print Gallardo-Alvarado and Rico-Martinez's procedure step by step, and where it goes wrong.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
     """
+    from rankdrop import explain
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import results, show
-    from rankdrop.explain import explain
-    from rankdrop.explanation.record import way_out_to_dict
-    from rankdrop.local.ordered import OrderedScrewSet
-    from rankdrop.local.ordered_report import report
-    from rankdrop.local.ordered_text import render
+    from rankdrop.local import OrderedScrewSet, render, report
+    from rankdrop.results import way_out_to_dict
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)

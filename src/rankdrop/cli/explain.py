@@ -14,8 +14,8 @@ from rankdrop.cli.whole import Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Here, Idealised
-    from rankdrop.explanation.explanation import Explanation
+    from rankdrop.results import Explanation
+    from rankdrop.verbs import Here, Idealised
 
 
 def explain(
@@ -62,15 +62,14 @@ def explain(
     """
     from dataclasses import replace
 
-    from rankdrop.beside import here
+    from rankdrop import explain as run
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.ideal import open_ideal
     from rankdrop.cli.sections import interrupted
-    from rankdrop.explain import explain as run
-    from rankdrop.record import plain
-    from rankdrop.result import Analysis
+    from rankdrop.results import Analysis, plain
     from rankdrop.tolerances import DEFAULT
+    from rankdrop.verbs import here
 
     check_target(json, "--json")
     model, task, made = open_ideal(robot, arm, ideal)
@@ -97,10 +96,10 @@ EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "
 
 
 def _print(found: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
-    from rankdrop.beside import here_section, moved_section
     from rankdrop.cli.ideal import near_line
     from rankdrop.cli.sections import print_sections
     from rankdrop.sections import Section
+    from rankdrop.verbs import here_section, moved_section
 
     *sections, last = found.sections(full=full)
     if made is not None and beside is not None:

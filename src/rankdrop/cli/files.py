@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rankdrop.errors import OptionError
-from rankdrop.record import json_text
+from rankdrop.results import json_text
 
 STDOUT = "-"
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
-    from rankdrop.atlas.search import Search
-    from rankdrop.robot.model import Robot
+    from rankdrop.families import Search
+    from rankdrop.robot import Robot
     from rankdrop.task import Task
 
 _SHOWN = 5
@@ -75,11 +75,11 @@ def find(
         history: Write the singular values of every iteration to this file: .csv or .npz.
         quiet: No progress.
     """
-    from rankdrop.atlas.search import refine, search
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.findings import find_to_dict
+    from rankdrop.families import refine, search
+    from rankdrop.results import find_to_dict
 
     check_target(json, "--json")
     check_target(out, "--out", (".csv", ".json", ".npz"))
@@ -144,9 +144,9 @@ def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, lim
         ConfigurationError: neither one number per joint nor the number of a random start.
         OptionError: no random start has this number.
     """
-    from rankdrop.atlas.search import MOST_STARTS
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.local.block import sample
+    from rankdrop.families import MOST_STARTS
+    from rankdrop.local import sample
     from rankdrop.units import in_units, out_of_units, task_in_units
 
     if robot.n == 1 or not text.strip().isdecimal():
@@ -160,24 +160,24 @@ def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, lim
 
 
 def _save(found: Search, out: str) -> None:
-    from rankdrop import findings
     from rankdrop.cli.files import write_bytes, write_json
+    from rankdrop.results import find_to_csv, find_to_dict, find_to_npz
 
     if out.lower().endswith(".json"):
-        write_json(findings.find_to_dict(found), out)
+        write_json(find_to_dict(found), out)
     else:
         csv = out.lower().endswith(".csv")
-        write_bytes(findings.find_to_csv(found).encode() if csv else findings.find_to_npz(found), out)
+        write_bytes(find_to_csv(found).encode() if csv else find_to_npz(found), out)
 
 
 def _save_history(found: Search, history: str) -> None:
-    from rankdrop import findings
     from rankdrop.cli.files import write_bytes
+    from rankdrop.results import history_to_csv, history_to_npz
 
     if found.history is not None:
         csv = history.lower().endswith(".csv")
         steps = found.history
-        write_bytes(findings.history_to_csv(steps).encode() if csv else findings.history_to_npz(steps), history)
+        write_bytes(history_to_csv(steps).encode() if csv else history_to_npz(steps), history)
 
 
 def _print(found: Search, task: Task, start: str | None, *, seconds: float) -> None:
@@ -207,7 +207,7 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
     import numpy as np
     from rich.text import Text
 
-    from rankdrop.atlas.search import Outcome
+    from rankdrop.families import Outcome
 
     counts = {outcome: found.count(outcome) for outcome in Outcome}
     yield ""
@@ -240,7 +240,7 @@ def _configurations(found: Search) -> Table:
     from rich import box
     from rich.table import Table
 
-    from rankdrop.atlas.cells import joint_symbol
+    from rankdrop.families import joint_symbol
 
     kinds = [str(joint.kind) for joint in found.robot.variables]
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)

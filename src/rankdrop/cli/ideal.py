@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised
     from rankdrop.cli.arm import ArmOptions
-    from rankdrop.robot.model import Robot
+    from rankdrop.results import Verdict
+    from rankdrop.robot import Robot
     from rankdrop.task import Task
-    from rankdrop.verdict import Verdict
+    from rankdrop.verbs import Idealised
 
 IDEAL = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
@@ -22,9 +22,9 @@ def open_ideal(name: str, options: ArmOptions, tolerance: str | None) -> tuple[R
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
-    from rankdrop.beside import idealised
     from rankdrop.cli.arm import open_arm
-    from rankdrop.robot.ideal import read_tolerance
+    from rankdrop.robot import read_tolerance
+    from rankdrop.verbs import idealised
 
     given = None if tolerance is None else read_tolerance(tolerance)
     robot, task = open_arm(name, options)
@@ -36,7 +36,7 @@ def open_ideal(name: str, options: ArmOptions, tolerance: str | None) -> tuple[R
 
 def near_line(robot: Robot, asked: Idealised | None) -> dict[str, str]:
     """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
-    from rankdrop.robot.ideal import near_ideal
+    from rankdrop.robot import near_ideal
 
     found = near_ideal(robot) if asked is None else None
     return {} if found is None else {"near": found.line}

@@ -47,13 +47,12 @@ def nearest(
         seed: Of every random choice.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
     """
+    from rankdrop import explain
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.sections import interrupted, print_sections
-    from rankdrop.explain import explain
-    from rankdrop.explanation.record import far_to_dict
-    from rankdrop.result import Analysis
+    from rankdrop.results import Analysis, far_to_dict
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)

@@ -7,16 +7,13 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError, RankdropError
-from rankdrop.verdict import of_conditions
+from rankdrop.results import of_conditions
 
 if TYPE_CHECKING:
-    from rankdrop.derived.conditions import Conditions
-    from rankdrop.exact.arm.chain import Chain
-    from rankdrop.exact.signs.aspects import Flags
-    from rankdrop.record import Record
-    from rankdrop.robot.model import Robot
+    from rankdrop.exact import Chain, Flags
+    from rankdrop.results import Conditions, Record, Verdict
+    from rankdrop.robot import Robot
     from rankdrop.sections import Section
-    from rankdrop.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +54,7 @@ class Question:
             ConfigurationError: not a configuration.
             TaskError: flags of an arm whose Jacobian is not square.
         """
-        from rankdrop.exact.reading.parse import parse_conditions
-        from rankdrop.exact.signs.aspects import signs_of
+        from rankdrop.exact import parse_conditions, signs_of
 
         if self.test is not None:
             parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])

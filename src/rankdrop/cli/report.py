@@ -13,10 +13,9 @@ from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
-    from rankdrop.beside import Idealised
     from rankdrop.cli.progress import Report
-    from rankdrop.result import Analysis
-    from rankdrop.verdict import Verdict
+    from rankdrop.results import Analysis, Verdict
+    from rankdrop.verbs import Idealised
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -87,11 +86,10 @@ def _analysis(
     robot: str, arm: ArmOptions, ideal: str | None, starts: int, seed: int, progress: Report
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
-    from rankdrop.analyze import analyze
+    from rankdrop import analyze
     from rankdrop.cli.ideal import open_ideal
     from rankdrop.errors import OptionError
-    from rankdrop.known import known_analysis
-    from rankdrop.result import Analysis
+    from rankdrop.results import Analysis, known_analysis
 
     if robot.lower().endswith(_ANALYSIS):
         if arm != NO_OPTIONS or ideal is not None:

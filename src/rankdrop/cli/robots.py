@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rankdrop.cli import exits
 
 if TYPE_CHECKING:
-    from rankdrop.robot.open import CatalogEntry
+    from rankdrop.robot import CatalogEntry
 
 _NO_MAKER = "Documents"
 
@@ -31,7 +31,7 @@ def robots(text: str = "", /, *, json: Annotated[bool, Parameter(negative=(), sh
     from dataclasses import asdict
 
     from rankdrop.cli.files import STDOUT, write_json
-    from rankdrop.robot.open import search_catalog
+    from rankdrop.robot import search_catalog
 
     entries = search_catalog(text)
     if json:

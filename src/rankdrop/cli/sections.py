@@ -10,7 +10,7 @@ from rankdrop.cli import exits
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rankdrop.explanation.explanation import Explanation
+    from rankdrop.results import Explanation
     from rankdrop.sections import Section
 
 INDENT = 2

@@ -15,23 +15,24 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from rankdrop.atlas.cells import (
+from rankdrop.compare import conditions_of
+from rankdrop.families import (
+    inside_limits,
     joint_cell,
     joint_symbol,
+    outside_text,
     rounded_share,
     share_text,
     values_text,
 )
-from rankdrop.atlas.inside import inside_limits, outside_text
-from rankdrop.exactly import conditions_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.atlas.family import CorankSummary, Family
-    from rankdrop.joined import Joined
-    from rankdrop.result import Analysis
-    from rankdrop.robot.model import Robot
+    from rankdrop.compare import Joined
+    from rankdrop.family import CorankSummary, Family
+    from rankdrop.results import Analysis
+    from rankdrop.robot import Robot
 
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.text import Text
 
-    from rankdrop.verdict import Verdict
+    from rankdrop.results import Verdict
 
 _ASCII = {
     "θ": "q", "π": "pi", "σ": "sigma", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-", "…": "...",

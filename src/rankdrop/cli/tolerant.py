@@ -48,14 +48,14 @@ def tolerant(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.atlas.tolerant import most_tolerant
     from rankdrop.cli.arm import arm_section, open_arm
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import results
     from rankdrop.cli.terminal import show as show_parts
-    from rankdrop.tolerant import tolerant_sections, tolerant_to_dict
+    from rankdrop.families import most_tolerant
+    from rankdrop.results import tolerant_sections, tolerant_to_dict
 
     check_target(json, "--json")
     model, task = open_arm(robot, arm)

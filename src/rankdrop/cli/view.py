@@ -56,7 +56,7 @@ def view(
     from rankdrop.cli.arm import open_arm, packages_of
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.terminal import say
-    from rankdrop.result import Analysis
+    from rankdrop.results import Analysis
     from rankdrop.viewer.server import Viewer, Wishes
     from rankdrop.viewer.trajectory import read_trajectory
 

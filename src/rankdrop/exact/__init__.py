@@ -1,1 +1,5 @@
 """Singularity conditions derived exactly: polynomials in half-angle tangents, factored, split, and checked."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

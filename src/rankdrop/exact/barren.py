@@ -3,13 +3,15 @@
 Where the rank is lower than r every minor of order r vanishes, so every resultant of two of them does, and every
 resultant of these, down to polynomials in one variable. If these have no common zero but t = ±i, where no configuration
 is, there is none. All is done modulo P with every angle turned by a random one, so that no solution stands at θ = π,
-where half-angle tangents are infinite, and with letters at random values: what is shown holds for almost all lengths.
+where half-angle tangents are infinite, and with the arm's own lengths for letters. What is not there for one choice of
+lengths is not there for almost all: the configurations are compact, and where there is one is closed.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from itertools import combinations, islice
 from math import prod
 
@@ -20,7 +22,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 
 _EACH = 6  # polynomials kept of those in the same variables
-_LENGTH = 1_000_000  # letters stand at random whole numbers up to this
+_LENGTH = 1_000_000  # letters without a value stand at random whole numbers up to this
 _MINORS = 400  # of all choices of rows and columns
 _TERMS = 6_000  # that a resultant may have
 _COST = {1: 10**6, 2: 60_000, 3: 4_000}  # product of the numbers of terms of two polynomials, by their variables
@@ -46,7 +48,7 @@ def barren(
         order: r.
         pins: joints at simple angles on the set.
         conditions: half-angle polynomials that vanish on it.
-        work: deadline.
+        work: deadline; the lengths of the arm.
 
     Returns:
         True with a proof modulo P; False where none was found.
@@ -54,7 +56,7 @@ def barren(
     rng = random.Random(_SEED)
     turned = _Turned(ring, rng)
     known = _Known(ring)
-    lengths = {name: rng.randrange(1, _LENGTH) for name in ring.letters}
+    lengths = {name: _number(work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))) for name in ring.letters}
     for f in conditions:
         known.add(turned.half(f.subs(lengths), [int(d) for d in f.degrees()]))
     here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
@@ -72,6 +74,10 @@ def barren(
         if not fresh or spent() > until:
             break
     return False
+
+
+def _number(value: Fraction) -> Polynomial:
+    return flint().fmpq(value.numerator, value.denominator)
 
 
 def _minors(ring: Ring, columns: Sequence[Sequence[Polynomial]], order: int) -> Iterator[Polynomial]:

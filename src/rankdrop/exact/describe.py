@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.naming import name_family
-from rankdrop.atlas.told import told
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.family.lost import told
+from rankdrop.family.naming import name_family
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT

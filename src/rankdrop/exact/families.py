@@ -8,24 +8,26 @@ from functools import partial
 
 import numpy as np
 
-from rankdrop.atlas.naming import told_apart
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.solving import form
+from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.check import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import Pins, Row, merge
+from rankdrop.exact.merge import Pins, Row, alone, merge
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.sharpen import sharpened
 from rankdrop.exact.tree import Drop, largest, rank_on
 from rankdrop.exact.verify import rank_agreement
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.family.naming import told_apart
 from rankdrop.robot.model import Array
 
+_LONG = 40  # terms of a set's conditions beyond which they are not written out
 _SHARPENED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
 
@@ -57,6 +59,8 @@ def real_sets(
             work.check()
             drop = waiting[0]
             piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
+            systems = len(work.unresolved)
+            work.pointless.clear()
             thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
@@ -65,12 +69,22 @@ def real_sets(
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
+        if work.pointless or len(work.unresolved) > systems:
+            left.append(f"the real points of a set were not all taken apart: {_named(piece)}")
+            work.pointless.clear()
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
+            if len(found.strays):
+                left.append(
+                    f"the conditions of a set of rank {drop.rank} hold at configurations of higher rank, too, and no "
+                    f"further condition was found that tells them apart: {_named(piece)}"
+                )
         elif found.proof:
             left_out.setdefault(f"not real, for {found.proof}", []).append(piece)
-        elif len(piece.equations) > 1 and len(found.points):
-            left.append("a set has real points, but its conditions are dependent at all that were found")
+        elif not thinner and (found.unclear or (len(piece.equations) > 1 and len(found.points))):
+            left.append(
+                f"a set has real points, but its conditions are dependent at all that were found: {_named(piece)}"
+            )
         elif not thinner:
             left_out.setdefault(f"no real point was found from {STARTS} random starts", []).append(piece)
     remaining = largest([Drop(one.piece, one.rank) for one in kept])
@@ -95,6 +109,12 @@ def _sharp(
     return piece, found
 
 
+def _named(piece: Variety) -> str:
+    """A set for people: its conditions, or how long they are."""
+    terms = sum(map(len, piece.equations))
+    return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"
+
+
 def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
     """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
     if len(piece.equations) != 1 or piece.also:
@@ -108,7 +128,8 @@ def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
             slope = (1 + t**2) * slope - degree[place] * t * f
         slopes.append((slope, degree))
     found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
-    return [Drop(one, rank_on(chain.columns, one)) for one in found if one.codimension > piece.codimension]
+    smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
+    return [Drop(one, rank_on(chain.columns, one)) for one in smaller]
 
 
 def families(

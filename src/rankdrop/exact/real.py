@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.system import System
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, used
 from rankdrop.exact.algebra.variety import Variety
@@ -15,6 +14,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.letters import letters_text, sign_of
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import RADIANS
+from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
@@ -35,6 +35,8 @@ class Reality:
         proof: why it is not real, where that is proven; "" where none was found only.
         condition: when it is real, in words; "" where that is plain.
         strays: (k, n) real configurations of higher rank that satisfy the conditions of the set, too.
+        unclear: at so many more the conditions hold, and the rank is neither lost nor clearly higher: they are near
+            points at which conditions touch zero only.
     """
 
     points: Array
@@ -42,6 +44,7 @@ class Reality:
     proof: str
     condition: str
     strays: Array
+    unclear: int = 0
 
     @property
     def real(self) -> bool:
@@ -70,15 +73,20 @@ def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -
             return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
         if text and not _always(chain, found):
             words.append(f"{text} ≥ 0")
-    points, smooth, strays = real_points(chain, piece, rank, rng)
+    points, smooth, strays, unclear = _met(chain, piece, rank, rng)
     condition = "real if and only if " + " and ".join(words) if words else ""
-    return Reality(points, smooth, "", condition, strays)
+    return Reality(points, smooth, "", condition, strays, unclear)
 
 
 def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
     """(k, n) real configurations of `Chain.own` on a set with exactly its rank, whether the set is smooth at one of
     them, and those of higher rank that satisfy its conditions.
     """
+    return _met(chain, piece, rank, rng)[:3]
+
+
+def _met(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array, int]:
+    """`real_points`, and at how many more its conditions hold and the rank is neither lost nor clearly higher."""
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
@@ -100,13 +108,14 @@ def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generato
     sigma = singular_values(chain.own, q, chain.own_task)
     full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(STARTS)
     strays = q[good & (full > _HIGHER)]
+    unclear = int((good & (full > DEFAULT.singular) & (full <= _HIGHER)).sum())
     good &= full <= DEFAULT.singular
     good &= (sigma[:, rank - 1] > 1e3 * DEFAULT.singular) if rank else True
     q = q[good]
     if not equations or not len(q):
-        return q, len(q) > 0, strays
+        return q, len(q) > 0, strays, unclear
     smooth = full_rank(system.jacobian(q) @ moving, piece.codimension - len(pinned))
-    return (q[smooth], True, strays) if smooth.any() else (q, False, strays)
+    return (q[smooth], True, strays, unclear) if smooth.any() else (q, False, strays, unclear)
 
 
 def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rankdrop.exact.algebra.field import P
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.tidy import tidy
@@ -82,8 +81,8 @@ def _words(
     special = chain.with_letters({equal.other: (equal.sign, equal.letter)})
     inner = Work(work.left)
     tree = rank_tree(special, inner, lowest=lowest)
-    if not tree.complete:
-        raise OutOfTime
+    if not tree.finished:
+        raise OutOfTime  # what else there is for such lengths is not known
     fresh = [drop for drop in tree.drops if not _known(drop, drops, equal)]
     rows = []
     for rank in range(generic_rank - 1, lowest - 1, -1):
@@ -104,5 +103,7 @@ def _sentence(texts: tuple[str, ...], corank: int) -> str:
 
 def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:
     """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
-    points = [{**point, equal.other: equal.sign * point[equal.letter] % P} for point in drop.piece.samples]
+    points = [
+        point.changed({equal.other: equal.sign * point[equal.letter] % point.prime}) for point in drop.piece.samples
+    ]
     return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)

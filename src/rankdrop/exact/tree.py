@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import combinations, islice
 
 from rankdrop.exact.algebra.atom import Atom
-from rankdrop.exact.algebra.field import Point, rank, trig_evaluator
+from rankdrop.exact.algebra.field import rank, trig_evaluator
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive
 from rankdrop.exact.algebra.ring import Ring
@@ -50,8 +50,9 @@ class Tree:
         complete: False when time ran out or the user interrupted it.
         left: what was not finished, in words.
         visited: sets looked at.
-        pointless: sets without a point modulo P that may be real, the order of the minors that were zero on them, and
-            whether nothing was looked for inside them; their rank is not known, nor what lies in them.
+        unresolved: systems of conditions that could not be taken apart; what they hold is missing.
+        pointless: sets without a point modulo any of the primes that may be real, the order of the minors that were
+            zero on them, and whether nothing was looked for inside them; their rank is not known, nor what is in them.
     """
 
     generic_rank: int
@@ -59,7 +60,13 @@ class Tree:
     complete: bool = True
     left: list[str] = field(default_factory=list)
     visited: int = 0
+    unresolved: list[str] = field(default_factory=list)
     pointless: list[tuple[Variety, int, bool]] = field(default_factory=list)
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left open: then what it has not is not there."""
+        return self.complete and not self.unresolved and not self.pointless
 
 
 def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
@@ -73,6 +80,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     Returns:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
+    work.lengths = chain.letters
     whole = Variety.whole(chain.ring)
     try:
         columns, never = smallest(chain)
@@ -104,6 +112,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
             break
     tree.drops = largest([Drop(one.piece, one.rank + never) for one in found])
     tree.pointless = [(piece, order + never, last) for piece, order, last in tree.pointless]
+    tree.unresolved = list(dict.fromkeys(work.unresolved))
     return tree
 
 
@@ -140,8 +149,9 @@ def _explore(
             continue
         minors = _chosen(columns, piece, order, work)
         last = piece.codimension + 1 >= bending  # points: they have the lower rank, or are of no use
-        cuts = with_points(meet(piece, minors, work) if last else cut(piece, minors[0], work), work)
-        for part in (same for one in cuts for same in _by_rank(columns, one, work)):
+        together = last and not piece.several  # else what one of them leaves is told apart by its points
+        cuts = with_points(meet(piece, minors, work) if together else cut(piece, minors[0], work), work)
+        for part in with_points([same for one in cuts for same in _by_rank(columns, one, work)], work):
             here = rank_on(columns, part)
             if here < order:
                 drop = Drop(part, here)
@@ -176,7 +186,7 @@ def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Ite
     A minor as large as the highest rank met is zero where the rank is lower. Where it is not, the rank is the highest
     one, by construction; what its factors vanish on is looked at again.
     """
-    ranks = [rank(_matrix(columns, point, piece)) for point in piece.samples] if piece.several else []
+    ranks = _ranks(columns, piece) if piece.several else []
     if len({*ranks}) < 2:
         yield piece
         return
@@ -223,12 +233,20 @@ def _parting(columns: list[list[Polynomial]], piece: Variety, ranks: list[int], 
 
 def rank_on(columns: list[list[Polynomial]], piece: Variety) -> int:
     """Rank almost everywhere on a set."""
-    return max((rank(_matrix(columns, point, piece)) for point in piece.samples), default=0)
+    return max(_ranks(columns, piece), default=0)
 
 
-def _matrix(columns: list[list[Polynomial]], point: Point, piece: Variety) -> list[list[int]]:
+def _ranks(columns: list[list[Polynomial]], piece: Variety) -> list[int]:
+    return [rank(matrix, prime) for matrix, prime in _residues(columns, piece)]
+
+
+def _residues(columns: list[list[Polynomial]], piece: Variety) -> list[tuple[list[list[int]], int]]:
+    """The columns at each sample of a set, and the prime that they are modulo."""
     evaluate = trig_evaluator(piece.ring)
-    return [[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns]
+    return [
+        ([[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
+        for point in piece.samples
+    ]
 
 
 def _chosen(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> list[Polynomial]:
@@ -249,9 +267,9 @@ def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iter
     ring = piece.ring
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
     lengths = [[len(x) if x != 0 else 0 for x in column] for column in here]
-    residues = [_matrix(here, point, piece) for point in piece.samples]
+    residues = _residues(here, piece)
     for columns_used, rows_used in by_length(lengths, order):
-        if any(rank([[m[c][r] for r in rows_used] for c in columns_used]) == order for m in residues):
+        if any(rank([[m[c][r] for r in rows_used] for c in columns_used], prime) == order for m, prime in residues):
             yield ring.determinant([[here[c][r] for c in columns_used] for r in rows_used])
 
 

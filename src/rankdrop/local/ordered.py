@@ -22,7 +22,7 @@ from rankdrop.errors import OptionError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import structural_sample
-from rankdrop.local.lie_product import NO_TURN, lie_product, motion
+from rankdrop.local.lie import NO_TURN, lie_product, motion
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.local.block import STRUCTURE_SEED
-from rankdrop.local.lie_product import lie_product
+from rankdrop.local.lie import lie_product
 from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset
 from rankdrop.local.ordered_session import GREATEST_RUN, Instruction, Step, session
 

@@ -1,7 +1,7 @@
 """AM's treatment of ties in numbers: gradients of tied singular values, and what turning their vectors does to them.
 
-The searches themselves (AM eq. 11, with and without the treatment) are `rankdrop.atlas.search.refine` with the methods
-"gradient" and "almarkhi", in the core.
+The searches themselves (AM eq. 11, with and without the treatment) are `rankdrop.families.searching.refine` with the
+methods "gradient" and "almarkhi", in the core.
 """
 
 from __future__ import annotations

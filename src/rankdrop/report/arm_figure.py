@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop._handles import check_robot
-from rankdrop.atlas.family import Family
 from rankdrop.errors import MissingExtraError
+from rankdrop.family import Family
 from rankdrop.kinematics import link_poses, pose
 from rankdrop.reach import reach
 from rankdrop.report.content import arrows
 from rankdrop.report.skeleton import skeleton
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.results import Analysis
+from rankdrop.robot import Array, JointKind, Robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,14 +6,10 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.atlas.along import Sweep
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.atlas.slices import Slice
-from rankdrop.atlas.solid import Solid
-from rankdrop.atlas.workspace import Workspace
+from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import Chart, angle_ticks, plain_ticks
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot import Array, Robot
 
 COLOURS = 8
 _SMALL = 130.0

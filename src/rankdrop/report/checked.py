@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rankdrop.checks import sampled, unseen
 from rankdrop.report.content import Content
+from rankdrop.results import sampled, unseen
 
 
 def checks(content: Content) -> Iterator[str]:

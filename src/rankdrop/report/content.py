@@ -7,22 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.along import Sweep, sweeps
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.slices import Slice, telling_slices
-from rankdrop.atlas.solid import Solid, solids
-from rankdrop.atlas.workspace import Workspace, workspace
-from rankdrop.beside import Idealised, moved_section, nearby, there_section
-from rankdrop.conditions import conditions
-from rankdrop.derived.conditions import Conditions
+from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.families import Slice, Solid, Sweep, Workspace, solids, sweeps, telling_slices, workspace
+from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.known_conditions import known_conditions
-from rankdrop.local.circuits import LARGEST_CHAIN, blame, circuits_at, make_all
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Array
+from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
+from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
+from rankdrop.robot import Array
 from rankdrop.sections import Section
-from rankdrop.verdict import Verdict, of_analysis
+from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""

@@ -8,16 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.linear import wrap
-from rankdrop.atlas.solid import Solid
-from rankdrop.local.block import sampling_box
+from rankdrop.families import Solid, joint_symbol, wrap
+from rankdrop.family import Family
+from rankdrop.local import sampling_box
 from rankdrop.reach import reach
 from rankdrop.report.content import Content
 from rankdrop.report.skeleton import skeleton
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Array, Robot
+from rankdrop.results import Analysis
+from rankdrop.robot import Array, Robot
 
 LIVE = 1e-7
 """σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from rankdrop.exact.family import ExactFamily
-from rankdrop.joined import ExactRow, Joined
+from rankdrop.compare import ExactRow, Joined
+from rankdrop.exact import ExactFamily
 from rankdrop.report.content import Content
 from rankdrop.report.typeset import typeset
 

@@ -12,19 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.atlas.along import Sweep
-from rankdrop.atlas.cells import joint_symbol
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.slices import Slice
-from rankdrop.atlas.solid import Solid
-from rankdrop.atlas.workspace import Workspace
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
+from rankdrop.family import Family
 from rankdrop.report.arm_figure import arm_figure
 from rankdrop.report.content import Content
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import angle_ticks
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Robot
+from rankdrop.results import Analysis
+from rankdrop.robot import Robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

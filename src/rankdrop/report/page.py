@@ -17,7 +17,7 @@ from rankdrop.report.sections import (
     workspace_section,
 )
 from rankdrop.report.tables import corank_tables
-from rankdrop.robot.ideal import near_ideal
+from rankdrop.robot import near_ideal
 from rankdrop.sections import html
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from rankdrop.atlas.slices import Slice
+from rankdrop.families import Slice
 from rankdrop.report.charts import (
     COLOURS,
     image_chart,

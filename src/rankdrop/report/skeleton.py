@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot import Array, JointKind, Robot
 
 _ALONG = 1e-9  # a point this near an axis, per length of the way, is on it
 

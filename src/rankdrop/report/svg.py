@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 
 _STRAIGHT = 0.15  # a vertex this near the line between its neighbours is left out [pixel]
 

@@ -5,23 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from rankdrop.atlas.cells import (
+from rankdrop.compare import Joined, conditions_of
+from rankdrop.families import (
     COUPLED,
     FREE,
     NOTHING,
+    Inside,
+    inside_limits,
     joint_cell,
     joint_symbol,
     legend,
+    near_overview,
+    outside_text,
     rounded_share,
     share_text,
 )
-from rankdrop.atlas.family import CorankSummary, Family
-from rankdrop.atlas.inside import Inside, inside_limits, outside_text
-from rankdrop.atlas.overview import near_overview
-from rankdrop.exactly import conditions_of
-from rankdrop.joined import Joined
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Robot
+from rankdrop.family import CorankSummary, Family
+from rankdrop.results import Analysis
+from rankdrop.robot import Robot
 from rankdrop.sections import html
 
 

@@ -15,11 +15,11 @@ from math import comb, degrees
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.search import Outcome, Search, refine, search
-from rankdrop.local.block import sample
+from rankdrop.families import Outcome, Search, refine, search
+from rankdrop.local import sample
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 
 SEED = 11
 """Of the starts that counts are made of."""

@@ -7,18 +7,23 @@ from math import comb, degrees
 
 import numpy as np
 
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.methods import derive
+from rankdrop.exact import derive, exact_chain
 from rankdrop.frames import SPACE, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose, task_jacobian
-from rankdrop.local.block import decompose, sample, singular_values
-from rankdrop.local.directions import lost_directions
-from rankdrop.local.readable import readable_basis
-from rankdrop.local.redundancy import null_space_motion
-from rankdrop.local.tie_gradients import gradient_tensor, plane_rotation, spread, tied_gradients
+from rankdrop.local import (
+    decompose,
+    gradient_tensor,
+    lost_directions,
+    null_space_motion,
+    plane_rotation,
+    readable_basis,
+    sample,
+    singular_values,
+    spread,
+    tied_gradients,
+)
 from rankdrop.reproduce.item import Sheet, Shown, listed
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Task, resolve_task
 
 H = 1e-6  # step of central differences [rad]: errors of about 1e-10

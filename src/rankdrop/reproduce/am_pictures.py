@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.atlas.search import refine
+from rankdrop.families import refine
 from rankdrop.frames import Frame
 from rankdrop.kinematics import link_poses, pose
-from rankdrop.local.block import decompose
-from rankdrop.local.directions import lost_directions
+from rankdrop.local import decompose, lost_directions
 from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, run
 from rankdrop.reproduce.am_method import AFTER, OFFSET, matched, offset_directions, pa10
 from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
 from rankdrop.reproduce.picture import BLACK, BLUE, GREEN, GREY, RED, Arrow, Line, Panel, Picture, against, arrows
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Task, resolve_task
 
 _NAMES = {1: ("u6",), 2: ("u5", "u6"), 3: ("u4", "u5", "u6")}

@@ -7,24 +7,24 @@ from math import acos, asin, atan, cos, degrees, pi, sin, sqrt
 
 import numpy as np
 
-from rankdrop.atlas.curves import Curve, singular_curves
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.search import Outcome, refine, search
-from rankdrop.atlas.tolerant import most_tolerant
+from rankdrop.families import Curve, Outcome, most_tolerant, refine, search, singular_curves
+from rankdrop.family import Family
 from rankdrop.kinematics import jacobian, link_poses, pose
-from rankdrop.known import known_analysis
-from rankdrop.local.block import decompose, sample, singular_values
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
-from rankdrop.local.failures import failures_at
-from rankdrop.local.relations import relations_at
-from rankdrop.local.words import words
+from rankdrop.local import (
+    decompose,
+    failures_at,
+    lost_directions,
+    lost_in_sparsest_frame,
+    relations_at,
+    sample,
+    singular_values,
+    words,
+)
 from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.result import Analysis
-from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array
-from rankdrop.robot.open import open_robot
+from rankdrop.results import Analysis, known_analysis
+from rankdrop.robot import Array, from_dh, open_robot
 from rankdrop.task import resolve_task
 
 TABLE_1 = [("sqrt(2)", "pi/2", "0"), ("sqrt(2)", "-pi/2", "1"), ("sqrt(2)", "pi/2", "-1"), ("sqrt(3)/2", "0", "1/2")]

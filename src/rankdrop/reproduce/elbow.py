@@ -6,14 +6,12 @@ from functools import cache
 
 import numpy as np
 
-from rankdrop.conditions import conditions
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.decoupling.decouple import Decoupling, decouple
+from rankdrop import conditions
+from rankdrop.exact import Decoupling, decouple, exact_chain
 from rankdrop.kinematics import jacobian
-from rankdrop.local.block import sample, singular_values
+from rankdrop.local import sample, singular_values
 from rankdrop.reproduce.formula import value
-from rankdrop.robot.dh import from_dh
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot import Array, Robot, from_dh
 from rankdrop.task import Task, resolve_task
 
 LENGTHS = {"a2": 0.5, "a3": 0.4}

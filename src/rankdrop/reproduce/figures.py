@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.record import json_text
 from rankdrop.reproduce.picture import Panel, Picture
 from rankdrop.reproduce.run import Progress
+from rankdrop.results import json_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

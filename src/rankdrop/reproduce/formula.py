@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.reading.grammar import Node, read
-from rankdrop.robot.model import Array
+from rankdrop.exact import Node, read
+from rankdrop.robot import Array
 
 _WAVE = re.compile(r"([sc])([1-9]+)")
 _ANGLE = re.compile(r"(?:θ|q|theta)([1-9])")

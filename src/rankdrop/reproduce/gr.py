@@ -9,15 +9,19 @@ from math import sqrt
 
 import numpy as np
 
-from rankdrop.local.lie_product import lie_product, motion
-from rankdrop.local.ordered import OrderedScrewSet
-from rankdrop.local.ordered_report import OrderedReport, report
-from rankdrop.local.ordered_session import PRINTED_IN_GR, session
-from rankdrop.local.relations import relations_at
-from rankdrop.local.systems import systems_at
+from rankdrop.local import (
+    PRINTED_IN_GR,
+    OrderedReport,
+    OrderedScrewSet,
+    lie_product,
+    motion,
+    relations_at,
+    report,
+    session,
+    systems_at,
+)
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.robot.model import Array, JointKind
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Array, JointKind, open_robot
 
 R = 1 / sqrt(2)
 SCREWS = np.array([

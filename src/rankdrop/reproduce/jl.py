@@ -8,9 +8,7 @@ import numpy as np
 
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local.block import generic_rank
-from rankdrop.local.rates import rate_growth
-from rankdrop.local.redundancy import null_space_motion, redundancy
+from rankdrop.local import generic_rank, null_space_motion, rate_growth, redundancy
 from rankdrop.reproduce.elbow import (
     FOREARM_LINE,
     LENGTHS,
@@ -23,8 +21,7 @@ from rankdrop.reproduce.elbow import (
     worst,
 )
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.robot.model import Array
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Array, open_robot
 from rankdrop.task import resolve_task
 
 WRIST_CENTRE = Frame(0, 5)

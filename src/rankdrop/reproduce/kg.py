@@ -6,11 +6,7 @@ from math import comb
 
 import numpy as np
 
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.methods import METHODS, derive
-from rankdrop.exact.methods.evaluate import Distances
-from rankdrop.exact.suppression.suppress import suppress
-from rankdrop.exact.writing.text_of import conditions_text
+from rankdrop.exact import METHODS, Distances, conditions_text, derive, exact_chain, suppress
 from rankdrop.kinematics import jacobian
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import matrix, value
@@ -29,7 +25,7 @@ from rankdrop.reproduce.kg_arm import (
     worst,
 )
 from rankdrop.reproduce.kg_families import families
-from rankdrop.robot.dh import from_dh
+from rankdrop.robot import from_dh
 
 
 def figure_1(sheet: Sheet) -> None:

@@ -7,15 +7,13 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.suppress import Suppression, suppress
+from rankdrop.exact import Suppression, exact_chain, suppress
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian
-from rankdrop.local.block import sample, singular_values
+from rankdrop.local import sample, singular_values
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import value
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import resolve_task
 
 DAMAGED = "The copy at hand is damaged here; restored."

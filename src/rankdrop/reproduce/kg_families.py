@@ -6,13 +6,13 @@ from itertools import combinations
 
 import numpy as np
 
-from rankdrop.atlas.search import search
-from rankdrop.conditions import conditions
+from rankdrop import conditions
+from rankdrop.families import search
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import value
 from rankdrop.reproduce.item import Sheet, Shown
 from rankdrop.reproduce.kg_arm import SMALL, arm, found, on, sigma6
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 
 
 def families(sheet: Sheet) -> None:

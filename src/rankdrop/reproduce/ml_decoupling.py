@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.conditions import conditions
+from rankdrop import conditions
 from rankdrop.frames import BODY, SPACE, Frame
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local.block import singular_values
-from rankdrop.local.relations import relations_at
+from rankdrop.local import relations_at, singular_values
 from rankdrop.reproduce.elbow import (
     FOREARM_LINE,
     angles,
@@ -21,8 +20,7 @@ from rankdrop.reproduce.elbow import (
     worst,
 )
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.robot.model import Robot
-from rankdrop.robot.open import open_robot
+from rankdrop.robot import Robot, open_robot
 from rankdrop.task import resolve_task
 
 

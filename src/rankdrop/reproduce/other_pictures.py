@@ -6,7 +6,7 @@ import numpy as np
 
 from rankdrop.frames import SPACE as BASE
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local.readable import readable_basis
+from rankdrop.local import readable_basis
 from rankdrop.reproduce import kg_text
 from rankdrop.reproduce.elbow import LENGTHS, elbow_arm
 from rankdrop.reproduce.gr import example
@@ -14,7 +14,7 @@ from rankdrop.reproduce.jl import WRIST_CENTRE, axes_and_points
 from rankdrop.reproduce.kg_arm import arm
 from rankdrop.reproduce.ml import PLANAR, blow_up
 from rankdrop.reproduce.picture import BLACK, BLUE, GREY, ORANGE, RED, Arrow, Line, Panel, Picture, against
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 
 
 def joint_rates() -> Picture:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 
 BLUE, RED, GREEN, BLACK, GREY, ORANGE = "#0072B2", "#D55E00", "#009E73", "#222222", "#777777", "#E69F00"
 """Okabe and Ito's colours, which stay apart for colour-blind eyes and in print; AM's blue, red and green."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from rankdrop.errors import OptionError
-from rankdrop.record import Record
 from rankdrop.reproduce.item import Item, Sheet, Verdict
+from rankdrop.results import Record
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/reproduced/1"

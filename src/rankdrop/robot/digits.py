@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
 from typing import Any
 
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582")
 _DIGITS = 60  # of the arithmetic: more than any file prints, and than π above has

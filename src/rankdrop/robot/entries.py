@@ -8,7 +8,7 @@ from typing import Any
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.model import Joint, JointKind
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 Where = Callable[[str], str]
 """Place of a key (or of the whole entry, for "") in words, for errors: "pa10.toml, line 12, joint 3, alpha"."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"
 

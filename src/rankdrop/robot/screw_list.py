@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 
 _ENTRY = re.compile(r"[^\s,;\[\]]+")
 _MOST = 200  # screws; no chain is longer

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import RobotError
 from rankdrop.robot.entries import joint_kind, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
-from rankdrop.robot.quantity import LARGEST_NUMBER
+from rankdrop.robot.quantities import LARGEST_NUMBER
 from rankdrop.robot.transform import frame_on_axis, rigid
 
 Order = Literal["linear-first", "angular-first"]

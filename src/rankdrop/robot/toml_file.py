@@ -15,7 +15,7 @@ from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, li
 from rankdrop.robot.lengths import checked_lengths
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, JointKind, Robot, Source
-from rankdrop.robot.quantity import quantity
+from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
 from rankdrop.robot.toml_lines import TomlLines
 from rankdrop.robot.transform import from_xyz_rpy

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.local.block import sampling_box
-from rankdrop.robot.model import Array
+from rankdrop.local import sampling_box
+from rankdrop.results import Explanation
+from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.live import Now
 from rankdrop.viewer.session import Session

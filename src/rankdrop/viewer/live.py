@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.monitor import Monitor, Sighting
-from rankdrop.explanation.verdict import first_verdict
+from rankdrop.families import Monitor, Sighting
+from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
-from rankdrop.local.circuits import LARGEST_CHAIN, Circuit, blame
-from rankdrop.local.directions import lost_directions
-from rankdrop.robot.model import Array, Robot
+from rankdrop.local import LARGEST_CHAIN, Circuit, blame, lost_directions
+from rankdrop.results import first_verdict
+from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
 from rankdrop.viewer.body import body_of
 from rankdrop.viewer.scene import Arrow, arrows

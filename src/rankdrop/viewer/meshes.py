@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, RankdropError, RobotError
-from rankdrop.robot.model import Array
-from rankdrop.robot.xml_file import read_xml
+from rankdrop.robot import Array, read_xml
 from rankdrop.viewer.visuals import GREY, Visual
 
 LARGEST_MESH = 100 * 2**20

@@ -10,11 +10,9 @@ from collections.abc import Iterable
 from html import escape
 from math import isfinite, log10
 
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.which import Condition
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.explanation.words import angle, angle_below, short
-from rankdrop.local.circuits import Circuit
+from rankdrop.family import Condition, Family
+from rankdrop.local import Circuit
+from rankdrop.results import Explanation, angle, angle_below, short
 from rankdrop.viewer.live import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.frames import link_index
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 from rankdrop.task import Task
 from rankdrop.viewer.body import Body
 

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.explanation.which import known_families
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Array, Robot
+from rankdrop.results import Analysis, Explanation, known_families
+from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel

@@ -15,11 +15,10 @@ from typing import Protocol
 
 import numpy as np
 
-from rankdrop.explain import explain
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.local.block import joint_scale
-from rankdrop.result import Analysis
-from rankdrop.robot.model import Array
+from rankdrop import explain
+from rankdrop.local import joint_scale
+from rankdrop.results import Analysis, Explanation
+from rankdrop.robot import Array
 from rankdrop.tolerances import EVALUATIONS
 from rankdrop.viewer.live import Live, Now
 

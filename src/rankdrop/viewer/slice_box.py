@@ -8,8 +8,8 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.local.block import sampling_box
-from rankdrop.robot.model import Array, Robot
+from rankdrop.local import sampling_box
+from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
 
 EDGE = 0.8  # of the box, as a share of the arm's size

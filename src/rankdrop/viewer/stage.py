@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop.robot.model import Array
+from rankdrop.robot import Array
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import Mesh
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION

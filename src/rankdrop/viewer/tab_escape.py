@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.explanation.explanation import Explanation
-from rankdrop.explanation.words import motion, short
-from rankdrop.local.escape import Direction, Escape, JointEscape, escape
-from rankdrop.local.self_motion import self_motion
+from rankdrop.local import Direction, Escape, JointEscape, escape, self_motion
+from rankdrop.results import Explanation, motion, short
 from rankdrop.viewer.controls import Controls
 
 if TYPE_CHECKING:

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.atlas.distance import family_distances
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.walk import Walk
-from rankdrop.explanation.words import angle
-from rankdrop.robot.model import Array
+from rankdrop.families import Walk, family_distances
+from rankdrop.family import Family
+from rankdrop.results import angle
+from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 
@@ -79,7 +78,7 @@ class FamiliesTab:
         found = self.controls.found
         session = self.controls.session
         if found is None or found.far.nearest is None or not np.array_equal(found.q, session.q):
-            from rankdrop.local.nearest import nearest_singularity
+            from rankdrop.local import nearest_singularity
 
             nearest = nearest_singularity(self.controls.robot, session.q, self.controls.live.task,
                                           limits=session.limits)  # fmt: skip

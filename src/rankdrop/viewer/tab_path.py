@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.explanation.words import angle, short
-from rankdrop.robot.model import Array
+from rankdrop.results import angle, short
+from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
 from rankdrop.viewer.live import Now

@@ -9,9 +9,9 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.atlas.family import Family
-from rankdrop.atlas.in_slice import in_slice
-from rankdrop.robot.model import Array
+from rankdrop.families import in_slice
+from rankdrop.family import Family
+from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.live import Now

@@ -11,11 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.atlas.monitor import Monitor
 from rankdrop.errors import ConfigurationError, RankdropError
-from rankdrop.robot.files import read_text
-from rankdrop.robot.model import Array, Joint, Robot
-from rankdrop.robot.quantity import quantity
+from rankdrop.families import Monitor
+from rankdrop.robot import Array, Joint, Robot, quantity, read_text
 
 MOST_ROWS = 1_000_000
 ROW_SECONDS = 0.1  # between rows of a file without times

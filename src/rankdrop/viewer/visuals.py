@@ -10,15 +10,22 @@ from urllib.parse import unquote
 import numpy as np
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.digits import Angles
-from rankdrop.robot.files import read_text
-from rankdrop.robot.model import Array, Robot
-from rankdrop.robot.packages import PLACES, find_package
-from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.robot.urdf import joint_origin
-from rankdrop.robot.urdf_numbers import number, three
-from rankdrop.robot.urdf_tree import Tree, read_tree
-from rankdrop.robot.xml_file import Element, read_xml
+from rankdrop.robot import (
+    PLACES,
+    Angles,
+    Array,
+    Element,
+    Robot,
+    Tree,
+    find_package,
+    from_xyz_rpy,
+    joint_origin,
+    number,
+    read_text,
+    read_tree,
+    read_xml,
+    three,
+)
 
 MESHES = (".stl", ".dae", ".obj", ".ply")
 GREY = (0.72, 0.74, 0.77)

@@ -13,11 +13,12 @@ from itertools import combinations, product
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
 from rankdrop.exact.algebra.effort import tick
+from rankdrop.exact.algebra.field import Point, half_evaluator, residue
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.slice import binds_more
-from rankdrop.exact.algebra.solving import Form, Solved, at, factors, form, linear, put, unit
+from rankdrop.exact.algebra.solving import Form, Solved, at, factors, form, free_in, linear, put, unit
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 
@@ -83,13 +84,26 @@ def _irreducible(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
 ) -> list[Variety]:
     """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
-    if min(len(system), 2) > most or binds_more(system, most, ring.moving):
+    if min(len(system), 2) > most:
+        # two conditions without a common factor; for special lengths they may have one
+        work.special = work.special or (most > 0 and bool(work.lengths) and not _bound(ring, system, most, work))
+        return []
+    if _bound(ring, system, most, work):
         return []
     if len(system) <= 1:
         return [_single(ring, pins, system)]
+    for f, g, k in divisions(ring, system):
+        if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
+            others = [form(h, ring) for h in system if h is not g]
+            return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
+    work.special = work.special or any(_always(ring, f, work) for f in system)
     found = list(_at_infinity(ring, pins, system, most, work, done))
     inside = _eliminated(ring, pins, system, most, work, done)
     return found + (_reduced(ring, pins, system, most, work, done) if inside is None else inside)
+
+
+def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
+    return binds_more(system, most, ring.moving, work.lengths)
 
 
 def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Variety:
@@ -212,8 +226,54 @@ def _several(
                 found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
                 if found.samples:
                     return [found]
+    base, tops = _tower(ring, system)
+    if tops and len(base) == 2 and len(system) <= most:
+        one = Variety(ring, pins, rest=(*base, *tops), equations=tuple(system))
+        if one.samples:
+            return [*_free_on_top(ring, pins, base, tops, most, work), one]
     work.leave(pins, system)
     return []
+
+
+def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list[Polynomial]]:
+    """Conditions, and those that are each in a variable which the ones before them are not in."""
+    base, tops = list(system), list[Polynomial]()
+    while len(base) > 2:
+        free = [
+            f for f in base
+            if any(
+                place < ring.moving and not any(g is not f and place in used(g) for g in base) for place in used(f)
+            )
+        ]  # fmt: skip
+        if not free:
+            break
+        top = max(free, key=len)
+        base = [f for f in base if f is not top]
+        tops.insert(0, top)
+    return base, tops
+
+
+def _free_on_top(
+    ring: Ring, pins: dict[int, str], base: list[Polynomial], tops: list[Polynomial], most: int, work: Work
+) -> list[Variety]:
+    """Sets on which a condition holds whatever its own variable is: all its coefficients vanish."""
+    found: list[Variety] = []
+    for number, top in enumerate(tops):
+        before = [*base, *tops[:number]]
+        known = {place for f in before for place in used(f)}
+        own = next(place for place in used(top) if place < ring.moving and place not in known)
+        others = [form(f, ring) for f in (*before, *tops[number + 1 :])]
+        found += decompose(ring, pins, [*others, *free_in(top, own, ring)], most, work)
+    return found
+
+
+def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
+    """Whether a condition always holds for the arm's own lengths."""
+    if not work.lengths or not any(place >= ring.moving for place in used(f)):
+        return False
+    values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
+    values.update((name, residue(value)) for name, value in work.lengths.items())
+    return half_evaluator(ring)(f, values) == 0
 
 
 def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:

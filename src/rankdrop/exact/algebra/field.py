@@ -2,13 +2,14 @@
 
 A polynomial that is not zero on an irreducible set vanishes at a random point of it modulo p with a probability of the
 order degree / p (Schwartz and Zippel), here below 1e-15. With p ≡ 3 mod 4, −1 is not a square: 1 + t² has no zero, as
-over the reals. The primes up to 43 are squares: √2, √3, √5 … exist, as over the reals.
+over the reals. The primes up to 43 are squares: √2, √3, √5 … exist, as over the reals. Of other roots some exist modulo
+one prime and others modulo the next: a point knows which prime its values are residues of.
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -18,45 +19,72 @@ from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 
-P = (1 << 61) - 11_913
-"""A prime ≡ 119 mod 120, the largest below 2^61 of which all primes up to 43 are squares and −1 is not."""
+_BELOW = (
+    11_913, 636_873, 2_465_193, 5_454_201, 7_198_593, 8_757_921, 9_646_521, 10_176_081, 10_526_961, 11_201_481,
+    12_427_041, 14_400_441, 16_867_161, 21_450_993, 22_957_953, 25_261_473, 25_265_841, 25_306_761, 26_721_321,
+    26_768_241, 27_325_953, 30_620_601, 31_134_561, 34_449_873, 34_751_601, 35_367_513, 40_584_753, 40_940_841,
+    42_313_113, 45_697_833, 46_343_121, 47_089_353,
+)  # fmt: skip
+PRIMES = tuple((1 << 61) - below for below in _BELOW)
+"""The largest primes below 2^61 modulo which all primes up to 43 are squares and −1 is not."""
+P = PRIMES[0]
+"""The one that is taken first."""
 
 _KEPT = 50_000  # polynomials whose residues are remembered
 
-Point = dict[str, int]
-"""Values modulo P of the variables of both rings, by name; t_j is absent where θ_j = π."""
+
+class Point(dict[str, int]):
+    """Values modulo a prime of the variables of both rings, by name; t_j is absent where θ_j = π.
+
+    Args:
+        values: by name.
+        prime: out of `PRIMES`.
+    """
+
+    def __init__(self, values: Mapping[str, int] | Iterable[tuple[str, int]] = (), prime: int = P) -> None:
+        super().__init__(values)
+        self.prime = prime
+
+    def changed(self, values: Mapping[str, int]) -> Point:
+        """The point with other values of some variables."""
+        return Point({**self, **values}, self.prime)
 
 
-def modulo(value: Any) -> int:
-    """A rational number (`flint.fmpq`) modulo P."""
+def modulus(point: Mapping[str, int]) -> int:
+    """The prime that values are residues of; `P` where they do not tell."""
+    return point.prime if isinstance(point, Point) else P
+
+
+def modulo(value: Any, prime: int = P) -> int:
+    """A rational number (`flint.fmpq`) modulo a prime."""
     bottom = int(value.q)
-    top = int(value.p) % P
-    return top if bottom == 1 else top * pow(bottom, -1, P) % P
+    top = int(value.p) % prime
+    return top if bottom == 1 else top * pow(bottom, -1, prime) % prime
 
 
-def residue(value: Fraction) -> int:
-    """A rational number modulo P."""
-    return value.numerator % P * pow(value.denominator, -1, P) % P
+def residue(value: Fraction, prime: int = P) -> int:
+    """A rational number modulo a prime."""
+    return value.numerator % prime * pow(value.denominator, -1, prime) % prime
 
 
-_reduced: dict[int, tuple[Polynomial, Polynomial]] = {}  # by id; the first one keeps the id from being used again
+_reduced: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}  # by id, which the first one keeps, and prime
 
 
-def reduced(f: Polynomial) -> Polynomial:
-    """A polynomial over the rationals modulo P (`flint.nmod_mpoly` in the same variables); kept."""
-    kept = _reduced.get(id(f))
+def reduced(f: Polynomial, prime: int = P) -> Polynomial:
+    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables); kept."""
+    kept = _reduced.get((id(f), prime))
     if kept is None or kept[0] is not f:
         if len(_reduced) > _KEPT:
             _reduced.clear()
         module = flint()
-        context = module.nmod_mpoly_ctx.get(list(f.context().names()), P, module.Ordering.lex)
-        terms = {tuple(map(int, powers)): modulo(value) for powers, value in f.terms()}
-        kept = _reduced[id(f)] = (f, context.from_dict(terms))
+        context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
+        terms = {tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()}
+        kept = _reduced[id(f), prime] = (f, context.from_dict(terms))
     return kept[1]
 
 
 class Evaluator:
-    """Evaluates polynomials of one context modulo P.
+    """Evaluates polynomials of one context modulo the prime of a point.
 
     Args:
         names: of the context's variables, in order.
@@ -64,28 +92,29 @@ class Evaluator:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
-        module = flint()
-        self._two = module.nmod_mpoly_ctx.get(["x", "y"], P, module.Ordering.lex)
 
     def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
         """f at a point; variables that the point gives no value to are not in f."""
         tick(3 + 0.12 * len(f))
-        return int(reduced(f)(*(point.get(name, 0) for name in self._names)))
+        return int(reduced(f, modulus(point))(*(point.get(name, 0) for name in self._names)))
 
     def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
-        """f modulo P with every variable but those left at a point."""
+        """f modulo the prime with every variable but those left at a point."""
         tick(10 + len(f))
-        return reduced(f).subs({name: point[name] for name in self._names if name not in left and name in point})
+        values = {name: point[name] for name in self._names if name not in left and name in point}
+        return reduced(f, modulus(point)).subs(values)
 
     def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
         """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
         return dense(self._put(f, (name,), point), self._names.index(name))
 
     def in_two(self, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
-        """f as a polynomial in two variables modulo P (`flint.nmod_mpoly` in x, y)."""
+        """f as a polynomial in two variables modulo the prime (`flint.nmod_mpoly` in x, y)."""
         a, b = self._names.index(one), self._names.index(two)
         put = self._put(f, (one, two), point)
-        return self._two.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+        module = flint()
+        context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
+        return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
 
 
 @lru_cache(maxsize=32)
@@ -110,7 +139,8 @@ def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
 def stands(point: Point, joint: int, value: str) -> bool:
     """Whether a revolute joint is at a simple angle (out of `atom.SIMPLE`) at a point."""
     cosine, sine = COS_SIN[value]
-    return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % P, sine % P)
+    prime = modulus(point)
+    return (point[f"c{joint}"], point[f"s{joint}"]) == (cosine % prime, sine % prime)
 
 
 def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
@@ -120,17 +150,17 @@ def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
 
 
-def roots(values: Sequence[int]) -> list[int]:
-    """Zeros modulo P of a polynomial in one variable, coefficients from power 0 up; none of the zero polynomial."""
+def roots(values: Sequence[int], prime: int = P) -> list[int]:
+    """Zeros modulo a prime of a polynomial in one variable, coefficients from power 0 up; none where it is zero."""
     kept = list(values)
-    while kept and kept[-1] % P == 0:
+    while kept and kept[-1] % prime == 0:
         kept.pop()
     if len(kept) < 2:
         return []
     if len(kept) == 2:
-        return [-kept[0] * pow(kept[1], -1, P) % P]
+        return [-kept[0] * pow(kept[1], -1, prime) % prime]
     tick(20 * len(kept))
-    return [int(root) for root, _ in flint().nmod_poly(kept, P).roots()]
+    return [int(root) for root, _ in flint().nmod_poly(kept, prime).roots()]
 
 
 def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
@@ -141,10 +171,10 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
     tick(100 + 3 * len(f) * len(g))
     if eliminated == 0:
         return
-    module = flint()
-    for y in roots(dense(eliminated, 1)):
-        one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), P) for h in (f, g))
-        for x in roots([int(value) for value in one.gcd(two).coeffs()]):
+    module, prime = flint(), int(f.context().modulus())
+    for y in roots(dense(eliminated, 1), prime):
+        one, two = (module.nmod_poly(dense(h.subs({"y": y}), 0), prime) for h in (f, g))
+        for x in roots([int(value) for value in one.gcd(two).coeffs()], prime):
             yield x, y
 
 
@@ -164,40 +194,42 @@ def put_common_zero(
 
 
 def dense(f: Polynomial, place: int) -> list[int]:
-    """Coefficients from power 0 up of a polynomial modulo P (`flint.nmod_mpoly`) that contains one variable alone."""
+    """Coefficients from power 0 up of a polynomial modulo a prime (`flint.nmod_mpoly`) in one variable."""
     parts = {int(e[place]): int(value) for e, value in f.to_dict().items()}
     return [parts.get(k, 0) for k in range(max(parts, default=0) + 1)]
 
 
-def rank(rows: Sequence[Sequence[int]]) -> int:
-    """Rank modulo P of a matrix of residues."""
+def rank(rows: Sequence[Sequence[int]], prime: int = P) -> int:
+    """Rank modulo a prime of a matrix of residues."""
     if not rows or not rows[0]:
         return 0
     tick(15)
-    return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], P).rank())
+    return int(flint().nmod_mat(len(rows), len(rows[0]), [x for row in rows for x in row], prime).rank())
 
 
 def complete(ring: Ring, tangents: Mapping[str, int], pins: Mapping[int, str]) -> Point | None:
-    """Add sines and cosines to values of t_j, q_j and lengths; None where 1 + t_j² = 0, which does not happen.
+    """Add sines and cosines to values of t_j, q_j and lengths, modulo their prime; None where 1 + t_j² = 0, which does
+    not happen.
 
     Args:
         ring: of the variables.
         tangents: value of every variable of the half-angle ring that is not pinned.
         pins: joints at simple angles.
     """
-    point = dict(tangents)
+    prime = modulus(tangents)
+    point = Point(tangents, prime)
     for j in ring.revolute:
         if j in pins:
             cosine, sine = COS_SIN[pins[j]]
             if pins[j] != "pi":
-                point[f"t{j}"] = TANGENT[pins[j]] % P
+                point[f"t{j}"] = TANGENT[pins[j]] % prime
             else:
                 point.pop(f"t{j}", None)
         else:
             t = point[f"t{j}"]
-            if (1 + t * t) % P == 0:
+            if (1 + t * t) % prime == 0:
                 return None
-            inverse = pow(1 + t * t, -1, P)
+            inverse = pow(1 + t * t, -1, prime)
             cosine, sine = (1 - t * t) * inverse, 2 * t * inverse
-        point[f"c{j}"], point[f"s{j}"] = cosine % P, sine % P
+        point[f"c{j}"], point[f"s{j}"] = cosine % prime, sine % prime
     return point

@@ -23,6 +23,7 @@ from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.work import OutOfTime
 
+_BITS = 500  # of a coefficient: twice as many take four times as long to factor
 MANY = 20_000
 """Polynomials of more terms than this take minutes and gigabytes to factor."""
 
@@ -160,7 +161,8 @@ class Ring:
         """
         if len(f) > MANY:
             raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
-        tick(100 + 15 * len(f))
+        digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
+        tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
         content, found = f.factor()
         letters, atoms = [], []
         for factor, multiplicity in found:

@@ -37,6 +37,21 @@ def form(f: Polynomial, ring: Ring) -> Form:
     return f, tuple(int(d) for d in f.degrees()[: ring.angles])
 
 
+def free_in(h: Polynomial, place: int, ring: Ring) -> list[Form]:
+    """The coefficients of a condition by one of its variables: where all vanish it holds for every value of that one.
+
+    Each counts for the degrees that the condition has in the other variables: a coefficient of a lower one is zero
+    where that joint stands at π.
+
+    Args:
+        h: half-angle polynomial.
+        place: of the variable.
+        ring: of h.
+    """
+    degree = tuple(0 if k == place else int(d) for k, d in enumerate(h.degrees()[: ring.angles]))
+    return [(part, degree) for part in coefficients(h, place) if part != 0]
+
+
 def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
     """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
     f, degree = one

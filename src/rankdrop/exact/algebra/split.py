@@ -9,20 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
-
-import numpy as np
 
 from rankdrop.exact.algebra.atom import COS_SIN, Atom
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import at, divides, factors, form, linear, substituted
+from rankdrop.exact.algebra.solving import Solved, at, divides, factors, form, free_in, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
-
-_IMAGINARY = 1e-6  # a root with a larger imaginary part is not real
 
 
 def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
@@ -122,7 +117,7 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
         pieces += pinned(one, joint, "pi", work)
     for atom in factors(ring, value, work):
         pieces += _with(one, atom, work)
-    for edge in _edges(one, work):
+    for edge in with_points(_edges(one, work), work):
         inside, _ = edge.parted(ring.trig_zero_set(f), f) if edge.several else (edge, None)
         if inside is not None and inside.half_vanishes(f):
             pieces.append(inside)
@@ -131,9 +126,10 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
 
 
 def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
-    """The sets that have points modulo P. Those that may be real all the same are noted.
+    """The sets that have points modulo a prime. Those that may be real all the same are noted.
 
-    With numbers for lengths √2 may be real without being a number modulo P; with letters that is a matter of chance.
+    With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with
+    letters that is a matter of chance.
     """
     for piece in pieces:
         if not piece.samples and not any(_without_real_root(f) for f in piece.equations):
@@ -146,12 +142,11 @@ def _without_real_root(f: Polynomial) -> bool:
     places = used(f)
     if len(places) != 1:
         return False
-    exact = [Fraction(0)] * (int(f.degrees()[places[0]]) + 1)
-    for powers, value in f.terms():
-        exact[int(powers[places[0]])] = Fraction(int(value.p), int(value.q))
-    largest = max(map(abs, exact))
-    found = np.roots([float(x / largest) for x in reversed(exact)])
-    return bool((np.abs(found.imag) > _IMAGINARY).all())
+    whole = [0] * (int(f.degrees()[places[0]]) + 1)
+    for powers, value in primitive(f).terms():
+        whole[int(powers[places[0]])] = int(value.p)
+    # enclosures: one that holds no real number is a proof
+    return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
 
 
 def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
@@ -169,8 +164,34 @@ def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
             factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
             return [replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
         return [replace(one, rest=(h,), equations=(*one.equations, h))]
+    if len(one.rest) > 1:
+        found = _on_top(one, h, work)
+        if found is not None:
+            return found
     system = [form(f, ring) for f in (*one.equations, *one.known, h)]
     return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+
+
+def _on_top(one: Variety, h: Polynomial, work: Work) -> list[Variety] | None:
+    """A set held by unsolved conditions cut by a condition on a variable that they are not in; None for another one.
+
+    It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
+    """
+    ring = one.ring
+    bound = {place for f in one.rest for place in used(f)}
+    own = [place for place in used(h) if place < ring.moving and place not in bound]
+    if not own:
+        return None
+    place = min(own, key=lambda k: int(h.degrees()[k]))
+    parts = coefficients(h, place)
+    system = [*(form(f, ring) for f in (*one.equations, *one.known)), *free_in(h, place, ring)]
+    flat = decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
+    kept = [piece for piece in flat if piece.codimension == one.codimension + 1]
+    if len(parts) == 2:
+        solved = Solved(place, -parts[0], parts[1])
+        factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
+        return [*kept, replace(one, solved=(*one.solved, solved), equations=(*one.equations, h))]
+    return [*kept, replace(one, rest=(*one.rest, h), equations=(*one.equations, h))]
 
 
 def _normal(one: Variety, f: Polynomial) -> tuple[Polynomial, list[int]]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from itertools import combinations, product
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.field import P, Point
+from rankdrop.exact.algebra.field import Point
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.polynomial import primitive, used
 from rankdrop.exact.algebra.ring import Ring
@@ -18,7 +18,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 
 _MOST = 4  # joints in a sum
-_SIMPLE = {(1, 0): "0", (P - 1, 0): "pi", (0, 1): "pi/2", (0, P - 1): "-pi/2"}  # by cosine and sine
+_SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
 
 
 def tidy(piece: Variety, work: Work) -> Variety:
@@ -74,9 +74,9 @@ def _constant(ring: Ring, turns: tuple[tuple[int, int], ...], points: list[Point
 
 
 def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
-    """(cos, sin) of a sum of angles modulo P."""
-    cosine, sine = 1, 0
+    """(cos, sin) of a sum of angles modulo the prime of a point, between −p/2 and p/2."""
+    cosine, sine, prime = 1, 0, point.prime
     for joint, sign in turns:
         c, s = point[f"c{joint}"], sign * point[f"s{joint}"]
-        cosine, sine = (cosine * c - sine * s) % P, (sine * c + cosine * s) % P
-    return cosine, sine
+        cosine, sine = (cosine * c - sine * s) % prime, (sine * c + cosine * s) % prime
+    return cosine - prime * (2 * cosine > prime), sine - prime * (2 * sine > prime)

@@ -16,6 +16,7 @@ from itertools import combinations
 
 from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.field import (
+    PRIMES,
     Evaluator,
     P,
     Point,
@@ -34,7 +35,8 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
-_PLANES = 12  # on which a set that has points modulo P is missed with a chance of 6e-6
+_FIRST = 16  # of them modulo the first prime; then modulo each of the others in turn, which have other roots
+_PLANES = 12  # on which a set that has points modulo each prime is missed with a chance of 6e-6
 _POINTS = 2  # random points on which something has to hold to be believed: one would do, to within 1e-15
 
 
@@ -48,6 +50,7 @@ class Variety:
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
         rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
             `also` and `apart` tell which of these are meant, and everything is asked at points of every one of them.
+            Each further one is in a variable that those before it are not in, for which it is solved.
         also: trigonometric polynomials that vanish on this set.
         apart: trigonometric polynomials that vanish nowhere on it: an open part of what the conditions hold on.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
@@ -86,13 +89,10 @@ class Variety:
         return pins + "|" + ";".join(sorted(map(str, self.equations)))
 
     def point(self, rng: random.Random) -> Point | None:
-        """A random point of the set modulo P; None where none was met (some sets have none: 1 + t² = 0)."""
+        """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
         ring, evaluate = self.ring, half_evaluator(self.ring)
-        for _ in range(_TRIES):
-            values: dict[str, int] = {name: rng.randrange(2, P) for name in ring.names}
-            for joint, value in self.pins.items():
-                if value != "pi":
-                    values[f"t{joint}"] = TANGENT[value] % P
+        for number in range(_TRIES):
+            values = self._start(rng, P if number < _FIRST else PRIMES[number % len(PRIMES)])
             if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
                 continue
             point = complete(ring, values, self.pins)
@@ -100,19 +100,26 @@ class Variety:
                 return point
         return None
 
+    def _start(self, rng: random.Random, prime: int) -> Point:
+        """Random values of all variables, the pinned ones aside."""
+        values = Point({name: rng.randrange(2, prime) for name in self.ring.names}, prime)
+        values.update((f"t{j}", TANGENT[value] % prime) for j, value in self.pins.items() if value != "pi")
+        return values
+
     def _chosen(self, point: Point) -> bool:
         evaluate = trig_evaluator(self.ring)
         return all(evaluate(p, point) == 0 for p in self.also) and all(evaluate(p, point) for p in self.apart)
 
-    def _fill_in(self, values: dict[str, int], evaluate: Evaluator) -> bool:
+    def _fill_in(self, values: Point, evaluate: Evaluator) -> bool:
+        prime = values.prime
         for one in reversed(self.solved):
             bottom = evaluate(one.denominator, values)
             if bottom == 0:
                 return False
-            values[self.ring.names[one.place]] = evaluate(one.numerator, values) * pow(bottom, -1, P) % P
+            values[self.ring.names[one.place]] = evaluate(one.numerator, values) * pow(bottom, -1, prime) % prime
         return True
 
-    def _solve_rest(self, values: dict[str, int], rng: random.Random) -> bool:
+    def _solve_rest(self, values: Point, rng: random.Random) -> bool:
         """Fill in values of as many variables as there are unsolved conditions."""
         if not self.rest:
             return True
@@ -121,21 +128,41 @@ class Variety:
         places = [[p for p in used(f) if p < ring.moving and p not in taken] for f in self.rest]
         if len(self.rest) == 1:
             name = ring.names[rng.choice(places[0])]
-            found = roots(evaluate.in_one(self.rest[0], name, values))
+            found = roots(evaluate.in_one(self.rest[0], name, values), values.prime)
             if found:
                 values[name] = rng.choice(found)
             return bool(found)
-        if len(self.rest) > 2:
-            return False
-        f, g = self.rest
+        f, g = self.rest[:2]
         pairs = [(a, b) for a in places[0] for b in places[1] if a != b]
         if not pairs:
             return False
         a, b = (ring.names[p] for p in rng.choice(pairs))
-        return put_common_zero(evaluate, f, g, (a, b), values, rng)
+        if not put_common_zero(evaluate, f, g, (a, b), values, rng):
+            return False
+        towers = list(self._towers(values, 2, evaluate))
+        if towers:
+            values.update(rng.choice(towers))
+        return bool(towers)
+
+    def _towers(self, values: Point, place: int, evaluate: Evaluator) -> Iterator[Point]:
+        """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
+        if place >= len(self.rest):
+            yield values
+            return
+        own = self._own(place)
+        if own is None:
+            return
+        name = self.ring.names[own]
+        for root in roots(evaluate.in_one(self.rest[place], name, values), values.prime):
+            yield from self._towers(values.changed({name: root}), place + 1, evaluate)
+
+    def _own(self, place: int) -> int | None:
+        """A variable of an unsolved condition that those before it are not in; None where there is none."""
+        before = {p for f in self.rest[:place] for p in used(f)} | {one.place for one in self.solved}
+        return next((p for p in used(self.rest[place]) if p < self.ring.moving and p not in before), None)
 
     def points(self, rng: random.Random, count: int = _POINTS) -> list[Point]:
-        """Random points modulo P, fewer than `count` where they are not met."""
+        """Random points modulo primes, fewer than `count` where they are not met."""
         found = (self.point(rng) for _ in range(count))
         return [point for point in found if point is not None]
 
@@ -154,25 +181,25 @@ class Variety:
         """All points on planes in which two variables move and the others stand still at random.
 
         Every irreducible set of the codimension of the two conditions meets such planes of some pair of variables. It
-        has no zero modulo P on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6.
+        has no zero on one of them with a chance of 1/e at most, on all `_PLANES` with 6e-6. A set that is irreducible
+        over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own, and
+        where the variables have single values every prime is tried.
         """
-        if len(self.rest) != 2:
-            return
         ring, evaluate = self.ring, half_evaluator(self.ring)
         taken = {one.place for one in self.solved}
-        f, g = self.rest
+        f, g = self.rest[:2]
         one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
+        points = not ring.letters and len({p for h in self.rest for p in used(h)}) == len(self.rest)
         pairs = [
             (a, b) for a, b in combinations(sorted(one | two), 2) if (a in one and b in two) or (b in one and a in two)
         ]
         for a, b in pairs:
             names = ring.names[a], ring.names[b]
-            for _ in range(_PLANES):
-                values: dict[str, int] = {name: rng.randrange(2, P) for name in ring.names}
-                values |= {f"t{j}": TANGENT[value] % P for j, value in self.pins.items() if value != "pi"}
+            for prime in PRIMES if points else PRIMES[:_PLANES]:
+                values = self._start(rng, prime)
                 two_in = (evaluate.in_two(h, *names, values) for h in (f, g))
-                for zero in common_zeros(*two_in):
-                    here = values | dict(zip(names, zero, strict=True))
+                zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
+                for here in (tower for zero in zeros for tower in self._towers(zero, 2, evaluate)):
                     point = complete(ring, here, self.pins) if self._fill_in(here, evaluate) else None
                     if point is not None and self._chosen(point):
                         yield point
@@ -214,7 +241,7 @@ class Variety:
         return bool(self.samples) and all(stands(point, joint, value) for point in self.samples)
 
     def holds_at(self, points: Sequence[Point]) -> bool:
-        """Whether every condition of this set holds at points modulo P that give values to all its variables."""
+        """Whether every condition of this set holds at points modulo primes that give values to all its variables."""
         trig = trig_evaluator(self.ring)
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
@@ -254,7 +281,7 @@ class Variety:
             degrees = tuple(map(max, one.numerator.degrees(), one.denominator.degrees()))
             bottom, top = (ring.half_at(f, far, degrees) for f in (one.denominator, one.numerator))
             divisor = evaluate(bottom, point)
-            if divisor == 0 or (point[ring.names[one.place]] * divisor - evaluate(top, point)) % P:
+            if divisor == 0 or (point[ring.names[one.place]] * divisor - evaluate(top, point)) % point.prime:
                 return False
         return True
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from fractions import Fraction
 from math import inf
 from time import monotonic
 from typing import Any
@@ -49,6 +50,9 @@ class Work:
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
         pointless: sets (`Variety`, by their key) without a point modulo the prime, though they may be real.
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
+        lengths: of the arm at hand, for letters: what is said not to be there is shown for these.
+        special: conditions are dependent for these lengths that are not for general ones: what holds for general
+            lengths says nothing of this arm.
     """
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
@@ -60,6 +64,8 @@ class Work:
         self.assumed: dict[str, Polynomial] = {}
         self.unresolved: list[str] = []
         self.pointless: dict[str, Any] = {}
+        self.lengths: Mapping[str, Fraction] = {}
+        self.special = False
         self.interrupted = False
 
     def check(self) -> None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.atlas.naming import name_family
 from rankdrop.errors import ConfigurationError
 from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.ring import Ring
@@ -15,9 +14,10 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs.signs import simple_pair
 from rankdrop.exact.signs.zeros import real_points
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.family.naming import name_family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.words import words
+from rankdrop.local.sentences import words
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted_length, out_of_units

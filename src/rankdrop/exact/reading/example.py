@@ -7,11 +7,11 @@ from math import radians
 
 import numpy as np
 
-from rankdrop.atlas.equation import Equation
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.exact.writing.pins import RADIANS, pin_text
+from rankdrop.family.equation import Equation
 from rankdrop.local.block import sampling_box
 from rankdrop.robot.model import Array
 from rankdrop.units import out_of_units

@@ -89,7 +89,7 @@ class _Comparison:
         self.parsed = [Parsed(one.text, one.ring, self.special(one.f), one.degrees, one.root) for one in parsed]
         self.singular = independent([part for piece in independent(pieces) for part in self.specialised(piece)])
         self.users = self.zeros()
-        self.unknown = [piece for piece in self.users if len(piece.rest) > 2]  # no random points there
+        self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
         self.missing = [piece for piece in self.singular if not self.holds(piece)]
         self.extra = [piece for piece in self.users if piece.samples and self.rank(piece) == self.full]
 

@@ -264,11 +264,18 @@ class _Derivation:
         return self.branch(case, above, factors, first)
 
     def family(self, case: Case, above: tuple[Case, ...]) -> Case:
-        """The case is a family."""
-        number = len(self.families) + 1
-        case = replace(case, family=number)
+        """The case is a family, if the rank is lost at all points of it that are met; else it is told.
+
+        Conditions of which only some of the zeros were met may hold where the screws span all six freedoms.
+        """
         sampled = Sampled(self.columns, case.stratum, self.work.rng)
         ranks = tuple(sorted(sampled.ranks(range(1, self.chain.n + 1))))
+        if not ranks or ranks[-1] == 6:
+            met = "all six freedoms are left at points of it" if ranks else "no point of it was met"
+            self.left.append(f"case {case.number}: {met}: {conditions_text(case.stratum, SHORT)}")
+            return case
+        number = len(self.families) + 1
+        case = replace(case, family=number)
         self.families.append(SuppressedFamily(number, case.stratum, (*above, case), ranks))
         return case
 

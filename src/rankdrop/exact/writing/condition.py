@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import cached_property
 from math import atan2, pi, tau
 
-from rankdrop.atlas.equation import Equation, Term, normalised
 from rankdrop.exact.algebra.flint import Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Product, Symbol, Wave
@@ -16,6 +15,7 @@ from rankdrop.exact.writing.fourier import fourier
 from rankdrop.exact.writing.notation import Latex, Notation, Text, angle_words, latex_angle
 from rankdrop.exact.writing.programs import C, Python
 from rankdrop.exact.writing.shortest import parts_of, shortest
+from rankdrop.family.equation import Equation, Term, normalised
 
 
 @dataclass(frozen=True, eq=False)

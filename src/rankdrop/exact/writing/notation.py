@@ -9,8 +9,8 @@ from decimal import Decimal
 from fractions import Fraction
 from math import pi
 
-from rankdrop.atlas.equation import pretty_angle
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave
+from rankdrop.family.equation import pretty_angle
 
 SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 LONG = 10**5

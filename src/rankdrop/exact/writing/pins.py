@@ -7,10 +7,10 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.atlas.equation import Equation, Term, normalised
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.writing.programs import C, Python
+from rankdrop.family.equation import Equation, Term, normalised
 
 WORDS = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}
 LATEX = {"0": "0", "pi": r"\pi", "pi/2": r"\frac{\pi}{2}", "-pi/2": r"-\frac{\pi}{2}"}

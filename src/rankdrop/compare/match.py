@@ -1,0 +1,303 @@
+"""Families found numerically held against families derived exactly: have they the same points?
+
+Neither side knows how the other came about. Random points of each family, solutions of its own equations from random
+starts, are tried on the families of the other side: every point has to lie on one of them, of the same corank and
+dimension. What is one family here may be several there, so a union is as good as a single one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.compare.cloud import WITHIN, Cloud, explained
+from rankdrop.exact.check import Check
+from rankdrop.families.sampling import Setting
+from rankdrop.families.signature import HIGHER
+from rankdrop.family.equation import normalised
+from rankdrop.family.system import REACHED, Mask, System
+from rankdrop.family.which import Condition
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import as_given
+
+STARTS = 256
+"""Random starts for the points of each family: 32 combinations of values get eight each."""
+CONDITIONED = 1e-3
+"""Points where a family's equations have a smaller slope are known too inexactly to be tried."""
+COMMON = 3
+"""So many random points of a family on another one make them kin: a single one may be near where the two cross."""
+
+
+class Side(Condition, Protocol):
+    """What is read of a family of either side."""
+
+    @property
+    def id(self) -> str:
+        """"k1.f1"."""
+
+    @property
+    def witness(self) -> tuple[float, ...]:
+        """A configuration on it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The exact families that a numeric one consists of.
+
+    Attributes:
+        row: id of the numeric family.
+        families: ids of the exact ones that lie on it.
+        parts: ids of exact ones that share some of their points with it, and the rest with other rows.
+    """
+
+    row: str
+    families: tuple[str, ...]
+    parts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Wider:
+    """A family of either side whose conditions hold on more than the family.
+
+    Of several sets that the conditions describe together only some are meant; the others are of a lower corank.
+
+    Attributes:
+        family: its id on its own side.
+        solved, elsewhere: random solutions of its conditions, and how many of them have a lower corank.
+    """
+
+    family: str
+    solved: int
+    elsewhere: int
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """What does not go together: a family of one side, and in words what is wrong with it on the other.
+
+    Attributes:
+        side: "numeric" or "exact".
+        family: its id on that side.
+        name: in words.
+        text: what is wrong.
+    """
+
+    side: str
+    family: str
+    name: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.side} {self.family} ({self.name}): {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """How two sets of families go together.
+
+    Attributes:
+        matches: one for each numeric family, in order.
+        numeric: points of numeric families, and how many lie on an exact one.
+        exact: points of exact families, and how many lie on a numeric one.
+        differences: none where every point lies on both sides.
+        wider: exact families to be read with care.
+        loose: numeric ones; their points of a lower corank were not tried on the other side.
+    """
+
+    matches: tuple[Match, ...]
+    numeric: Check
+    exact: Check
+    differences: tuple[Difference, ...]
+    wider: tuple[Wider, ...] = ()
+    loose: tuple[Wider, ...] = ()
+
+
+def match(
+    robot: Robot,
+    task: Task,
+    generic_rank: int,
+    rows: Sequence[Side],
+    families: Sequence[Side],
+    *,
+    limits: bool = False,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+) -> Agreement:
+    """Try random points of each family on the families of the other side.
+
+    A family and another share a component when points of one lie on the other and their dimensions agree: random
+    points of an irreducible set lie on another set only if all of it does.
+
+    Args:
+        robot, task, generic_rank: of both sides.
+        rows: found numerically. One without equations is known by its witness alone, its dimension not at all.
+        families: derived exactly, of the same coranks.
+        limits: only points within the joint limits count; a family without any is left out.
+        seed: of the starts.
+        tolerances: `explained`, the longest way from a point to a family that holds there.
+
+    Returns:
+        Agreement.
+
+    Example:
+        >>> from rankdrop.families.table import families
+        >>> from rankdrop.families.searching import search
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("scara")
+        >>> rows = families(search(arm, 1, starts=100)).families
+        >>> match(arm, resolve_task(None, arm), 4, rows, rows).matches
+        (Match(row='k1.f1', families=('k1.f1',), parts=()),)
+    """
+    kin: set[tuple[str, str]] = set()
+    inside: set[tuple[str, str]] = set()
+    counts = {True: Check(0, 0), False: Check(0, 0)}
+    said: list[Difference] = []
+    wider: dict[bool, list[Wider]] = {True: [], False: []}
+    for corank in sorted({one.corank for one in (*rows, *families)}):
+        setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
+        mine = [row for row in rows if row.corank == corank]
+        other = [family for family in families if family.corank == corank]
+        for numeric, here, there in ((True, mine, other), (False, other, mine)):
+            rng = np.random.default_rng([seed, corank, numeric])
+            own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
+            for one in here:
+                points = solutions(setting, one, rng)
+                met = _tried(setting, one, points, there)
+                counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
+                said += [Difference(own, one.id, one.name, text) for text in met.wrong(others)]
+                kin |= {(one.id, name) if numeric else (name, one.id) for name in met.kin}
+                if not numeric:
+                    inside |= {(name, one.id) for name in met.around}
+                if points.elsewhere:
+                    wider[numeric].append(Wider(one.id, points.solved, points.elsewhere))
+    matches = tuple(_match(row.id, families, kin, inside) for row in rows)
+    return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider[False]), tuple(wider[True]))
+
+
+def _match(row: str, families: Sequence[Side], kin: set[tuple[str, str]], inside: set[tuple[str, str]]) -> Match:
+    related = [family.id for family in families if (row, family.id) in kin]
+    whole = tuple(name for name in related if (row, name) in inside)
+    return Match(row, whole, tuple(name for name in related if name not in whole))
+
+
+@dataclass(frozen=True)
+class Points:
+    """Configurations on a family.
+
+    Attributes:
+        q: (N, n) its witness first, where that satisfies the equations; then random ones.
+        special: how many at the beginning are not random.
+        solved, elsewhere: solutions of the equations, and how many were left out for their lower corank.
+    """
+
+    q: Array
+    special: int
+    solved: int = 0
+    elsewhere: int = 0
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Points of one family, tried on those of the other side.
+
+    Attributes:
+        tested, agree: points, and how many lie on one of the other families.
+        kin: ids of the others that some point lies on and whose dimension is the same.
+        around: ids of those on which all of them lie.
+        over: a point that lies on none, if there is one.
+        dimensions: (own, others) where points lie on others, but on none of the same dimension.
+        empty: no point was found on the family, its witness included.
+    """
+
+    tested: int
+    agree: int
+    kin: tuple[str, ...]
+    around: tuple[str, ...] = ()
+    over: Array | None = None
+    dimensions: tuple[int, tuple[int, ...]] | None = None
+    empty: bool = False
+
+    def wrong(self, others: str) -> list[str]:
+        """Sentences on what does not go together."""
+        found = []
+        if self.empty:
+            found.append("no configuration satisfies its own conditions, its witness included")
+        if self.over is not None:
+            q = ", ".join(f"{x:.6g}" for x in self.over)
+            count = f"{self.tested - self.agree} of {self.tested} of its points lie"
+            found.append(f"{count} on no {others} family of this corank, q = ({q}) is one")
+        if self.dimensions is not None:
+            own, theirs = self.dimensions
+            found.append(f"dimension {own}, but the {others} families on it have {', '.join(map(str, theirs))}")
+        return found
+
+
+def _tried(setting: Setting, one: Side, points: Points, others: Sequence[Side]) -> _Tried:
+    q = points.q
+    if not len(q):
+        return _Tried(0, 0, (), empty=not setting.limits)
+    on = np.array([lies_on(other, q, setting.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
+    left = np.flatnonzero(~on.any(axis=0))
+    if len(left):  # where sheets cross, the way to a family is not told from its square
+        cloud = Cloud(setting.robot, setting.task, q[left], np.full(len(left), setting.corank))
+        _, over = explained(cloud, [other.equations for other in others if other.equations], setting.tolerances)
+        left = left[over]
+    generic = on[:, points.special :] if len(q) > points.special else on
+    met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
+    vague = not one.equations or any(not others[k].equations for k in met)
+    kin = [k for k in met if vague or others[k].dimension == one.dimension]
+    return _Tried(
+        tested=len(q),
+        agree=len(q) - len(left),
+        kin=tuple(others[k].id for k in kin),
+        around=tuple(others[k].id for k in kin if generic[k].all()),
+        over=as_given(setting.robot, q[left[0]]) if len(left) else None,
+        dimensions=None if kin or not met else (one.dimension, tuple(sorted({others[k].dimension for k in met}))),
+    )
+
+
+def solutions(setting: Setting, one: Side, rng: np.random.Generator) -> Points:
+    """Solutions of a family's equations from random starts, where these are well conditioned.
+
+    Those of a lower corank are left out, and counted.
+
+    Args:
+        setting: the arm and the corank.
+        one: the family.
+        rng: of the starts.
+    """
+    witness = np.array([one.witness], dtype=np.float64)
+    if not one.equations:
+        return Points(witness, 1)
+    system = _system(one)
+    witness = witness[np.abs(system.values(witness)).max(axis=1) <= setting.tolerances.explained]
+    q, _ = system.solve(setting.random(STARTS, rng), iterations=60)
+    q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
+    slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
+    q = q[slopes[:, min(setting.robot.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
+    solved = len(q)
+    q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
+    elsewhere = solved - len(q)
+    witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
+    return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
+
+
+def _system(one: Side) -> System:
+    return System(tuple(normalised(equation.terms) for equation in one.equations))
+
+
+def lies_on(other: Side, q: Array, tolerances: Tolerances) -> Mask:
+    """(N,) which points lie on a family; one without equations is known by its witness alone."""
+    if not other.equations:
+        near: NDArray[np.bool_] = np.linalg.norm(q - np.array(other.witness), axis=1) <= tolerances.explained
+        return near
+    way, _ = _system(other).nearest(q, WITHIN)
+    return np.asarray(way <= tolerances.explained)

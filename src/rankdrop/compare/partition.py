@@ -1,0 +1,134 @@
+"""One partition of an arm's families: rows found numerically, cut and joined as the exact conditions cut them.
+
+Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
+puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
+What has been matched with exact families takes their partition, so that a family has one id and one name in every
+output; its evidence stays numerical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
+from rankdrop.exact.family import ExactFamily
+from rankdrop.families.linear import wrap
+from rankdrop.families.sampling import Setting
+from rankdrop.family.lost import told
+from rankdrop.family.record import CorankFamilies, Family, Pinned, Share, Soundness, numbered
+from rankdrop.robot.model import Array
+
+_SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, units of the arm]
+_POINTS = 24  # random points of a family that its lost motions are told from
+
+
+def in_exact_terms(
+    setting: Setting, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
+) -> tuple[tuple[Family, ...], tuple[Match, ...], dict[str, str]]:
+    """The rows of one corank, one for each exact family that was met; rows that match none keep what they have.
+
+    Args:
+        setting: the arm in its own unit of length, and the corank.
+        found: its rows, and the fresh points that were tried on them.
+        families: the exact ones of this corank, in the same unit.
+        agreement: which row consists of which families.
+        seed: of random points.
+
+    Returns:
+        Rows with the ids and names of the exact families, in their order, then the others with further numbers; which
+        exact families each consists of; and for the id of each row given what it is called now.
+    """
+    by_row = {match.row: match for match in agreement.matches}
+    loose = {one.family: one for one in agreement.loose}
+    rows, matches, now = [], [], dict[str, str]()
+    for number, family in enumerate(families):
+        over = [row for row in found.families if family.id in (*by_row[row.id].families, *by_row[row.id].parts)]
+        if not over:
+            continue
+        one = by_row[over[0].id]
+        alone = len(over) == 1 and one.families == (family.id,) and not one.parts and one.row not in loose
+        rng = np.random.default_rng([seed, number, 9])
+        made = over[0] if alone else _measured(setting, found, family, over, rng)
+        if made is None:
+            continue
+        now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
+        rows.append(replace(made, id=family.id, name=family.name))
+        matches.append(Match(family.id, (family.id,)))
+    strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
+    named = numbered(strangers, setting.corank, after=len(families))  # in the order they have already
+    matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
+    now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
+    return (*rows, *named), tuple(matches), now
+
+
+def _judged(row: Family, loose: Wider | None) -> Family:
+    """A row with the regular solutions of its equations that were met since counted in its soundness."""
+    if loose is None:
+        return row
+    tested, singular = row.soundness.tested, row.soundness.singular
+    return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
+
+
+def _measured(
+    setting: Setting, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
+) -> Family | None:
+    """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
+    points = solutions(setting, family, rng)
+    inside = points.q[setting.allowed(points.q)]
+    if not len(inside):
+        return None
+    explained = int(lies_on(family, found.fresh, setting.tolerances).sum()) if len(found.fresh) else 0
+    pinned = _pinned(setting, family, over, inside)
+    at = inside[0]
+    directions, sentences = told(setting.robot, at, inside[:_POINTS], setting.task, setting.corank)
+    held = {one.number for one in pinned}
+    return Family(
+        id=family.id,
+        name=family.name,
+        corank=family.corank,
+        dimension=family.dimension,
+        pinned=pinned,
+        free=family.free,
+        coupled=tuple(joint for joint in family.coupled if joint not in held),
+        equations=family.equations,
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        soundness=Soundness(points.solved, points.solved - points.elsewhere),
+        explained=Share(found.summary.completeness.tested, explained),
+        evidence=f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence for row in over))}",
+    )
+
+
+def _pinned(setting: Setting, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
+    """Joints that stand at one of a few values at all points, where every combination of their values is met."""
+    values: dict[int, list[float]] = {}
+    for joint in {one.number for row in over for one in row.pinned}:
+        options: list[float] = []
+        for value in (value for row in over for one in row.pinned if one.number == joint for value in one.values):
+            if not any(abs(_apart(setting, joint, value, other)) <= _SAME for other in options):
+                options.append(value)
+        away = np.array([np.abs(_apart(setting, joint, points[:, joint - 1], value)) for value in options])
+        met = [value for value, near in zip(options, away, strict=True) if near.min() <= _SAME]
+        if (away.min(axis=0) <= _SAME).all():
+            values[joint] = sorted(met)
+    joints = sorted(values)
+    labels = np.array([
+        np.abs([_apart(setting, joint, points[:, joint - 1], value) for value in values[joint]]).argmin(axis=0)
+        for joint in joints
+    ]).reshape(len(joints), len(points))  # fmt: skip
+    if len({tuple(column) for column in labels.T}) < len(list(product(*values.values()))):
+        return tuple(one for one in family.pinned(setting.robot) if one.number in values)
+    names = setting.robot.variables
+    return tuple(Pinned(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
+
+
+def _apart(setting: Setting, joint: int, one: Array | float, other: float) -> Array:
+    """The difference of values of a joint, turns left out where it turns."""
+    off = np.asarray(one - other, dtype=np.float64)
+    return wrap(off) if setting.robot.periodic[joint - 1] else off
+

@@ -1,0 +1,16 @@
+from .arm.chain import Chain as Chain
+from .arm.chain import exact_chain as exact_chain
+from .decoupling.decouple import Decoupling as Decoupling
+from .decoupling.decouple import decouple as decouple
+from .family import ExactFamily as ExactFamily
+from .methods import METHODS as METHODS
+from .methods import derive as derive
+from .methods.evaluate import Distances as Distances
+from .reading.grammar import Node as Node
+from .reading.grammar import read as read
+from .reading.parse import parse_conditions as parse_conditions
+from .signs.aspects import Flags as Flags
+from .signs.aspects import signs_of as signs_of
+from .suppression.suppress import Suppression as Suppression
+from .suppression.suppress import suppress as suppress
+from .writing.text_of import conditions_text as conditions_text

@@ -1,0 +1,91 @@
+"""The cells of a table of families, as AM print them: values of a joint, × for free, c for coupled, shares."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import degrees, floor, isclose
+
+from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.record import Family, Share
+from rankdrop.robot.model import Robot
+from rankdrop.units import counted_length
+
+FREE, COUPLED, NOTHING = "×", "c", "–"
+_LEGEND = (
+    "× any value; c coupled: see the condition under the table; dim: dimension of the family in joint space; "
+    "sound: share of points solved from the row's conditions that are singular; share: share of fresh singular points "
+    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, "
+    "{length} m counted as 1 rad."
+)
+_SAME = 1e-9
+_MOST_TERMS = 30  # a longer condition is for programs
+_FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
+
+
+def legend(robot: Robot) -> str:
+    """What the marks and columns of a table of families mean."""
+    return _LEGEND.format(length=f"{counted_length(robot):g}")
+
+
+def joint_symbol(number: int, kind: str) -> str:
+    """θ3 for an angle, q3 for a length, as conditions write them."""
+    return f"{'q' if kind == 'prismatic' else 'θ'}{number}"
+
+
+def value_text(value: float, kind: str = "revolute") -> str:
+    """One value: "π/2", "0.7731 (44.30°)" or, for a prismatic joint, "0.25 m"."""
+    if kind == "prismatic":
+        return f"{value:.6g} m"
+    exact = pretty_angle(value)
+    return exact if exact == "0" or "π" in exact else f"{value:.4f} ({degrees(value):.2f}°)".replace("-", "−")
+
+
+def values_text(values: Iterable[float], kind: str = "revolute") -> str:
+    """A set of values, v and −v merged: "0, π", "±π/2", "±0.7731 (±44.30°)"."""
+    left = sorted(values, key=lambda value: (abs(value), value))
+    words = []
+    while left:
+        value = left.pop(0)
+        opposite = next((other for other in left if value and isclose(other, -value, abs_tol=_SAME)), None)
+        if opposite is None:
+            words.append(value_text(value, kind))
+        else:
+            left.remove(opposite)
+            words.append("±" + value_text(abs(opposite), kind).replace("(", "(±"))
+    return ", ".join(words)
+
+
+def joint_cell(family: Family, number: int, kind: str) -> str:
+    """What a family asks of one joint: its values, × for free, c for coupled."""
+    for pinned in family.pinned:
+        if pinned.number == number:
+            return values_text(pinned.values, kind).replace(" (", "\n(").replace("), ", "),\n")
+    return FREE if number in family.free else COUPLED
+
+
+def share_text(part: int, whole: int) -> str:
+    """A share with three decimals, rounded down so that 1.000 means all; – for a share of nothing."""
+    return f"{floor(1000 * part / whole) / 1000:.3f}" if whole else NOTHING
+
+
+def rounded_share(share: Share) -> str:
+    """A share with three decimals; – for a share of nothing."""
+    return f"{share.explained / share.tested:.3f}" if share.tested else NOTHING
+
+
+def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:
+    """The conditions that tie the coupled joints together, for reading; `folded`: long ones are only counted."""
+    if not family.named:
+        return [f"no condition found; points of a set of dimension {family.dimension} at most, the witness is one"]
+    coupled = set(family.coupled)
+    own = [equation for equation in family.equations if coupled & set(equation.joints)]
+    return [_counted(one) if folded and len(one.terms) > _FOLDED else condition_text(one) for one in own]
+
+
+def _counted(equation: Equation) -> str:
+    return f"fitted: {len(equation.terms)} terms on joints {', '.join(map(str, equation.joints))} (with --json)"
+
+
+def condition_text(equation: Equation) -> str:
+    """One condition for reading; a very long one is only counted."""
+    return f"{equation.pretty()} = 0" if len(equation.terms) <= _MOST_TERMS else _counted(equation)

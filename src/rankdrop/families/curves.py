@@ -1,0 +1,155 @@
+"""The singular set traced as curves, where so many joints are held that nothing larger is left (AM Figure 5).
+
+At a singular configuration of corank k the block F = U₂ᵀJV₂ vanishes, and a joint motion Δ keeps it zero to first order
+where D(Δ) = 0. With all but a few joints held, that kernel is one direction: a step along it, then Gauss–Newton on F
+back to the set, until the curve is where it began.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import OptionError
+from rankdrop.families.searching import search
+from rankdrop.local.block import block, generic_rank
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task, resolve_task
+
+_ON = 1e-11  # |F| at a point of the set [1]
+_SINGLE = 1e-6  # σ of D below this: not a smooth curve here
+_CORRECTIONS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One traced piece of the singular set.
+
+    Attributes:
+        q: (N, n) configurations in order; angles run on, they are not wrapped [rad].
+        closed: it came back to its start (angles modulo 2π).
+        length: in joint space [rad].
+        windings: (n,) turns that each joint makes on the way round; zero where not closed.
+    """
+
+    q: Array
+    closed: bool
+    length: float
+    windings: tuple[int, ...]
+
+
+def singular_curves(
+    robot: Robot, joints: Sequence[int], *, held: ArrayLike | None = None, corank: int = 1,
+    task: Task | str | None = None, starts: int = 200, seed: int = 0, step: float = 0.05,
+) -> tuple[Curve, ...]:  # fmt: skip
+    """Every curve of singular configurations that random starts meet, longest first.
+
+    Args:
+        robot: an arm of revolute joints.
+        joints: numbers (from 1) of those that move; the others stay where `held` has them.
+        held: (n,) configuration [rad]; zeros if None.
+        corank: task freedoms lost.
+        task: name, `Task`, or None for the task the arm is made for.
+        starts, seed: of the search that gives the first points.
+        step: between two points of a curve [rad].
+
+    Raises:
+        OptionError: a joint that does not turn, or that there is not.
+        ConfigurationError: `held` is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> [(curve.closed, curve.windings) for curve in singular_curves(open_robot("almarkhi4"), (2, 3, 4))][0]
+        (True, (0, 1, 0, 0))
+    """
+    moving = [number - 1 for number in joints]
+    if not moving or not set(moving) <= set(range(robot.n)):
+        raise OptionError("there is no such joint", got=list(joints), allowed=f"1 … {robot.n}")
+    if any(robot.variables[j].kind is not JointKind.REVOLUTE for j in range(robot.n)):
+        raise OptionError("curves are traced of revolute joints only", where=f"robot {robot.name!r}")
+    resolved = resolve_task(task, robot)
+    base = one_configuration(robot, np.zeros(robot.n) if held is None else held)
+    tracer = _Tracer(robot, resolved, moving, generic_rank(robot, resolved) - corank, step)
+    found: list[Curve] = []
+    for q in search(robot, corank, task=resolved, starts=starts, seed=seed).converged:
+        first = base.copy()
+        first[moving] = q[moving]
+        point = tracer.corrected(first)
+        if point is None or any(_distance(curve.q[:, moving], point[moving]) < step for curve in found):
+            continue
+        curve = tracer.curve(point)
+        if curve is not None:
+            found.append(curve)
+    return tuple(sorted(found, key=lambda curve: -curve.length))
+
+
+class _Tracer:
+    """Steps along the kernel of D in the joints that move."""
+
+    def __init__(self, robot: Robot, task: Task, moving: list[int], rank: int, step: float) -> None:
+        self.robot, self.task, self.moving, self.rank, self.step = robot, task, moving, rank, step
+
+    def equations(self, q: Array) -> tuple[Array, Array]:
+        """F as a vector, and its derivative by the joints that move."""
+        at = block(self.robot, q, self.task, self.rank)
+        return at.f.ravel(), at.d[..., self.moving].reshape(at.f.size, len(self.moving))
+
+    def corrected(self, q: Array) -> Array | None:
+        """The singular configuration near q that Gauss–Newton leads to; None where it leads nowhere near."""
+        q = q.copy()
+        for _ in range(_CORRECTIONS):
+            f, d = self.equations(q)
+            if np.abs(f).max() <= _ON:
+                return q
+            move = -np.linalg.lstsq(d, f, rcond=None)[0]
+            if np.linalg.norm(move) > 0.5:
+                return None
+            q[self.moving] += move
+        return None
+
+    def tangent(self, q: Array, before: Array | None) -> Array | None:
+        """Unit kernel of D, on in the same sense, at first with its largest entry up; None where it is not one."""
+        _, sigma, vt = np.linalg.svd(self.equations(q)[1])
+        if len(self.moving) < 2 or len(sigma) < len(self.moving) - 1 or sigma[len(self.moving) - 2] < _SINGLE:
+            return None
+        found = vt[-1]
+        sense = before if before is not None else np.eye(len(found))[int(np.argmax(np.abs(found)))]
+        return np.asarray(-found if found @ sense < 0.0 else found)
+
+    def curve(self, first: Array) -> Curve | None:
+        """From `first` until it is met again; None where the set is not a smooth curve there."""
+        points, before = [first], self.tangent(first, None)
+        for _ in range(int(200 / self.step)):
+            if before is None:
+                return None
+            guess = points[-1].copy()
+            guess[self.moving] += self.step * before
+            point = self.corrected(guess)
+            if point is None:
+                return None
+            points.append(point)
+            before = self.tangent(point, before)
+            if len(points) > 5 and _distance(point[None, self.moving], first[self.moving]) < 0.75 * self.step:
+                return self._finished(points, True)
+        return self._finished(points, False)
+
+    def _finished(self, points: list[Array], closed: bool) -> Curve:
+        q = np.array(points)
+        turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) if closed else np.zeros(self.robot.n, dtype=int)
+        if closed:
+            q[-1] = q[0] + 2 * np.pi * turns
+            if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
+                q, turns = q[::-1].copy(), -turns
+        q.flags.writeable = False
+        length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
+        return Curve(q, closed, length, tuple(int(turn) for turn in turns))
+
+
+def _distance(points: Array, point: Array) -> float:
+    """Smallest distance, angles modulo 2π."""
+    off = points - point
+    return float(np.linalg.norm(off - 2 * np.pi * np.round(off / (2 * np.pi)), axis=1).min())

@@ -1,0 +1,227 @@
+"""Fitting: from points of a hypersurface on the torus to its equation.
+
+Let a family have dimension D in its coupled joints. A minimal set of joints bound by an equation of their own is a
+circuit of the family's algebraic matroid, and has at most D + 1 joints. Seen in the joints of a circuit the family is a
+hypersurface, so the polynomials in these joints that vanish on it form a *principal* ideal of the ring in
+t = tan(θ/2): one generator, the same whichever library it is found in. Two things follow.
+
+- If f has multidegree d(f), the null space of a library of multidegree d has dimension Π(d_j − d_j(f) + 1). So a
+  generous library finds out whether f is within reach, and lowering one degree at a time as long as something is left
+  ends at d(f), where the null space has dimension one and the coefficients come out without any choice of basis.
+- Half-angle conditions (d·cos(θ4/2) = a·sin(θ3 + θ4/2)) need no special treatment: an odd degree is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import numpy as np
+
+from rankdrop.families.library import Degrees, Kind, Library, library, refit, size, sparse_basis, vanishing
+from rankdrop.families.twins import Twin, gathered, spread
+from rankdrop.family.equation import Equation
+from rankdrop.robot.model import Array
+from rankdrop.tolerances import Tolerances
+
+LARGEST = 700  # functions in a library at most; a generic 6R needs 225
+MOST = 24  # equations of one library that are looked at
+HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
+
+Supply = Callable[[int], Array]
+"""supply(count) -> (N, n) points of the family; N < count when no more can be had."""
+
+
+@dataclass
+class Budget:
+    """Work left for fits, in floating-point operations: a limit that does not depend on the machine."""
+
+    left: float = 2e10
+
+    def spend(self, points: int, functions: int) -> bool:
+        """Take the cost of one null space off; False when the budget would not suffice."""
+        cost = 4.0 * points * functions**2
+        if cost > self.left:
+            return False
+        self.left -= cost
+        return True
+
+    def share(self, most: float) -> Budget:
+        """A part of this budget, for one task; give back what it leaves with `back`."""
+        part = Budget(min(most, self.left))
+        self.left -= part.left
+        return part
+
+    def back(self, part: Budget) -> None:
+        """Take back what a share has left."""
+        self.left += part.left
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What a fit stands on.
+
+    Attributes:
+        supply: points of the family.
+        n: number of joints of the arm.
+        kinds: (n,) how each joint enters.
+        highest: largest degree in t of an angle. 4 for the full pose: an exterior power of the adjoint map of a
+            rotation has harmonics up to 2. 6 for the other tasks, whose columns each depend on the reference point.
+        budget: work that may be spent.
+        tolerances: `fit_gap`, `coefficient`.
+        twins: joints on one axis, of which the first stands for both in every fit.
+    """
+
+    supply: Supply
+    n: int
+    kinds: tuple[Kind, ...]
+    highest: int
+    budget: Budget
+    tolerances: Tolerances
+    twins: tuple[Twin, ...] = ()
+
+    def equation(self, functions: Library, vector: Array, joints: tuple[int, ...]) -> Equation:
+        """A combination of the functions of a library as an equation of the arm."""
+        return spread(functions.equation(vector, joints, self.n), self.twins)
+
+    def of(self, joints: tuple[int, ...]) -> tuple[Kind, ...]:
+        """Kinds of the given joints (from 0)."""
+        return tuple(self.kinds[j] for j in joints)
+
+    def ladder(self, joints: tuple[int, ...]) -> Iterator[Degrees]:
+        """Multidegrees to try for the joints, growing."""
+        return ladder(self.of(joints), self.highest)
+
+    def enough(self, degrees: Degrees, joints: tuple[int, ...]) -> Array | None:
+        """Points for a library, or None when there are too few or the budget is used up."""
+        count = size(degrees, self.of(joints))
+        points = gathered(self.supply(int(1.25 * count) + 24), self.twins)
+        return points if len(points) >= 1.1 * count + 12 and self.budget.spend(len(points), count) else None
+
+
+def ladder(kinds: tuple[Kind, ...], highest: int = 4, most: int = LARGEST) -> Iterator[Degrees]:
+    """Multidegrees to try, growing: all 1, then 2, 4 … (angle) and 1 or 2 (length) per joint by library size."""
+    yield tuple(1 for _ in kinds)
+    steps = product(*((1, 2) if k is Kind.LENGTH else range(2, highest + 1, 2) for k in kinds))
+    yield from (degrees for degrees in sorted(steps, key=lambda d: (size(d, kinds), d)) if size(degrees, kinds) <= most)
+
+
+def hypersurface(ground: Ground, joints: tuple[int, ...]) -> Equation | None:
+    """The equation that binds the given joints on a family.
+
+    Args:
+        ground: points, budget …
+        joints: from 0; the family seen in them has one dimension less than their number.
+
+    Returns:
+        The generator, its largest coefficient of size one, or None: not within reach of the libraries, the points or
+        the budget, or refuted by held-out points.
+    """
+    kinds, tolerances = ground.of(joints), ground.tolerances
+    for degrees in ground.ladder(joints):
+        points = ground.enough(degrees, joints)
+        if points is None:
+            return None
+        train, held = _split(points)
+        x = train[:, joints]
+        null = vanishing(library(degrees, kinds)(x), tolerances)
+        if not null.shape[1]:
+            continue
+        degrees, null = _lowest(x, degrees, null, kinds, tolerances)
+        functions = library(degrees, kinds)
+        vector = sparse_basis(null)[:, 0] if null.shape[1] > 1 else null[:, 0]
+        equation = ground.equation(functions, refit(functions(x), vector, tolerances), joints)
+        return equation if holds(equation, held) else None
+    return None
+
+
+def _lowest(
+    x: Array, degrees: Degrees, null: Array, kinds: tuple[Kind, ...], tolerances: Tolerances
+) -> tuple[Degrees, Array]:
+    """Lower the degrees one by one as long as something vanishes."""
+    for j in range(len(degrees)):
+        while degrees[j] > 0 and null.shape[1] > 1:
+            trial = (*degrees[:j], degrees[j] - 1, *degrees[j + 1 :])
+            smaller = vanishing(library(trial, kinds)(x), tolerances)
+            if not smaller.shape[1]:
+                break
+            degrees, null = trial, smaller
+    return degrees, null
+
+
+def _split(points: Array) -> tuple[Array, Array]:
+    """Every eighth point is held out."""
+    held = np.arange(len(points)) % 8 == 7
+    return points[~held], points[held]
+
+
+def holds(equation: Equation, points: Array, tolerance: float = HELD_OUT) -> bool:
+    """Whether an equation vanishes on points, as a distance |f|/|∇f| where the gradient is not small."""
+    f, slope = np.abs(equation(points)), np.linalg.norm(equation.gradient(points), axis=-1)
+    return bool((f <= tolerance * np.maximum(slope, 1e-2)).all())
+
+
+def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """Minimal sets of joints bound by an equation of their own, small and close together first.
+
+    Args:
+        tangent: (p, n, n) projectors on the tangent space at a few points of the family.
+        joints: the joints (from 0) to look among.
+    """
+    found: list[tuple[int, ...]] = []
+    for count in range(1, len(joints) + 1):
+        bound = []
+        for support in combinations(joints, count):
+            if any(set(circuit) <= set(support) for circuit in found):
+                continue
+            part = tangent[:, support, :][:, :, support]
+            if np.median(np.linalg.eigvalsh(part)[:, 0]) < 1e-11:
+                bound.append(support)
+        found += sorted(bound, key=lambda support: (support[-1] - support[0], support))
+    return found
+
+
+def cutting(ground: Ground, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
+    """An equation that vanishes on the family but not on strangers: points that solve the equations so far, yet do not
+    belong to the family. Sparsest one of the smallest library that tells them apart.
+
+    Args:
+        ground: points, budget …
+        strangers: (N, n) such points.
+        joints: from 0; joints the equation may use.
+    """
+    for functions, train, held, null in _nulls(ground, joints):
+        basis = sparse_basis(null)
+        seen = np.abs(functions(gathered(strangers, ground.twins)[:, joints]) @ basis)  # (strangers, d)
+        told = (seen > 1e-4).mean(axis=0)
+        if told.max() < 0.2:
+            continue
+        best = int(np.flatnonzero(told > 0.9 * told.max())[0])
+        vector = refit(functions(train[:, joints]), basis[:, best], ground.tolerances)
+        equation = ground.equation(functions, vector, joints)
+        if holds(equation, held):
+            return equation
+    return None
+
+
+def vanishing_spaces(ground: Ground, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
+    """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
+    for functions, train, held, null in _nulls(ground, joints):
+        values = functions(train[:, joints])
+        basis = sparse_basis(null)[:, :MOST].T
+        equations = [ground.equation(functions, refit(values, v, ground.tolerances), joints) for v in basis]
+        yield [equation for equation in equations if holds(equation, held)]
+
+
+def _nulls(ground: Ground, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
+    """Libraries that hold equations of the family, with training points, held-out points and the null space."""
+    for degrees in ground.ladder(joints):
+        points = ground.enough(degrees, joints)
+        if points is None:
+            return
+        train, held = _split(points)
+        functions = library(degrees, ground.of(joints))
+        null = vanishing(functions(train[:, joints]), ground.tolerances)
+        if null.shape[1]:
+            yield functions, train, held, null

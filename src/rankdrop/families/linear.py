@@ -1,0 +1,199 @@
+"""Linear conditions m·q = c of a family: pinned joints and whole-number relations, and the values c they take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.families.signature import Covector
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.family.equation import Equation
+from rankdrop.family.system import Mask
+from rankdrop.robot.model import Array, Robot
+
+SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
+Values = tuple[float, ...]
+
+
+def wrap(angle: Array) -> Array:
+    """Angles brought into (−π, π]."""
+    return np.asarray(pi - np.mod(pi - angle, 2 * pi))
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """Covectors m_1 … m_c, of which a family fixes the values m_i·q.
+
+    Attributes:
+        covectors: (c, n) whole numbers, independent.
+        periodic: (c,) whether the value is an angle.
+    """
+
+    covectors: NDArray[np.int64]
+    periodic: Mask
+
+    @classmethod
+    def of(cls, robot: Robot, covectors: Iterable[Covector]) -> Linear:
+        """The linear conditions for an arm; an angle is what only periodic joints enter."""
+        rows = np.array(list(covectors), dtype=np.int64).reshape(-1, robot.n)
+        turning = robot.periodic
+        return cls(rows, np.array([bool(turning[row != 0].all()) for row in rows], dtype=np.bool_))
+
+    def __len__(self) -> int:
+        return len(self.covectors)
+
+    @cached_property
+    def pivots(self) -> tuple[int, ...]:
+        """Joints (from 0) that are solved for: the last ones whose minor is ±1, or as small as it gets."""
+        best: tuple[float, tuple[int, ...]] = (np.inf, ())
+        columns = [j for j in range(self.covectors.shape[1]) if self.covectors[:, j].any()]
+        for choice in combinations(reversed(columns), len(self)):
+            minor = abs(float(np.linalg.det(self.covectors[:, choice])))
+            if 0.5 < minor < best[0] - 0.5:
+                best = (minor, choice)
+            if minor and best[0] < 1.5:
+                break
+        return tuple(best[1])
+
+    @cached_property
+    def along(self) -> Array:
+        """(n, n − c) orthonormal basis of the motions that keep all values."""
+        if not len(self):
+            return np.eye(self.covectors.shape[1])
+        return np.asarray(np.linalg.svd(self.covectors.astype(np.float64))[2][len(self) :].T)
+
+    def values(self, q: Array) -> Array:
+        """(N, c) values at q (N, n), angles in (−π, π]."""
+        raw = q @ self.covectors.T
+        return np.where(self.periodic, wrap(raw), raw)
+
+    def place(self, q: Array, values: Array, rng: np.random.Generator) -> Array:
+        """Move the pivot joints of q (N, n) so that the covectors take `values` (N, c), on a branch by chance."""
+        if not len(self):
+            return q
+        pivots = list(self.pivots)
+        square = self.covectors[:, pivots].astype(np.float64)
+        turns = round(abs(float(np.linalg.det(square))))
+        branch = rng.integers(0, max(turns, 1), size=values.shape) * 2 * pi * self.periodic
+        rest = q.copy()
+        rest[:, pivots] = 0.0
+        placed = q.copy()
+        placed[:, pivots] = np.linalg.solve(square, (values + branch - rest @ self.covectors.T).T).T
+        return placed
+
+    def equations(self, sets: Iterable[Values]) -> tuple[Equation, ...]:
+        """One equation per covector, for the set of values it takes."""
+        return tuple(
+            vanishing_on([int(m) for m in row], values, periodic=bool(periodic))
+            for row, values, periodic in zip(self.covectors, sets, self.periodic, strict=True)
+        )
+
+    def combinations(self, q: Array, weights: Array, tolerance: float) -> dict[Values, NDArray[np.int64]]:
+        """The value combinations that points take, simple values exact, each with its points.
+
+        Args:
+            q: (N, n) points.
+            weights: (N,) the larger, the better the point is known.
+            tolerance: values closer than this are one.
+        """
+        raw = self.values(q)
+        snapped = np.empty_like(raw)
+        for i in range(len(self)):
+            snapped[:, i] = _snapped(raw[:, i], weights, tolerance, periodic=bool(self.periodic[i]))
+        found: dict[Values, list[int]] = {}
+        for point, row in enumerate(snapped):
+            found.setdefault(tuple(float(x) for x in row), []).append(point)
+        return {key: np.array(members) for key, members in found.items()}
+
+    def neighbours(self, values: Values) -> list[Values]:
+        """Combinations with one angle exchanged for v + π or −v: where symmetry puts further pieces."""
+        result = []
+        for i in range(len(self)):
+            for other in (values[i] + pi, -values[i], pi - values[i]) if self.periodic[i] else ():
+                v = canonical(other)
+                if v != values[i]:
+                    result.append((*values[:i], v, *values[i + 1 :]))
+        return result
+
+
+def canonical(angle: float) -> float:
+    """The angle in (−π, π], multiples of π/12 exact, other values rounded to 1e-13 so that equal ones compare equal."""
+    angle = float(wrap(np.array(angle)))
+    whole = round(angle / SIMPLE)
+    if abs(angle - whole * SIMPLE) < 1e-12:
+        return pi if whole == -12 else whole * SIMPLE
+    return round(angle, 13)
+
+
+def _snapped(values: Array, weights: Array, tolerance: float, *, periodic: bool) -> Array:
+    """Each value replaced by the best-known one of its cluster, or the multiple of π/12 there."""
+    order = np.argsort(values, kind="stable")
+    gaps = np.diff(values[order]) > tolerance
+    labels = np.empty(len(values), dtype=np.int64)
+    labels[order] = np.concatenate([[0], np.cumsum(gaps)])
+    last = labels[order[-1]]
+    if periodic and last > 0 and values[order[0]] + 2 * pi - values[order[-1]] <= tolerance:
+        labels[labels == last] = 0  # −π and π are one value
+    result = np.empty_like(values)
+    for label in np.unique(labels):
+        members = np.flatnonzero(labels == label)
+        value = float(values[members[np.argmax(weights[members])]])
+        if periodic:
+            whole = round(value / SIMPLE)
+            value = canonical(whole * SIMPLE) if abs(value - whole * SIMPLE) <= tolerance else canonical(value)
+        elif abs(value) <= tolerance:
+            value = 0.0
+        result[members] = value
+    return result
+
+
+def grow(
+    start: Iterable[Values], linear: Linear, holds: Callable[[list[Values]], list[bool]], most: int = 1024
+) -> set[Values]:
+    """All combinations that hold, from those observed outwards by symmetry.
+
+    Args:
+        start: observed combinations.
+        linear: gives the neighbours.
+        holds: tests a batch of combinations directly, by their rank.
+        most: tested combinations at most.
+    """
+    known: dict[tuple[int, float], float] = {}
+
+    def same(values: Values) -> Values:
+        """Values that agree to 1e-9 become one, so that rounding makes no new combinations."""
+        return tuple(known.setdefault((i, round(v, 9) + 0.0), v) for i, v in enumerate(values))
+
+    tested: set[Values] = set()
+    found: set[Values] = set()
+    front = list(dict.fromkeys(same(values) for values in start))
+    while front and len(tested) < most:
+        tested.update(front)
+        good = [values for values, ok in zip(front, holds(front), strict=True) if ok]
+        found.update(good)
+        near = dict.fromkeys(same(n) for values in good for n in linear.neighbours(values))
+        front = [values for values in near if values not in tested]
+    return found
+
+
+def boxes(found: set[Values]) -> list[tuple[Values, ...]]:
+    """Cover a set of combinations by full products, large ones first: each product is one row of the table."""
+    left = set(found)
+    result = []
+    while left:
+        seed = min(left, key=lambda values: (sum(abs(v) for v in values), values))
+        sets = [[v] for v in seed]
+        for i in sorted(range(len(seed)), key=lambda i: -len({v[i] for v in left})):
+            for v in sorted({values[i] for values in left} - set(sets[i]), key=lambda v: (abs(v), -v)):
+                trial = [[*one, v] if j == i else one for j, one in enumerate(sets)]
+                if all(values in found for values in product(*trial[:i], [v], *trial[i + 1 :])):
+                    sets = trial
+        left -= set(product(*sets))
+        result.append(tuple(tuple(sorted(one, key=lambda v: (abs(v), -v))) for one in sets))
+    return result

@@ -1,0 +1,271 @@
+"""A family named without an atlas: from the singular configurations around one of its members.
+
+1. Random steps of several sizes from q, along ker D and, where D may vanish, in all directions, are driven back to the
+   singular set by the search. What comes back near q, with exactly the same corank, is the neighbourhood.
+2. Where D has the same rank at q as around it, the set is smooth there and all of the neighbourhood is one family.
+   Where the rank differs, families meet at q: each signature that is found next to q is one of them.
+3. A family's signature says which joints are pinned (their values are those of q), free and coupled; its name comes
+   from the geometry of the axes, as in an atlas.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families.fit import Budget
+from rankdrop.families.linear import Linear, Values, canonical, wrap
+from rankdrop.families.local_family import LocalFamily, condition_words, relation_words
+from rankdrop.families.neighbourhood import HELD, conormal_rank, groups_through, neighbourhood
+from rankdrop.families.recognise import recognised
+from rankdrop.families.residual import circuit_equations
+from rankdrop.families.row import Row
+from rankdrop.families.sampling import Setting, Supply
+from rankdrop.families.signature import Inspection, Signature
+from rankdrop.family.equation import Equation
+from rankdrop.family.naming import name_family
+from rankdrop.family.record import Pinned
+from rankdrop.family.unit import rescaled, slides_of
+from rankdrop.local.block import generic_rank
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, shifted, task_in_metres
+
+NAMED = 12  # points that a name is taken from
+SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
+FIT_WORK = 2e7  # of one fit, in floating-point operations
+FIT_JOINTS = 3  # equations of more coupled joints take seconds and belong into an atlas
+
+
+def name_on_the_spot(
+    robot: Robot,
+    q: ArrayLike,
+    task: Task,
+    corank: int,
+    seed: int = 0,
+    *,
+    fit: bool = False,
+    tolerances: Tolerances = DEFAULT,
+) -> LocalFamily:
+    """The family of corank k that a singular configuration lies on, without an atlas.
+
+    Only the neighbourhood of q is looked at: other values of the pinned joints, which a row of an atlas lists, are not.
+    Families that are met by too few neighbours are not found; not finding is no proof.
+
+    Args:
+        robot: the arm.
+        q: (n,) a configuration of corank k [rad, m].
+        task: from `resolve_task`.
+        corank: k, as `rank_at` says.
+        seed: of the random steps.
+        fit: also fit the equations of up to three coupled joints, with a small budget: some 0.1 s.
+        tolerances: thresholds.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm, or does not have this corank.
+        OptionError: k is not in 1 … generic rank.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> found = name_on_the_spot(arm, [0.3, 0.4, 0.5, 0.0, 0.2, 0.4, 1.0], resolve_task(None, arm), 1)
+        >>> found.dimension, found.words
+        (6, ('θ4 = 0',))
+    """
+    configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = name_on_the_spot(
+            in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), corank, seed, fit=fit,
+            tolerances=tolerances,
+        )
+        return _out_of_metres(there, robot)
+    generic = generic_rank(robot, task)
+    if not 1 <= corank <= generic:
+        raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
+    rank = generic - corank
+    setting = Setting(robot, task, corank, rank, tolerances)
+    at = setting.inspect(configuration[None])
+    if at.sigma[0, rank] > max(tolerances.singular, 1e-6):
+        raise ConfigurationError(
+            "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
+            mend="take the corank that rank_at gives",
+        )  # fmt: skip
+    around = neighbourhood(setting, configuration, at, seed)
+    found = groups_through(setting, configuration, at, around, seed)
+    families = [
+        _described(setting, around, signature, members, seed, fit=fit) for signature, members in found
+    ]
+    if not families:
+        families = _from_shared_values(setting, configuration, around, seed)
+    if not families:
+        return _nameless(setting, configuration, at, around)
+    return families[0] if len(families) == 1 else _met(families)
+
+
+def _out_of_metres(found: LocalFamily, robot: Robot) -> LocalFamily:
+    """A family of `in_metres(robot)` as one of the arm itself."""
+    power, slides = metre_exponent(robot), slides_of(robot)
+    pinned = tuple(
+        replace(one, values=tuple(shifted(v, power) for v in one.values)) if one.number - 1 in slides else one
+        for one in found.pinned
+    )
+    equations = tuple(rescaled(one, slides, power) for one in found.equations)
+    bound = found.coupled if len(found.words) > len(pinned) + len(found.relations) else ()
+    return replace(
+        found, pinned=pinned, equations=equations, parts=tuple(_out_of_metres(one, robot) for one in found.parts),
+        words=condition_words(robot, pinned, found.relations, bound, equations) if not found.parts else found.words,
+    )  # fmt: skip
+
+
+def _described(
+    setting: Setting, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
+) -> LocalFamily:
+    robot = setting.robot
+    linear = Linear.of(robot, signature.covectors(robot.n))
+    values = _values(linear, around.q[members])
+    equations: tuple[Equation, ...] = linear.equations([(v,) for v in values])
+    if signature.residual:
+        rest = _fitted(setting, around, linear, values, members, seed) if fit else None
+        equations = () if rest is None else equations + rest
+    return _family(
+        setting, around.q[members], signature, values, equations,
+        f"{len(members)} singular configurations around q with one tangent shape",
+    )  # fmt: skip
+
+
+def _family(
+    setting: Setting,
+    points: Array,
+    signature: Signature,
+    values: Values,
+    equations: tuple[Equation, ...],
+    evidence: str,
+) -> LocalFamily:
+    """The record of one family; `points` are of it, and its name is taken from them."""
+    robot = setting.robot
+    pinned = tuple(
+        Pinned(robot.variables[joint].name, joint + 1, (values[i],)) for i, joint in enumerate(signature.pinned)
+    )
+    coupled = tuple(j + 1 for j in signature.coupled)
+    relations = tuple(
+        relation_words(relation, values[len(signature.pinned) + i]) for i, relation in enumerate(signature.relations)
+    )
+    spread = points[:: max(1, len(points) // NAMED)][:NAMED]
+    return LocalFamily(
+        name=name_family(robot, setting.task, spread, pinned, coupled=bool(coupled)),
+        corank=setting.corank,
+        dimension=robot.n - signature.rank,
+        pinned=pinned,
+        free=tuple(j + 1 for j in signature.free),
+        coupled=coupled,
+        relations=relations,
+        equations=equations,
+        words=condition_words(robot, pinned, relations, coupled if signature.residual else (), equations),
+        parts=(),
+        points=len(points),
+        evidence=evidence,
+    )
+
+
+def _values(linear: Linear, points: Array) -> Values:
+    """The values that covectors take on points, simple ones exact."""
+    raw = linear.values(points)
+    middle = raw[len(raw) // 2]
+    off = raw - middle
+    mean = middle + np.median(np.where(linear.periodic, wrap(off), off), axis=0)
+    pairs = zip(mean.tolist(), linear.periodic.tolist(), strict=True)
+    return tuple(canonical(value) if turns else value + 0.0 for value, turns in pairs)
+
+
+def _fitted(
+    setting: Setting,
+    around: Inspection,
+    linear: Linear,
+    values: Values,
+    members: NDArray[np.int64],
+    seed: int,
+) -> tuple[Equation, ...] | None:
+    """Equations of the coupled joints, or None where they are long or a small budget does not find them."""
+    rng = np.random.default_rng([seed, 1])
+    met = [signature for i in members if (signature := around.signatures[i]) is not None]
+    signature = max(met, key=met.count)  # the sets of joints bound together included
+    supply = Supply(setting, signature, linear, values, around.q[members], around.tangent[members], rng)
+    if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
+        return None
+    supply(SPREAD)
+    order = rng.permutation(len(supply.q))  # a fit takes the first ones, and they have to be spread over the family
+    supply.q, supply.tangent = supply.q[order], supply.tangent[order]
+    return circuit_equations(supply, Budget(FIT_WORK))
+
+
+def _from_shared_values(setting: Setting, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:
+    """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ."""
+    rng = np.random.default_rng([seed, 2])
+    near = around.q[around.exact]
+    found = []
+    for row in recognised(setting, near, rng):
+        values = _row_values(row, q)
+        if values is None:
+            continue
+        # neighbours are known badly where σ is of higher order: take the values exactly
+        points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
+        points = points[setting.inspect(points).exact]
+        equations = row.linear.equations([(v,) for v in values])
+        found.append(_family(setting, points, row.signature, values, equations, "shared values, verified"))
+    return found
+
+
+def _row_values(row: Row, q: Array) -> Values | None:
+    """The combination of a row's values that q takes; None where it takes none."""
+    mine = row.linear.values(q[None])[0]
+    chosen = []
+    for value, options, turns in zip(mine, row.sets, row.linear.periodic, strict=True):
+        off = np.array(options) - value
+        off = np.abs(wrap(off) if turns else off)
+        if off.min() > 1e2 * HELD:
+            return None
+        chosen.append(options[int(off.argmin())])
+    return tuple(chosen)
+
+
+def _nameless(setting: Setting, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
+    """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
+    robot = setting.robot
+    isolated = conormal_rank(at) == robot.n
+    everyone = tuple(range(1, robot.n + 1))
+    pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
+    return LocalFamily(
+        name=name_family(robot, setting.task, q[None], pinned if isolated else ()),
+        corank=setting.corank,
+        dimension=round(float(np.trace(at.tangent[0]))),
+        pinned=pinned if isolated else (),
+        free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(setting.irrelevant)),
+        coupled=() if isolated else tuple(j for j in everyone if not setting.irrelevant[j - 1]),
+        relations=(),
+        equations=(),
+        words=("an isolated singular configuration",) if isolated else ("no condition found around it",),
+        parts=(),
+        points=len(around.q),
+        evidence="D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound",
+    )
+
+
+def _met(families: list[LocalFamily]) -> LocalFamily:
+    """Several families meet at q: the largest one first."""
+    first = families[0]
+    names = "; ".join(dict.fromkeys(family.name for family in families))
+    return replace(
+        first,
+        name=f"meeting point of families: {names}",
+        words=tuple(" and ".join(family.words) for family in families),
+        equations=(),
+        parts=tuple(families),
+        points=sum(family.points for family in families),
+        evidence="; ".join(family.evidence for family in families),
+    )

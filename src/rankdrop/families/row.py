@@ -1,0 +1,167 @@
+"""A row under construction: linear conditions with their value sets, and the residual equations of coupled joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from rankdrop.families.linear import Linear, Values
+from rankdrop.families.sampling import Setting
+from rankdrop.families.signature import HIGHER, Signature
+from rankdrop.family.equation import Equation
+from rankdrop.family.record import Soundness
+from rankdrop.family.system import Mask, System
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array
+
+CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
+FURTHER = 1e-11  # |f| of the equations beyond the independent ones at a solution
+STARTS = 400  # random starts of a soundness test
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Conditions of one family.
+
+    Attributes:
+        linear: covectors; empty for a family without pinned joints or relations.
+        sets: per covector the values it takes; every combination belongs to the row.
+        residual: equations that bind the coupled joints.
+        signature: joints pinned, free and coupled, and the codimension (`signature.rank`).
+        evidence: how the conditions were obtained.
+    """
+
+    linear: Linear
+    sets: tuple[Values, ...]
+    residual: tuple[Equation, ...]
+    signature: Signature
+    evidence: str
+
+    @cached_property
+    def system(self) -> System:
+        """All equations."""
+        return System(self.linear.equations(self.sets) + self.residual)
+
+    @property
+    def combinations(self) -> list[Values]:
+        """Every combination of values."""
+        return list(product(*self.sets))
+
+    def sample(self, setting: Setting, each: int, rng: np.random.Generator) -> tuple[Array, Mask]:
+        """(V, each, n) points on up to 64 combinations, and (V, each) whether they are good: `on_combinations`."""
+        need = self.signature.residual
+        return on_combinations(setting, self.linear, self.residual, need, self.combinations[:64], each, rng)
+
+
+def on_combinations(
+    setting: Setting,
+    linear: Linear,
+    residual: tuple[Equation, ...],
+    codimension: int,
+    values: list[Values],
+    each: int,
+    rng: np.random.Generator,
+) -> tuple[Array, Mask]:
+    """Configurations that take the given values exactly and solve the residual equations.
+
+    Args:
+        setting, linear, residual: the arm and the conditions.
+        codimension: number of independent residual equations (there may be more equations than that).
+        values: combinations of values.
+        each: random starts for each of them.
+        rng: of the starts.
+
+    Returns:
+        (V, each, n) configurations and (V, each) whether they solve the equations at a well-conditioned place.
+    """
+    n = setting.robot.n
+    targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), each, axis=0)
+    q = linear.place(setting.random(len(targets), rng), targets, rng)
+    good = np.ones(len(q), dtype=np.bool_)
+    if residual:
+        q, slope, good = _solved(q, residual, codimension, linear.along)
+        good &= slope > CONDITIONED
+    good &= setting.allowed(q)
+    return q.reshape(len(values), each, n), good.reshape(len(values), each)
+
+
+def _solved(
+    q: Array, equations: tuple[Equation, ...], codimension: int, along: Array
+) -> tuple[Array, Array, Mask]:
+    """Solve the first equations, as many as are independent, and keep the solutions that satisfy the rest as well.
+
+    Gauss–Newton on more equations than unknowns would stay in places where no residual gets smaller.
+
+    Returns:
+        (N, n) end points, (N,) smallest singular value of the solved equations' Jacobian, (N,) whether all hold.
+    """
+    base = System(equations[:codimension])
+    q, good = base.solve(q, along=along, iterations=60)
+    slope = np.asarray(np.linalg.svd(base.jacobian(q) @ along, compute_uv=False)[:, -1], dtype=np.float64)
+    for equation in equations[codimension:]:
+        good &= np.abs(equation(q)) <= FURTHER
+    return q, slope, good
+
+
+def verified(
+    setting: Setting,
+    linear: Linear,
+    residual: tuple[Equation, ...],
+    codimension: int,
+    values: list[Values],
+    rng: np.random.Generator,
+) -> list[bool]:
+    """Which combinations of values belong to the family: tested directly, by σ at random values of all other joints.
+
+    A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
+    table of a higher corank).
+    """
+    each = 24 if residual or setting.limits else 8
+    result = _tested(setting, linear, residual, codimension, values, each, rng)
+    unsure = [i for i, one in enumerate(result) if one is None]
+    if unsure:  # limits leave little room: look harder
+        again = _tested(setting, linear, residual, codimension, [values[i] for i in unsure], 20 * each, rng)
+        for i, one in zip(unsure, again, strict=True):
+            result[i] = one
+    return [one is True for one in result]
+
+
+def _tested(
+    setting: Setting,
+    linear: Linear,
+    residual: tuple[Equation, ...],
+    codimension: int,
+    values: list[Values],
+    each: int,
+    rng: np.random.Generator,
+) -> list[bool | None]:
+    """`verified` with a number of starts; None where fewer than three of them could be used."""
+    q, good = on_combinations(setting, linear, residual, codimension, values, each, rng)
+    sigma = singular_values(setting.robot, q.reshape(-1, setting.robot.n), setting.task).reshape(*q.shape[:2], -1)
+    singular = sigma[..., setting.rank] <= setting.tolerances.singular
+    exact = sigma[..., setting.rank - 1] > HIGHER if setting.rank else np.ones_like(singular)
+    count = good.sum(axis=1)
+    holds = (singular | ~good).all(axis=1) & ((exact & good).sum(axis=1) > 0.5 * count)
+    return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
+
+
+def soundness(setting: Setting, system: System, codimension: int, rng: np.random.Generator) -> tuple[Soundness, Array]:
+    """Solve equations from random starts and look at the rank there.
+
+    Solutions where the equations' Jacobian is badly conditioned (sheets crossing) are known too inexactly to be judged
+    and are left out.
+
+    Returns:
+        The counts, and the (S, n) solutions that do not have the corank.
+    """
+    start = setting.random(STARTS, rng)
+    q, slope, solved = _solved(start, system.equations, codimension, np.eye(setting.robot.n))
+    q = q[solved & (slope > CONDITIONED)]
+    if not len(q):
+        return Soundness(0, 0), q
+    sigma = singular_values(setting.robot, q, setting.task)
+    singular = sigma[:, setting.rank] <= setting.tolerances.singular
+    return Soundness(len(q), int(singular.sum())), q[~singular]

@@ -1,0 +1,219 @@
+"""From the points of a cloud to the rows of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.families.doubled import inspect_doubled
+from rankdrop.families.fit import Budget, holds
+from rankdrop.families.linear import Linear, Values, boxes, grow
+from rankdrop.families.merge import merged
+from rankdrop.families.recognise import recognised
+from rankdrop.families.residual import residual_equations
+from rankdrop.families.row import Row, verified
+from rankdrop.families.sampling import Setting, Supply, smooth
+from rankdrop.families.signature import Inspection, Signature
+from rankdrop.family.system import Mask
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array
+
+FITS = 16  # combinations of values of one signature that are fitted on their own, at most
+QUICK, THOROUGH = 1.5e9, 6e9  # work for one group: circuits only, and everything
+HARD = 8  # groups that are tried a second time, thoroughly
+FEW = 3  # points from which a fit is tried
+ROUNDING = 10.0  # times `target`: σ below this tells nothing
+MANY = 2000  # points at which second derivatives are taken: half a millisecond each
+DOUBLED = 11  # sets the random numbers of doubled families apart from those of the others
+BADLY = 0.1  # share of the points left out of fits: those that are known worst
+Groups = list[tuple[Signature, NDArray[np.int64]]]
+
+
+def find_rows(
+    setting: Setting,
+    inspection: Inspection,
+    cover: Cover,
+    seed: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Row]:
+    """Rows that explain the regular points of a cloud, each verified to be singular.
+
+    Groups are taken by dimension, large ones first, so that a group whose points already lie on a row costs nothing.
+
+    Args:
+        setting: arm, task, corank.
+        inspection: the cloud with its signatures.
+        cover: of the points of the cloud.
+        seed: of every random choice.
+        progress: called with (groups done, groups).
+    """
+    budget = Budget()
+    rows = _fitted(setting, inspection, cover, budget, (seed, setting.corank), progress)
+    groups = len(grouped(inspection))
+    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    if len(rest) >= FEW:
+        twice = _doubled(setting, rest[:: len(rest) // MANY + 1])
+        rows += _fitted(setting, twice, Cover(setting, twice.q), budget, (seed, setting.corank, DOUBLED), doubled=True)
+    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    rows += recognised(setting, rest, np.random.default_rng([seed, setting.corank, groups]))
+    rng = np.random.default_rng([seed, setting.corank, groups + 1])
+    return merged(setting, without_contained(setting, rows, rng), rng)
+
+
+def _fitted(
+    setting: Setting,
+    inspection: Inspection,
+    cover: Cover,
+    budget: Budget,
+    seed: tuple[int, ...],
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    doubled: bool = False,
+) -> list[Row]:
+    """Rows of the groups of one inspection; `doubled`: more points are inspected as these were."""
+    rows: list[Row] = []
+    groups = grouped(inspection)
+    more = partial(_doubled, setting) if doubled else None
+    hard = sorted((i for i, (s, _) in enumerate(groups) if s.residual > 0), key=lambda i: -len(groups[i][1]))[:HARD]
+    for step, index in enumerate([*range(len(groups)), *hard]):
+        if progress is not None:
+            progress(step, len(groups) + len(hard))
+        thorough = step >= len(groups)
+        signature, members = groups[index]
+        left = members[~cover.by(rows)[members]]
+        if not signature.rank or len(left) < (FEW if signature.residual else 1):
+            continue
+        rng = np.random.default_rng([*seed, index, int(thorough)])
+        if smooth(setting, inspection, left, rng):
+            part = budget.share(THOROUGH if thorough else QUICK)
+            rows += _rows_of(setting, signature, inspection, left, part, rng, more, thorough=thorough)
+            budget.back(part)
+    return rows
+
+
+def _doubled(setting: Setting, q: Array) -> Inspection:
+    return inspect_doubled(setting, q)[0]
+
+
+def grouped(inspection: Inspection) -> Groups:
+    """Points by signature: large dimension first, then many points first."""
+    found: dict[Signature, list[int]] = {}
+    for point, signature in enumerate(inspection.signatures):
+        if signature is not None:
+            found.setdefault(signature, []).append(point)
+    _join(found)
+    order = sorted(found, key=lambda s: (s.rank, -len(found[s]), s))
+    return [(signature, np.array(found[signature])) for signature in order]
+
+
+def _join(found: dict[Signature, list[int]]) -> None:
+    """Single points whose joints happen to move in a special way go to the group that agrees in everything else."""
+    for signature in sorted(found, key=lambda s: (len(found[s]), s)):
+        alike = [s for s in found if s != signature and replace(s, bound=()) == replace(signature, bound=())]
+        home = max(alike, key=lambda s: (len(found[s]), s), default=None)
+        if home is not None and 50 * len(found[signature]) < len(found[home]):
+            found[home] += found.pop(signature)
+
+
+@dataclass(eq=False)
+class Cover:
+    """Which points of a cloud lie on which row; each row is asked once.
+
+    Attributes:
+        setting: arm, task, corank.
+        q: (N, n) the points.
+    """
+
+    setting: Setting
+    q: Array
+    known: dict[Row, Mask] = field(default_factory=dict)
+
+    def on(self, row: Row) -> Mask:
+        """(N,) points on one row."""
+        if row not in self.known:
+            self.known[row] = on_row(self.setting, row, self.q)
+        return self.known[row]
+
+    def by(self, rows: list[Row]) -> Mask:
+        """(N,) points on any of the rows."""
+        each = np.array([self.on(row) for row in rows], dtype=np.bool_).reshape(len(rows), len(self.q))
+        return np.asarray(each.any(axis=0))
+
+
+def on_row(setting: Setting, row: Row, q: Array) -> Mask:
+    """(N,) whether points lie on a row.
+
+    A point lies on a row when it is nearer than `tolerances.explained`. Where several sheets meet, σ is of third or
+    higher order in the distance and a point is known less well than that. So a point also lies on a row when σ stays at
+    rounding level on the whole way to it: then nothing tells the point from its foot on the row.
+    """
+    distance, foot = row.system.nearest(q)
+    near = distance <= setting.tolerances.explained
+    unsure = np.flatnonzero(~near & np.isfinite(distance))
+    if len(unsure):
+        part = np.linspace(0.0, 1.0, 6)[:, None, None]
+        way = (1 - part) * q[unsure] + part * foot[unsure]  # (6, U, n)
+        sigma = singular_values(setting.robot, way.reshape(-1, q.shape[1]), setting.task)[:, setting.rank]
+        near[unsure] = (sigma.reshape(6, -1) <= ROUNDING * setting.tolerances.target).all(axis=0)
+    return near
+
+
+def _rows_of(
+    setting: Setting,
+    signature: Signature,
+    inspection: Inspection,
+    members: NDArray[np.int64],
+    budget: Budget,
+    rng: np.random.Generator,
+    more: Callable[[Array], Inspection] | None,
+    *,
+    thorough: bool,
+) -> list[Row]:
+    linear = Linear.of(setting.robot, signature.covectors(setting.robot.n))
+    weights = inspection.condition[members]
+    twice = "a double zero: " if more else ""
+    met = linear.combinations(inspection.q[members], weights, setting.tolerances.value)
+    if not signature.residual:
+        found = grow(met, linear, partial(verified, setting, linear, (), 0, rng=rng))
+        return [Row(linear, sets, (), signature, f"{twice}values verified") for sets in boxes(found)]
+    rows: list[Row] = []
+    done: set[Values] = set()
+    for values in sorted(met, key=lambda values: (-len(met[values]), values))[:FITS]:
+        if values in done:
+            continue
+        here = members[met[values]]
+        here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
+        supply = Supply(setting, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
+        residual = residual_equations(supply, budget, thorough=thorough)
+        if residual is None:
+            continue
+        alike = [v for v in met if all(holds(e, inspection.q[members[met[v]]]) for e in residual)]
+        holding = partial(verified, setting, linear, residual, signature.residual, rng=rng)
+        found = grow([values, *alike], linear, holding)
+        done |= found
+        rows += [Row(linear, sets, residual, signature, f"{twice}fitted, then verified") for sets in boxes(found)]
+    return rows
+
+
+def without_contained(setting: Setting, rows: list[Row], rng: np.random.Generator) -> list[Row]:
+    """Drop what lies within a larger row, combination of values by combination: θ4 = 0 or π may shrink to θ4 = 0.
+
+    Found by sampling each combination and testing the other rows' equations.
+    """
+    kept: list[Row] = []
+    for row in sorted(rows, key=lambda row: row.signature.rank):
+        q, good = row.sample(setting, 6, rng)
+        inside = np.zeros(len(q), dtype=np.bool_)
+        for other in kept:
+            hits = on_row(setting, other, q.reshape(-1, q.shape[2])).reshape(good.shape)
+            inside |= (hits | ~good).all(axis=1) & good.any(axis=1)
+        outside = {values for i, values in enumerate(row.combinations) if i >= len(inside) or not inside[i]}
+        if not inside.any():
+            kept.append(row)
+        elif outside:
+            kept += [replace(row, sets=sets) for sets in boxes(outside)]
+    return kept

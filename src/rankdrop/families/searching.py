@@ -1,0 +1,427 @@
+"""Search: drive many starts into singularities of one corank, and say of each how it ended.
+
+The block F = U₂ᵀJV₂ is driven to zero by Levenberg–Marquardt with D as its derivative (`method="lm"`). Steepest descent
+of a single singular value (AM eq. 11, `"gradient"`) and AM's own method, which turns the singular subspaces where
+singular values tie (AM eqs 12–14, `"almarkhi"`), are there for comparison.
+
+AM do not print their rule for the length of a step, α_k. There are two here: an exact line search, and
+
+    α = f σ/‖∇σ‖       a share f of the step at whose end σ would be zero, were it linear (f = 1: Polyak's step)
+
+With the line search successive gradients are at right angles where σ is smooth, so that the angles of 120° to 180° in
+AM's figures come from steps that go beyond the minimum, as those of the other rule do.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, check_robot, configurations, task_view
+from rankdrop.errors import OptionError
+from rankdrop.families.overview import search_overview
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, singular_values
+from rankdrop.local.tied import brought_down, stays_up
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import html
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT, TIE, Tolerances
+from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
+
+Progress = Callable[[int, int], None]
+"""Called with (starts done, starts in all)."""
+
+METHODS = ("lm", "gradient", "almarkhi")
+AM_THRESHOLD = 1e-6
+"""AM's ε: the two descent methods stop a start here [1]."""
+MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
+LARGEST_SEED = 2**63 - 1  # what the core takes
+MOST_THREADS = 1024
+_Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
+"""What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
+_ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
+MOST_ITERATIONS = 1_000_000
+MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
+_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
+_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
+
+
+class Outcome(IntEnum):
+    """How one start ended."""
+
+    CONVERGED = 0
+    """σ beyond the kept rank is zero within the tolerance: a singular configuration."""
+    NEAR_MISS = 1
+    """A local minimum that is not zero: no singularity, however small σ is there."""
+    SLOW = 2
+    """The iterations ran out on the way."""
+    NOT_RUN = 3
+    """Stopped before this start was done."""
+    CREASE = 4
+    """Stuck, and at no local minimum: σ ties with the next one, and another direction leads on down; descent only."""
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What happened on the way, per start and iteration; NaN after the end (AM Figures 1–3).
+
+    Attributes:
+        sigma: (N, iterations + 1, min(m, n)) singular values.
+        turning: (N, iterations + 1) angle between the gradients followed in this iteration and the one before [rad];
+            NaN in the first, and where a start ended; descent only.
+    """
+
+    sigma: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The outcome of every start, in the order of the starts.
+
+    Attributes:
+        robot, task: what was searched.
+        corank: k, task freedoms lost.
+        rank: the kept rank, generic rank − k.
+        method, seed, limits, tolerances: how.
+        step, tie, most: rule of the steps (None: line search), gap that counts as a tie, most iterations.
+        q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
+        sigma: (N, min(m, n)) singular values there.
+        outcome: (N,) `Outcome`.
+        iterations: (N,) iterations used.
+        history: per-iteration values, if asked for.
+    """
+
+    robot: Robot
+    task: Task
+    corank: int
+    rank: int
+    method: str
+    seed: int
+    limits: bool
+    tolerances: Tolerances
+    q: Array
+    sigma: Array
+    outcome: NDArray[np.int8]
+    iterations: NDArray[np.int32]
+    history: History | None = None
+    step: float | None = None
+    tie: float = TIE
+    most: int = _ITERATIONS["lm"]
+
+    @property
+    def converged(self) -> Array:
+        """(C, n) the singular configurations found."""
+        found: Array = self.q[self.outcome == Outcome.CONVERGED]
+        return found
+
+    @property
+    def complete(self) -> bool:
+        """Whether every start was run to its end."""
+        return not bool((self.outcome == Outcome.NOT_RUN).any())
+
+    @cached_property
+    def smallest_near_miss(self) -> float | None:
+        """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
+
+        Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
+        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
+        go down to zero as well, there is none.
+        """
+        missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
+        if not len(missed):
+            return None
+        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
+        if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
+            return float(self.sigma[lowest[0], self.rank])
+        robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
+        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
+        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
+        best = quick.q[np.argsort(quick.value, kind="stable")]
+        for first in range(0, len(best), _FINISHED):
+            some = best[first : first + _FINISHED]
+            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
+            least = found.value
+            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
+                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+            if len(least):
+                return float(f"{least.min():.{_DIGITS}g}")
+        return None
+
+    def count(self, outcome: Outcome) -> int:
+        """Number of starts that ended so."""
+        return int((self.outcome == outcome).sum())
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what became of the starts."""
+        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
+        smallest = self.smallest_near_miss
+        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
+
+    def residual(self) -> float:
+        """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
+        found = self.converged
+        if not len(found):
+            return 0.0
+        return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
+
+
+def outcome_word(outcome: Outcome) -> str:
+    """For people: "near miss", "stuck on a crease"."""
+    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
+
+
+def search(
+    robot: Robot,
+    corank: int,
+    *,
+    task: Task | str | None = None,
+    starts: int = 10_000,
+    seed: int = 0,
+    limits: bool = False,
+    method: str = "lm",
+    iterations: int | None = None,
+    step: float | None = None,
+    tie: float = TIE,
+    history: bool = False,
+    threads: int = 0,
+    progress: Progress | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Search:
+    """Search for singularities of one corank from uniform random starts.
+
+    Args:
+        robot: the arm.
+        corank: k ≥ 1, at most the generic rank.
+        task: what the tip has to do; None for the arm's own task.
+        starts: number of random starts.
+        seed: of the starts and of every random choice; same seed, same result, on any number of threads.
+        limits: start and stay inside the joint limits.
+        method: "lm", "gradient" or "almarkhi".
+        iterations: most iterations per start; None for the method's own (200, of descents 300).
+        step: of descents: None for a line search, else the share f of the step to linearised zero, up to 2.
+        tie: of "almarkhi": relative gap below which singular values count as equal; 0 for no treatment of ties.
+        history: keep singular values per iteration.
+        threads: 0 for all cores.
+        progress: called now and then with (done, total).
+        tolerances: thresholds; σ ≤ `singular` is zero ("gradient" and "almarkhi" stop at AM's 1e-6).
+
+    Returns:
+        A `Search`. On Ctrl-C the starts already done are kept, the rest are `Outcome.NOT_RUN`.
+
+    Raises:
+        OptionError: corank, starts, seed, threads, method, iterations, step or tie outside what is allowed.
+        RobotError: not a Robot.
+        TaskError: no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = search(open_robot("pa10"), 3, starts=100)
+        >>> bool((found.sigma[found.outcome == 0][:, 3] <= 1e-9).all())
+        True
+    """
+    check_robot(robot)
+    starts, seed, threads = check_numbers(starts, seed, threads)
+    resolved = resolve_task(task, robot)
+    q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
+    found = refine(
+        in_units(robot), q0, corank, task=task_in_units(resolved, robot), seed=seed, limits=limits, method=method,
+        iterations=iterations, step=step, tie=tie, history=history, threads=threads, progress=progress,
+        tolerances=tolerances,
+    )
+    return _out_of_units(found, robot, resolved)
+
+
+def refine(
+    robot: Robot,
+    q0: ArrayLike,
+    corank: int,
+    *,
+    task: Task | str | None = None,
+    seed: int = 0,
+    limits: bool = False,
+    method: str = "lm",
+    iterations: int | None = None,
+    step: float | None = None,
+    tie: float = TIE,
+    first: int = 0,
+    history: bool = False,
+    threads: int = 0,
+    progress: Progress | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Search:
+    """`search` from starts of your own.
+
+    Args:
+        q0: (N, n) starts [rad or m]; outside the limits they are moved to the nearest limit if `limits`.
+        first: number of the first of them, from 0: as start `first` of a search it ends where it ended there.
+
+    Other arguments, result and errors as for `search`; and
+        ConfigurationError: q0 has the wrong shape or is not finite.
+    """
+    check_robot(robot)
+    _, seed, threads = check_numbers(1, seed, threads)
+    resolved = resolve_task(task, robot)
+    rank = generic_rank(robot, resolved) - corank
+    _check(method, corank, rank + corank)
+    most, step, tie = _check_steps(method, iterations, step, tie)
+    rows, _ = configurations(robot, q0)
+    if not isinstance(robot, UnitRobot):
+        found = refine(
+            in_units(robot), into_units(robot, rows), corank, task=task_in_units(resolved, robot), seed=seed,
+            limits=limits, method=method, iterations=iterations, step=step, tie=tie, first=first, history=history,
+            threads=threads, progress=progress, tolerances=tolerances,
+        )
+        return _out_of_units(found, robot, resolved)
+    box = np.stack(limit_box(robot, resolved)) if limits else None
+    if box is not None:
+        rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
+    scale = joint_scale(robot, resolved)
+    singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
+
+    def run(part: Array, done: int) -> _Part:
+        return _core.search(
+            chain_of(robot), task_view(robot, resolved), part, rank, METHODS.index(method), most, singular,
+            tolerances.target, tolerances.stationary, seed, first + done, scale, box, tie, history, threads,
+            0.0 if step is None else step,
+        )  # fmt: skip
+
+    parts = _in_parts(run, rows, progress)
+    found = _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+    return replace(_creases_told(found), step=step, tie=tie, most=most)
+
+
+def _creases_told(found: Search) -> Search:
+    """Descents that ended for want of a fall: at a local minimum, or on a crease where another direction leads on."""
+    stuck = np.flatnonzero(found.outcome == Outcome.NEAR_MISS)
+    if found.method == "lm" or not len(stuck):
+        return found
+    least = stays_up(found.robot, found.task, found.rank, found.q[stuck], limits=found.limits)
+    outcome = found.outcome.copy()
+    outcome[stuck[~least]] = Outcome.CREASE
+    return replace(found, outcome=_frozen(outcome))
+
+
+def _out_of_units(found: Search, robot: Robot, task: Task) -> Search:
+    """A search made in the arm's own unit of length, told in that of `robot`."""
+    return replace(found, robot=robot, task=task, q=_frozen(out_of_units(robot, found.q)))
+
+
+def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> list[_Part]:
+    """Run parts of about a tenth of a second, so that progress moves; what is done when Ctrl-C comes is kept."""
+    parts: list[_Part] = []
+    done, size = 0, 64
+    try:
+        while done < len(rows) and not (parts and parts[-1][6]):
+            begun = time.perf_counter()
+            parts.append(run(rows[done : done + size], done))
+            done += len(parts[-1][0])
+            if progress is not None:
+                progress(done, len(rows))
+            size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
+    except KeyboardInterrupt:  # met between two parts, in `progress` say
+        pass
+    return parts
+
+
+def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
+    """The three as whole numbers of Python.
+
+    Raises:
+        OptionError: one of them is not a whole number, or outside what is allowed.
+    """
+    return (
+        _whole("starts", starts, 1, MOST_STARTS), _whole("seed", seed, 0, LARGEST_SEED),
+        _whole("threads", threads, 0, MOST_THREADS),
+    )  # fmt: skip
+
+
+def _whole(name: str, value: object, least: int, most: int) -> int:
+    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
+    if number is None or not least <= number <= most:
+        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
+        raise OptionError(
+            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
+            got=shown, allowed=f"{least} … {most}",
+        )
+    return int(number)
+
+
+def _check(method: str, corank: int, full: int) -> None:
+    if method not in METHODS:
+        raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
+    if not 1 <= corank <= full:
+        raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
+
+
+def _check_steps(
+    method: str, iterations: int | None, step: float | None, tie: float
+) -> tuple[int, float | None, float]:
+    most = _ITERATIONS[method] if iterations is None else _whole("iterations", iterations, 1, MOST_ITERATIONS)
+    if step is not None:
+        if method == "lm":
+            raise OptionError(
+                "block Levenberg-Marquardt chooses its own steps", where="step", got=step,
+                allowed="a rule of the steps with the methods gradient and almarkhi",
+            )  # fmt: skip
+        step = _real("step", step, 0.0, MOST_SHARE, above=True)
+    return most, step, _real("tie", tie, 0.0, 1.0)
+
+
+def _real(name: str, value: object, least: float, most: float, *, above: bool = False) -> float:
+    number = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else np.nan
+    if not least <= number <= most or (above and number == least):
+        allowed = f"{'above ' if above else ''}{least:g} … {most:g}"
+        raise OptionError(f"{name} is outside the range", got=repr(value), allowed=allowed)
+    return number
+
+
+def _assemble(
+    robot: Robot,
+    task: Task,
+    corank: int,
+    rank: int,
+    method: str,
+    seed: int,
+    limits: bool,
+    tolerances: Tolerances,
+    starts: Array,
+    parts: list[_Part],
+) -> Search:
+    done = sum(len(part[0]) for part in parts)
+    left = len(starts) - done
+    values = min(task.m, robot.n)
+    q = np.concatenate([*(part[0] for part in parts), starts[done:]])
+    if not limits:
+        turns = robot.periodic
+        wrapped = q[:, turns] - 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
+        q[:, turns] = np.clip(wrapped, -np.pi, np.pi)
+    history = None
+    if parts and parts[0][4] is not None:
+        sigma = [part[4] for part in parts if part[4] is not None]
+        turning = [part[5] for part in parts if part[5] is not None]
+        history = History(_frozen(np.concatenate(sigma)), _frozen(np.concatenate(turning)))
+    return Search(
+        robot, task, corank, rank, method, seed, limits, tolerances,
+        q=_frozen(q),
+        sigma=_frozen(np.concatenate([*(part[1] for part in parts), np.full((left, values), np.nan)])),
+        outcome=_frozen(np.concatenate([*(part[2] for part in parts), np.full(left, Outcome.NOT_RUN, np.int8)])),
+        iterations=_frozen(np.concatenate([*(part[3] for part in parts), np.zeros(left, np.int32)])),
+        history=history,
+    )
+
+
+_Scalar = TypeVar("_Scalar", bound=np.generic)
+
+
+def _frozen(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,253 @@
+"""The singular set in a plane of joint space: two joints move, the others stand still."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rankdrop.families.contour import curves
+from rankdrop.families.members import general_member, lies, wrapped
+from rankdrop.family.record import Family
+from rankdrop.family.system import System
+from rankdrop.family.unit import family_in_metres
+from rankdrop.local.block import generic_rank, sampling_box, singular_values
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+
+NODES = 161
+"""Grid nodes along each side of a slice."""
+BEYOND = 0.035
+"""A slice shows this share of a turn beyond ±π, so that what lies at π is inside the frame."""
+_SEEDS = 18  # along each side, where points are solved for
+_NOTHING = 1e-9  # an equation below this on the whole slice says nothing there
+_MOST_POINTS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What one family leaves in a slice.
+
+    Attributes:
+        family: its id.
+        curves: (k, 2) polylines; every vertex is singular.
+        points: (p, 2) isolated points, singular too.
+    """
+
+    family: str
+    curves: tuple[Array, ...]
+    points: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """Two joints moved, the others held.
+
+    Attributes:
+        joints: numbers (from 1) of the two, x then y.
+        q: (n,) configuration through which the slice goes; its entries at the two joints are a point of `family`.
+        family: id of the family that the slice was chosen for.
+        x, y: (a,), (b,) values of the two joints [rad, m].
+        sigma: (a, b) σ_r at the nodes, r the generic rank.
+        traces: per family that is met.
+        filled: ids of families that the whole slice belongs to.
+    """
+
+    joints: tuple[int, int]
+    q: Array
+    family: str
+    x: Array
+    y: Array
+    sigma: Array
+    traces: tuple[Trace, ...]
+    filled: tuple[str, ...]
+
+
+def telling_slices(
+    robot: Robot, task: Task, families: Sequence[Family], *, most: int = 6, seed: int = 0
+) -> tuple[Slice, ...]:
+    """One slice for each family of corank 1, through a general point of it; none twice.
+
+    The two joints are the first two that the family ties together, else that it pins, else its pinned joint and one
+    that moves something. A family that an earlier slice with the same joints shows needs none of its own.
+
+    Args:
+        robot, task: the arm.
+        families: of all coranks.
+        most: slices at most.
+        seed: of the general points.
+    """
+    found: list[Slice] = []
+    if robot.n < 2:
+        return ()
+    for family in families:
+        if family.corank != 1 or not family.named or len(found) == most:
+            continue
+        joints = telling_joints(robot, family)
+        shown = {trace.family for one in found if set(one.joints) == set(joints) for trace in one.traces}
+        if family.id in shown:
+            continue
+        q = general_member(robot, task, family, [number - 1 for number in joints], seed, families)
+        found.append(slice_through(robot, task, families, q, joints, family=family.id))
+    return tuple(found)
+
+
+def telling_joints(robot: Robot, family: Family) -> tuple[int, int]:
+    """Two joints (from 1) in whose plane a family shows: tied together, else pinned, else pinned and a neighbour."""
+    pinned = [one.number for one in family.pinned]
+    order = [*family.coupled, *pinned] if len(family.coupled) > 1 else [*pinned, *family.coupled]
+    inner = [number for number in range(2, robot.n) if number not in order]
+    outer = [number for number in (1, robot.n) if number not in order]
+    order += sorted(inner, key=lambda number: abs(number - order[0])) + outer if order else [*inner, *outer]
+    x, y = sorted(order[:2])
+    return x, y
+
+
+def slice_through(
+    robot: Robot,
+    task: Task,
+    families: Sequence[Family],
+    q: Array,
+    joints: tuple[int, int],
+    *,
+    family: str = "",
+    nodes: int = NODES,
+    tolerances: Tolerances = DEFAULT,
+) -> Slice:
+    """The slice through q: σ_r on a grid, and the families as curves and points.
+
+    Curves are where a family's equation changes sign, polished by Newton's method; every point drawn has been tried in
+    the Jacobian (σ ≤ `singular`), and what fails is left out.
+
+    Args:
+        robot, task: the arm.
+        families: whose traces are wanted; those without equations leave none.
+        q: (n,) [rad, m].
+        joints: numbers (from 1) of the two joints that move.
+        family: id of the family that q is on, for the record.
+        nodes: along each side.
+        tolerances: `singular`.
+    """
+    if metre_exponent(robot):
+        there = [family_in_metres(one, robot) for one in families]
+        found = slice_through(
+            in_metres(robot), task_in_metres(task, robot), there, into_metres(robot, q), joints, family=family,
+            nodes=nodes, tolerances=tolerances,
+        )
+        return _out_of_metres(found, robot)
+    x, y = (_values(robot, task, number - 1, q[number - 1], nodes) for number in joints)
+    plane = _Plane(robot, task, np.array(q), (joints[0] - 1, joints[1] - 1), x, y, tolerances)
+    traces, filled = [], []
+    for one in families:
+        if not one.named or not one.equations:
+            continue
+        trace = plane.trace(one)
+        if trace is None:
+            filled.append(one.id)
+        elif trace.curves or len(trace.points):
+            traces.append(trace)
+    return Slice(joints, np.array(q), family, x, y, plane.sigma(), tuple(traces), tuple(filled))
+
+
+def _out_of_metres(found: Slice, robot: Robot) -> Slice:
+    """A slice of `in_metres(robot)` as one of the arm itself."""
+    units = out_of_metres(robot, np.ones(robot.n))[[number - 1 for number in found.joints]]
+    traces = tuple(
+        replace(one, curves=tuple(curve * units for curve in one.curves), points=one.points * units)
+        for one in found.traces
+    )
+    q = out_of_metres(robot, found.q)
+    return replace(found, q=q, x=found.x * units[0], y=found.y * units[1], traces=traces)
+
+
+def _values(robot: Robot, task: Task, j: int, at: float, nodes: int) -> Array:
+    """A whole turn, or the travel and what q needs beyond it, with some room on either side."""
+    low, high = (end[j] for end in sampling_box(robot, task, limits=False))
+    low, high = (-np.pi, np.pi) if robot.periodic[j] else (min(low, at), max(high, at))
+    room = BEYOND * (high - low)
+    return np.linspace(low - room, high + room, nodes)
+
+
+@dataclass(frozen=True, eq=False)
+class _Plane:
+    robot: Robot
+    task: Task
+    q: Array
+    moving: tuple[int, int]
+    x: Array
+    y: Array
+    tolerances: Tolerances
+
+    def lifted(self, points: Array) -> Array:
+        """(N, n) configurations of points (N, 2) of the plane."""
+        q = np.repeat(self.q[None], len(points), axis=0)
+        q[:, list(self.moving)] = points
+        return q
+
+    def nodes(self) -> Array:
+        """(a·b, n)."""
+        grid = np.stack(np.meshgrid(self.x, self.y, indexing="ij"), axis=-1)
+        return self.lifted(grid.reshape(-1, 2))
+
+    def sigma(self) -> Array:
+        rank = generic_rank(self.robot, self.task)
+        smallest = singular_values(self.robot, self.nodes(), self.task)[:, rank - 1]
+        return np.asarray(smallest.reshape(len(self.x), len(self.y)))
+
+    def trace(self, family: Family) -> Trace | None:
+        """What the family leaves in the plane; None where it contains all of it."""
+        nodes, telling = self.nodes(), []
+        for equation in family.equations:
+            values = equation(nodes)
+            if np.abs(values).max() <= _NOTHING:
+                continue
+            if values.min() > 0 or values.max() < 0:
+                return Trace(family.id, (), np.empty((0, 2)))
+            telling.append((equation, values.reshape(len(self.x), len(self.y))))
+        if not telling:
+            return None
+        system = System(tuple(equation for equation, _ in telling))
+        if len(telling) == 1:
+            lines = [self._polished(line, system, family) for line in curves(telling[0][1], self.x, self.y)]
+            return Trace(family.id, tuple(line for part in lines for line in part), np.empty((0, 2)))
+        return Trace(family.id, (), self._solved(system, family))
+
+    def _polished(self, line: Array, system: System, family: Family) -> list[Array]:
+        """The line brought onto the zero set, and cut where a vertex is not singular."""
+        ends, _ = system.solve(self.lifted(line), along=self._basis(), iterations=8)
+        points = ends[:, list(self.moving)]
+        cell = 1.5 * np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
+        good = (np.abs(points - line) <= cell).all(axis=1)
+        good &= lies(self.robot, self.task, ends, family.corank, self.tolerances)
+        parts = np.split(points, np.flatnonzero(~good))
+        kept = [part if good[start] else part[1:] for part, start in
+                zip(parts, [0, *np.flatnonzero(~good)], strict=True)]  # fmt: skip
+        return [part for part in kept if len(part) > 1]
+
+    def _solved(self, system: System, family: Family) -> Array:
+        """Isolated points, from a grid of starts."""
+        starts = np.stack(np.meshgrid(*(np.linspace(v[0], v[-1], _SEEDS) for v in (self.x, self.y))), axis=-1)
+        ends, solved = system.solve(self.lifted(starts.reshape(-1, 2)), along=self._basis())
+        ends = wrapped(self.robot, ends[solved])
+        ends = ends[lies(self.robot, self.task, ends, family.corank, self.tolerances)]
+        points = ends[:, list(self.moving)]
+        inside = (points >= [self.x[0], self.y[0]]) & (points <= [self.x[-1], self.y[-1]])
+        points = points[inside.all(axis=1)]
+        _, first = np.unique(np.round(points, 5), axis=0, return_index=True)
+        return self._both_ends(points[np.sort(first)][:_MOST_POINTS])
+
+    def _both_ends(self, points: Array) -> Array:
+        """What lies within the margin at one side of a turn is shown at the other side too."""
+        for k, (j, values) in enumerate(zip(self.moving, (self.x, self.y), strict=True)):
+            if self.robot.periodic[j] and len(points):
+                turn = np.zeros(2)
+                turn[k] = 2 * np.pi
+                for moved in (points + turn, points - turn):
+                    points = np.concatenate([points, moved[(moved[:, k] >= values[0]) & (moved[:, k] <= values[-1])]])
+        return points[np.unique(np.round(points, 5), axis=0, return_index=True)[1]] if len(points) else points
+
+    def _basis(self) -> Array:
+        return np.eye(self.robot.n)[:, list(self.moving)]

@@ -1,0 +1,286 @@
+"""From a cloud of singular configurations to a table of families, each with what speaks for it.
+
+1. Every point gets a signature from D (`signature`): joints pinned, free, coupled; whole-number relations.
+2. Groups of one signature become rows (`rows`): values are snapped, completed by symmetry and verified directly by σ;
+   equations of coupled joints are fitted (`fit`, `residual`). Where D vanishes, shared values do instead (`recognise`).
+3. Soundness: a row's equations are solved from random starts and the rank is looked at; a row that fails there is
+   never shown. Then they are solved at special places (`elsewhere`); solutions there that are regular are counted, and
+   make the row unsound for everyone to see.
+4. Completeness: fresh points from another seed, none of which was used before, are explained by the rows or shown as a
+   family without a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.families.elsewhere import elsewhere
+from rankdrop.families.estimate import none_found, unseen
+from rankdrop.families.linear import wrap
+from rankdrop.families.row import Row, soundness
+from rankdrop.families.rows import Cover, find_rows
+from rankdrop.families.sampling import Setting
+from rankdrop.families.searching import Outcome, Search, search
+from rankdrop.families.signature import Inspection
+from rankdrop.families.unnamed import Leftover, leftovers
+from rankdrop.families.witness import witness
+from rankdrop.family.equation import pretty_angle
+from rankdrop.family.lost import told
+from rankdrop.family.naming import name_family, told_apart
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
+from rankdrop.family.unit import family_out_of_units
+from rankdrop.robot.model import Array, Robot
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
+
+Progress = Callable[[int, int], None]
+
+FRESH = 1000  # independent points wanted for completeness
+MOST_FRESH = 20_000  # starts spent on them at most
+OTHER_SEED = 1_000_003  # added to the seed for the fresh points
+STEPS = 100  # of the progress: rows up to 60, fresh points to 80, rows finished to 100
+
+
+def families(
+    cloud: Search,
+    *,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+    fresh: Search | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> CorankFamilies:
+    """All families of one corank, with soundness, completeness and an estimate of what was not seen.
+
+    Args:
+        cloud: the search whose converged points the families are made from.
+        seed: of every random choice; same seed and cloud, same table.
+        tolerances: thresholds.
+        fresh: another search, independent of `cloud`, for completeness; None to make one of at least 1000 points of
+            exactly this corank (as far as 20 000 starts give them).
+        threads: for the fresh search.
+        progress: called with (done, total).
+
+    Returns:
+        CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
+        conditions were not found come last, with `named=False`.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = families(search(open_robot("scara"), 1, starts=100))
+        >>> [(family.dimension, str(family.equations[0])) for family in found.families]
+        [(3, 'sin θ2')]
+    """
+    if not isinstance(cloud.robot, UnitRobot):
+        inner = families(
+            _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
+            threads=threads, progress=progress,
+        )
+        return families_out_of_units(inner, cloud.robot)
+    report = progress or (lambda done, total: None)
+    setting = Setting(cloud.robot, cloud.task, cloud.corank, cloud.rank, tolerances, cloud.limits)
+    inspection = setting.inspect(setting.polished(cloud.converged))
+    cover = Cover(setting, inspection.q)
+    rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
+    sounds: dict[Row, Soundness] = {}
+    samples: dict[Row, Array] = {}
+    marks = _marks(rows)
+    for i, row in enumerate(rows):
+        rng = np.random.default_rng([seed, cloud.corank, 7, i])
+        sound, _ = soundness(setting, row.system, row.signature.rank, rng)
+        points = _generic(setting, row, inspection.q[cover.on(row)], rng)
+        if sound.holds and len(points):
+            tested, strangers = elsewhere(setting, row.linear, row.combinations, row.residual, marks, rng)
+            sounds[row] = Soundness(sound.tested + tested, sound.singular + tested - len(strangers))
+            samples[row] = points
+    kept = list(sounds)
+    report(60, STEPS)
+    independent = _fresh(setting, cloud, inspection, seed, threads) if fresh is None else fresh.converged
+    checked = setting.inspect(setting.polished(independent))
+    report(80, STEPS)
+    new = Cover(setting, checked.q)
+    rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
+    share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
+    found = []
+    for count, row in enumerate(sorted(kept, key=_order)):
+        per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
+        shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
+        at = samples[row][0] if shown is None else shown
+        found.append(_family(setting, row, sounds[row], per_row, samples[row], at))
+        report(80 + 20 * count // len(kept), STEPS)
+    found += [_unnamed(setting, leftover, share.tested) for leftover in rest]
+    pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
+    report(STEPS, STEPS)
+    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces)
+    return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
+
+
+def _told_apart(found: Sequence[Family]) -> tuple[Family, ...]:
+    """Families with names of their own."""
+    names = told_apart([one.name for one in found], [partial(_texts, one) for one in found])
+    return tuple(replace(one, name=name) for one, name in zip(found, names, strict=True))
+
+
+def _texts(family: Family) -> list[str]:
+    """The conditions of a family for people, as far as they are short."""
+    pins = [f"θ{one.number} = {' or '.join(map(pretty_angle, one.values))}" for one in family.pinned]
+    return [*pins, *(f"{equation} = 0" for equation in family.equations)]
+
+
+def _in_units(cloud: Search) -> Search:
+    """A search as one of the arm in its own unit of length."""
+    robot = cloud.robot
+    return replace(
+        cloud, robot=in_units(robot), task=task_in_units(cloud.task, robot), q=into_units(robot, cloud.q)
+    )
+
+
+def families_out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
+    """Families of `in_units(robot)` as those of the arm itself."""
+    return replace(
+        found, families=tuple(family_out_of_units(family, robot) for family in found.families),
+        fresh=out_of_units(robot, found.fresh),
+    )  # fmt: skip
+
+
+def _marks(rows: list[Row]) -> dict[int, list[float]]:
+    """Joint (from 0) -> the values at which some row pins it."""
+    found: dict[int, list[float]] = {}
+    for row in rows:
+        for joint, values in zip(row.signature.pinned, row.sets, strict=False):
+            found.setdefault(joint, []).extend(values)
+    return found
+
+
+def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:
+    """Converged points of a search with another seed: at least `FRESH` of exactly this corank where possible."""
+    if not len(inspection.q):
+        return np.zeros((0, setting.robot.n))
+    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), FRESH / MOST_FRESH)
+    parts: list[Array] = []
+    found, spent = 0, 0
+    for attempt in range(4):
+        starts = int(min(1.1 * (FRESH - found) / rate + 50, MOST_FRESH - spent))
+        if found >= FRESH or starts < 1:
+            break
+        part = search(
+            setting.robot, setting.corank, task=setting.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
+            limits=setting.limits, threads=threads, tolerances=setting.tolerances,
+        )  # fmt: skip
+        if not part.complete:
+            raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
+        found += int(setting.inspect(part.converged).exact.sum())
+        spent += starts
+        parts.append(part.converged)
+    return np.concatenate(parts)
+
+
+def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...]]:
+    """By which the rows get their random numbers: what a row is, not when it was found."""
+    s = row.signature
+    return (s.rank, s.pinned, s.coupled, row.sets)
+
+
+def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array) -> Family:
+    """A row as a family; its id comes when all of them are known."""
+    signature, robot = row.signature, setting.robot
+    pinned = tuple(
+        Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
+    )
+    directions, sentences = _lost(setting, at, generic)
+    return Family(
+        id="",
+        name=name_family(robot, setting.task, generic, pinned, coupled=bool(signature.coupled)),
+        corank=setting.corank,
+        dimension=robot.n - signature.rank,
+        pinned=pinned,
+        free=tuple(j + 1 for j in signature.free),
+        coupled=tuple(j + 1 for j in signature.coupled),
+        equations=row.system.equations,
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        soundness=sound,
+        explained=share,
+        evidence=row.evidence,
+    )
+
+
+def _lost(setting: Setting, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
+    return told(setting.robot, at, points, setting.task, setting.corank)
+
+
+def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -> Array:
+    """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
+    points, good = row.sample(setting, 12, rng)
+    q = np.concatenate([points[good], met[:24]]) if good.sum() < 12 else points[good]
+    inspection = setting.inspect(q)
+    chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, setting.rank] <= setting.tolerances.singular))
+    return np.asarray(q[rng.permutation(chosen)[:24]])
+
+
+def _unnamed(setting: Setting, leftover: Leftover, tested: int) -> Family:
+    robot, at = setting.robot, leftover.witness
+    directions, sentences = _lost(setting, at, leftover.q)
+    values = tuple(
+        Pinned(robot.variables[j].name, j + 1, leftover.values(setting, j))
+        for j in leftover.pinned
+    )
+    return Family(
+        id="",
+        name="unnamed family",
+        corank=setting.corank,
+        dimension=leftover.dimension,
+        pinned=values,
+        free=tuple(j + 1 for j in leftover.free),
+        coupled=tuple(j + 1 for j in leftover.coupled),
+        equations=(),
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        soundness=Soundness(0, 0),
+        explained=Share(tested, leftover.fresh),
+        evidence=leftover.evidence,
+        named=False,
+    )
+
+
+def _pieces(cover: Cover, rows: list[Row], inspection: Inspection) -> list[int]:
+    """How many points of the cloud met each piece: a row with one combination of its values."""
+    counts: list[int] = []
+    left = inspection.exact.copy()
+    for row in rows:
+        members = np.flatnonzero(left & cover.on(row))
+        left[members] = False
+        counts += [int(c) for c in np.unique(_labels(row, inspection.q[members]), axis=0, return_counts=True)[1]]
+    return counts
+
+
+def _labels(row: Row, q: Array) -> NDArray[np.int64]:
+    """(N, c) which value of each covector a point is nearest to."""
+    values = row.linear.values(q)
+    labels = np.zeros(values.shape, dtype=np.int64)
+    for i, options in enumerate(row.sets):
+        off = values[:, i : i + 1] - np.array(options)
+        labels[:, i] = np.abs(wrap(off) if row.linear.periodic[i] else off).argmin(axis=1)
+    return labels
+
+
+def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> CorankSummary:
+    return CorankSummary(
+        corank=cloud.corank,
+        rank=cloud.rank,
+        starts=len(cloud.outcome) - cloud.count(Outcome.NOT_RUN),
+        converged=cloud.count(Outcome.CONVERGED),
+        near_misses=cloud.count(Outcome.NEAR_MISS),
+        slow=cloud.count(Outcome.SLOW),
+        smallest_near_miss=cloud.smallest_near_miss,
+        completeness=share,
+        higher=higher,
+        unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),
+    )

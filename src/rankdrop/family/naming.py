@@ -1,0 +1,206 @@
+"""Names of singularity families, from the geometry of the axes at sample points; never from the arm's name."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.family.facts import Fact, Structure, candidate_facts, structure_of
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.circuit_words import describe, line_meets_all
+from rankdrop.local.circuits import to_blame
+from rankdrop.local.scene import Scene
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+
+_POINTS = 12  # sample points looked at
+_AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
+_LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
+_PARTS = ("shoulder", "elbow", "wrist")
+
+
+class PinnedJoint(Protocol):
+    """What is read of a pinned joint: its number from 1."""
+
+    @property
+    def number(self) -> int:
+        """Counted from 1."""
+
+
+def name_family(
+    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[PinnedJoint] = (), *, coupled: bool = True
+) -> str:
+    """A short name for a family of singular configurations.
+
+    1. Joints that matter: those whose motion alone raises the rank at the samples, and the pinned ones.
+    2. Facts about the axes that hold at every sample but not at every configuration (`candidate_facts`), the most
+       telling first, are taken until each joint that matters breaks one of them when it moves. In an arm without
+       redundancy facts that cost rank by themselves come first, and have to add up to the corank.
+    3. Facts that concern the shoulder, the elbow or the wrist give the name its first words.
+    4. Joints that break none of the facts: the name ends with "others coupled", or "others fixed" where the rest of
+       the condition are values. Without any fact: "all axes meet one line" where the blocked wrench is a pure force,
+       else the smallest dependent sets of joint screws ("screws 2–6 dependent").
+
+    What a name states is true at every sample point. Names are not unique: `told_apart` makes them so.
+
+    Args:
+        robot: the arm.
+        task: the rows that matter.
+        points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are used.
+        pinned: the family's pinned joints, if known.
+        coupled: whether conditions bind joints beside the pinned ones.
+
+    Raises:
+        ConfigurationError: no points, the wrong shape, or points that are not singular.
+    """
+    q = np.asarray(points, dtype=np.float64)
+    if q.ndim != 2 or q.shape[0] == 0 or q.shape[1] != robot.n or not np.isfinite(q).all():
+        raise ConfigurationError("points of a family are needed", got=q.shape, allowed=f"(N, {robot.n}), N ≥ 1, finite")
+    scene = Scene(robot, q[:_POINTS])
+    generic = generic_rank(robot, task)
+    corank = generic - int((singular_values(robot, scene.q, task)[:, :generic] > _LOST).sum(axis=1).max())
+    if corank == 0:
+        raise ConfigurationError("these points are not all singular", mend="polish them, or drop the regular ones")
+    structure = structure_of(robot, task, generic)
+    matter = _joints_that_matter(scene, task, generic - corank) | {joint.number - 1 for joint in pinned}
+    facts, covered = _explain(structure, scene, matter, corank)
+    if facts:
+        others = "" if matter <= covered else ", others coupled" if coupled else ", others fixed"
+        return _compose(facts, structure.tight, corank) + others
+    return _systematic(scene, structure, task, corank, generic)
+
+
+def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
+    """Names made unique: of those that are the same each gets the first short condition that only it has.
+
+    Args:
+        names: of the families of one corank, in their order.
+        conditions: of each, how to get its conditions for people; asked where it is needed only.
+
+    Returns:
+        The names; where no short condition tells them apart they are counted: "wrist (second)".
+
+    Example:
+        >>> told_apart(["elbow", "wrist", "elbow"], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
+        ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
+    """
+    result = list(names)
+    for name, count in Counter(names).items():
+        if count == 1:
+            continue
+        places = [place for place, other in enumerate(names) if other == name]
+        texts = [conditions[place]() for place in places]
+        for number, place in enumerate(places):
+            others = {text for k, one in enumerate(texts) if k != number for text in one}
+            own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
+            result[place] = f"{name} ({own[0] if own else _ORDINALS.get(number, f'{number + 1}th')})"
+    return result
+
+
+_SHORT = 24  # characters of a condition that stands in a name
+_ORDINALS = {0: "first", 1: "second", 2: "third", 3: "fourth", 4: "fifth", 5: "sixth"}
+
+
+def _joints_that_matter(scene: Scene, task: Task, rank: int) -> set[int]:
+    """Joints whose motion alone raises the rank at more than half of the samples."""
+    matter = set()
+    for joint in range(scene.robot.n):
+        sigma = singular_values(scene.robot, scene.moved(joint, _AWAY).q, task)[:, rank]
+        if np.mean(sigma > _LOST) > 0.5:
+            matter.add(joint)
+    return matter
+
+
+def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) -> tuple[list[Fact], set[int]]:
+    """Facts of the family, and the joints each of which breaks one of them.
+
+    Without redundancy the facts have to cost as much rank as is lost; else none is claimed.
+    """
+    true = [f for f in candidate_facts(structure, scene) if f.holds(scene).all() and not structure.always(f.holds)]
+    breaking = [{j for j in matter if not f.holds(scene.moved(j, _AWAY)).all()} for f in true]
+    chosen: list[int] = []
+    covered: set[int] = set()
+    if structure.tight:
+        for i, fact in enumerate(true):
+            new = breaking[i] - covered
+            short = sum(true[j].losses for j in chosen) < corank
+            if fact.losses and short and (new or (fact.roles and breaking[i])):
+                chosen.append(i)
+                covered |= breaking[i]
+        if sum(true[j].losses for j in chosen) < corank:
+            return [], set()
+    for i in range(len(true)):
+        if i not in chosen and breaking[i] - covered:
+            chosen.append(i)
+            covered |= breaking[i]
+    return [true[i] for i in chosen], covered
+
+
+def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
+    """ "elbow: …"; the parts alone ("elbow and wrist") where each of several independent facts is one part's own."""
+    named = {role for fact in facts for role in fact.roles}
+    parts = [part for part in _PARTS if part in named]
+    head = " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else "".join(parts)
+    if tight and corank > 1 and len(parts) == corank:
+        body = _details([fact for fact in facts if len(fact.roles) != 1])
+        return f"{head}, {body}" if body else head
+    body = _details(facts)
+    return f"{head}: {body}" if head else body
+
+
+def _details(facts: Sequence[Fact]) -> str:
+    """The facts in words; the first in full, later ones with ∥ and ⟂."""
+    aligned = [fact.joints for fact in facts if fact.kind == "aligned"]
+    own = [fact for fact in facts if fact.kind == "own"]
+    against = [
+        fact.joints
+        for fact in facts
+        if fact.kind == "against" and not any(set(fact.joints) <= set(other.joints) for other in own)
+    ]
+    if len(own) < len(facts):
+        own = [fact for fact in own if fact.roles != ("elbow",)]  # the word "elbow" says it
+    details = [fact.text for fact in own if fact.roles]
+    if aligned:
+        details.append(f"axes {_both(aligned)} aligned")
+    for bundle in dict.fromkeys(joints[1:] for joints in against):
+        first = [joints[0] for joints in against if joints[1:] == bundle]
+        details.append(f"{'axis' if len(first) == 1 else 'axes'} {_numbers(first)} parallel to {_numbers(bundle)}")
+    details += [fact.text for fact in own if not fact.roles]
+    for kind, sign in (("parallel", " ∥ "), ("perpendicular", " ⟂ ")):
+        for fact in facts:
+            if fact.kind == kind and not any(fact.joints == other.joints for other in own):
+                relation = sign.join(str(i + 1) for i in fact.joints)
+                details.append(relation if details else f"axes {_both([fact.joints])} {kind}")
+    return ", ".join(details)
+
+
+def _both(groups: Sequence[Sequence[int]]) -> str:
+    """ "1 and 3" for one pair, "1, 3, 5" for one group, "1, 3 and 5, 7" for two."""
+    if len(groups) == 1 and len(groups[0]) == 2:
+        return " and ".join(str(i + 1) for i in groups[0])
+    return " and ".join(_numbers(group) for group in groups)
+
+
+def _numbers(joints: Sequence[int]) -> str:
+    return ", ".join(str(i + 1) for i in joints)
+
+
+def _systematic(scene: Scene, structure: Structure, task: Task, corank: int, generic: int) -> str:
+    """A name from the smallest dependent sets of joint screws."""
+    usual = task_jacobian(scene.robot, structure.scene.q, task)
+    blame = to_blame(task_jacobian(scene.robot, scene.q, task), usual, corank)
+    texts = [describe(scene, circuit, task) for circuit in blame]
+    if len(blame) == corank and all("dependent" not in text for text in texts):
+        return "; ".join(texts)
+    if corank == 1 and generic == task.m and line_meets_all(scene, task):
+        return "a line through the tip meets all axes" if structure.tip_is_centre else "all axes meet one line"
+    if len(blame) == corank and (structure.tight or min(len(circuit) for circuit in blame) < generic):
+        return "; ".join(texts)
+    what = "screws" if task.m == 6 else "joints"
+    return f"{what} 1–{scene.robot.n} of rank {generic - corank}"

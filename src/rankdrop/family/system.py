@@ -1,0 +1,139 @@
+"""Several equations at once: values, Jacobian, solutions from any start, and the distance to the common zero set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.family.equation import Equation
+from rankdrop.robot.model import Array
+
+Mask = NDArray[np.bool_]
+
+CUT = 1e-7  # singular values of the equations' Jacobian below this share of the largest are not inverted
+CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
+REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
+SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """f_1(q) = … = f_e(q) = 0.
+
+    Attributes:
+        equations: the f_i; coefficients of size one.
+    """
+
+    equations: tuple[Equation, ...]
+
+    def values(self, q: Array) -> Array:
+        """(N, e) values at q (N, n)."""
+        return np.stack([equation(q) for equation in self.equations], axis=-1)
+
+    def jacobian(self, q: Array) -> Array:
+        """(N, e, n) derivatives at q (N, n)."""
+        return np.stack([equation.gradient(q) for equation in self.equations], axis=-2)
+
+    def linear(self, q: Array) -> tuple[Array, Array]:
+        """(N, e) values and (N, e, n) derivatives at once."""
+        both = [equation.with_gradient(q) for equation in self.equations]
+        return np.stack([f for f, _ in both], axis=-1), np.stack([g for _, g in both], axis=-2)
+
+    def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
+        """(N, e) values, (N, e, n) first and (N, e, n, n) second derivatives at q (N, n), in one pass.
+
+        f = Σ a cos φ + b sin φ, φ = m·q − shift:  ∇f = Σ (b cos φ − a sin φ) m,  ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
+        None where a slide enters as a power.
+        """
+        if any(equation.tables[-1] for equation in self.equations):
+            return None
+        parts = []
+        for equation in self.equations:
+            m, shift, a, b, _, _ = equation.tables
+            angle = q @ m.T - shift
+            cos, sin = np.cos(angle), np.sin(angle)
+            wave = cos * a + sin * b
+            squares = (m[:, :, None] * m[:, None, :]).reshape(len(m), -1)
+            parts.append((wave.sum(axis=-1), (cos * b - sin * a) @ m, -(wave @ squares).reshape(*q.shape, q.shape[-1])))
+        f, first, second = zip(*parts, strict=True)
+        return np.stack(f, axis=-1), np.stack(first, axis=-2), np.stack(second, axis=-3)
+
+    def rank(self, q: Array, tolerance: float = 1e-5) -> NDArray[np.int64]:
+        """(N,) rank of the Jacobian: the codimension the equations give, at regular points."""
+        if not self.equations:
+            return np.zeros(len(q), dtype=np.int64)
+        return np.asarray((np.linalg.svd(self.jacobian(q), compute_uv=False) > tolerance).sum(axis=-1))
+
+    def solve(
+        self, q: Array, *, along: Array | None = None, iterations: int = 40, step: float = 0.5, still: float = 1e-14
+    ) -> tuple[Array, Mask]:
+        """Gauss–Newton with the shortest step −A⁺f, capped, from every start.
+
+        Args:
+            q: (N, n) starts.
+            along: (n, d) orthonormal basis of the directions that may be used; None for all.
+            iterations: at most.
+            step: longest step [rad].
+            still: a start whose step gets shorter has arrived [rad].
+
+        Returns:
+            (N, n) end points and (N,) whether |f| ≤ 1e-12 there.
+        """
+        q = np.array(q, dtype=np.float64)
+        if not self.equations or not len(q):
+            return q, np.ones(len(q), dtype=np.bool_)
+        active = np.arange(len(q))
+        for _ in range(iterations):
+            f, a = self.linear(q[active])
+            going = np.abs(f).max(axis=1) > 1e-15
+            active, f, a = active[going], f[going], a[going]
+            if not len(active):
+                break
+            if along is not None:
+                a = a @ along
+            delta = -shortest(a, f)
+            if along is not None:
+                delta = delta @ along.T
+            length = np.linalg.norm(delta, axis=1, keepdims=True)
+            q[active] += delta * np.minimum(1.0, step / np.maximum(length, 1e-300))
+            active = active[length[:, 0] > still]
+        return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
+
+    def nearest(self, q: Array, within: float = 1e-3) -> tuple[Array, Array]:
+        """Way from points to the zero set.
+
+        |f|/|∇f| is wrong where ∇f vanishes (two sheets crossing), so the way is walked: Gauss–Newton to the end.
+
+        Args:
+            q: (N, n) points.
+            within: longest way looked at [rad].
+
+        Returns:
+            (N,) length of the way [rad], inf where it is longer or does not get there, and (N, n) the foot.
+        """
+        length, foot = np.full(len(q), np.inf), np.array(q, dtype=np.float64)
+        if not self.equations:
+            return np.zeros(len(q)), foot
+        near = np.flatnonzero(self._first_order(q) <= 4 * within)
+        end, _ = self.solve(q[near], iterations=40, step=within, still=CLOSE)
+        there = np.abs(self.values(end)).max(axis=1) <= REACHED
+        way = np.linalg.norm(end - q[near], axis=1)
+        length[near] = np.where(there & (way <= within), way, np.inf)
+        foot[near] = end
+        return length, foot
+
+    def _first_order(self, q: Array) -> Array:
+        """Largest |f_i|/|∇f_i|, with |f|^½ where the gradient is small: never far above the distance."""
+        f, slope = self.linear(q)
+        f, slope = np.abs(f), np.linalg.norm(slope, axis=-1)
+        return np.asarray(np.minimum(f / np.maximum(slope, 1e-300), np.sqrt(f)).max(axis=1))
+
+
+def shortest(a: Array, f: Array) -> Array:
+    """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
+    u, s, vt = np.linalg.svd(a, full_matrices=False)
+    keep = s > np.maximum(CUT * s[:, :1], 1e-14)
+    inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)
+    return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))

@@ -1,0 +1,209 @@
+"""Which family: the families that a configuration lies on, or how far each of them is to first order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.family.equation import Equation
+from rankdrop.family.system import System, shortest
+from rankdrop.family.unit import rescaled, slides_of
+from rankdrop.local.block import generic_rank, joint_scale, singular_values
+from rankdrop.local.verdict import one_configuration
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
+
+SOLVED = 1e-9  # |f|/|∇f| and √|f| of every equation below this: on the family, no way to walk [rad]
+WITHIN = 1e-2  # longest way to a family that is walked [rad]
+STEPS = 6  # points looked at on such a way
+
+
+class Condition(Protocol):
+    """What is read of a family, whether from an atlas or found on the spot."""
+
+    @property
+    def name(self) -> str:
+        """Short name."""
+
+    @property
+    def corank(self) -> int:
+        """Rank lost on the family."""
+
+    @property
+    def dimension(self) -> int:
+        """Of the family in joint space."""
+
+    @property
+    def equations(self) -> tuple[Equation, ...]:
+        """Every condition; empty where none was found."""
+
+
+@dataclass(frozen=True, slots=True)
+class Met:
+    """A family and how near a configuration is to it.
+
+    Attributes:
+        family: from an atlas, or found on the spot.
+        residual: distance to it [rad; metres divided by the length scale]: way walked to it by Gauss–Newton for
+            `families_at`, length of the first step of that for `families_near`.
+        source: where the family is from: "catalogue", "analysis" or "on the spot".
+    """
+
+    family: Condition
+    residual: float
+    source: str
+
+
+def families_at(
+    families: Sequence[Condition],
+    robot: Robot,
+    q: ArrayLike,
+    task: Task,
+    tolerances: Tolerances = DEFAULT,
+    source: str = "analysis",
+) -> tuple[Met, ...]:
+    """The families that a singular configuration lies on, the one that says most about it first.
+
+    A family holds at q when the way from q to its zero set, walked by Gauss–Newton, is at most `explained`. Where
+    sheets cross, σ is of higher order in the distance and q is known less well: then a family holds, too, when σ stays
+    zero within the tolerance on the whole way, because nothing tells q from its foot on the family.
+
+    Order: corank, high first; then dimension, small first (a family inside another says more); then distance. A family
+    whose corank is higher than that of q does not hold there. Where the first corank is below that of q, larger
+    families meet at q and none of those given is of its corank.
+
+    Args:
+        families: of this arm and task; those without equations never hold.
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        task: from `resolve_task`.
+        tolerances: `singular` and `explained`.
+        source: what `Met.source` says.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+
+    Example:
+        >>> from rankdrop.families.table import families
+        >>> from rankdrop.families.searching import search
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("scara")
+        >>> known = families(search(arm, 1, starts=100)).families
+        >>> [met.family.dimension for met in families_at(known, arm, [0.3, 0.0, 0.1, 0.2], resolve_task(None, arm))]
+        [3]
+    """
+    configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = [_Moved(family, robot) for family in families]
+        found = families_at(
+            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), tolerances, source
+        )
+        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
+    sigma = singular_values(robot, configuration, task)
+    generic = generic_rank(robot, task)
+    corank = generic - int((sigma[:generic] > tolerances.singular).sum())
+    scale = joint_scale(robot, task)
+    met = []
+    for family in families:
+        if not family.equations or not 1 <= family.corank <= corank:
+            continue
+        length = _way(family, robot, configuration, task, generic - family.corank, tolerances, scale)
+        if length < inf:
+            met.append(Met(family, length, source))
+    return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
+
+
+def families_near(
+    families: Sequence[Condition], robot: Robot, q: ArrayLike, task: Task, source: str = "analysis"
+) -> tuple[Met, ...]:
+    """Every family with its first-order distance ‖A⁺f‖ from q, nearest first; of equals the one of higher corank.
+
+    A is the Jacobian of the family's equations, joint motions divided by `joint_scale`. To first order only: exact for
+    pinned angles near q, a hint farther away, and too large where A vanishes (then √|f| is taken).
+
+    Args, Raises: as `families_at`.
+    """
+    configuration = one_configuration(robot, q)
+    if metre_exponent(robot):
+        there = [_Moved(family, robot) for family in families]
+        found = families_near(
+            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), source
+        )
+        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
+    scale = joint_scale(robot, task)
+    met = [
+        Met(family, _first_step(System(family.equations), configuration, scale), source)
+        for family in families
+        if family.equations
+    ]
+    return tuple(sorted(met, key=lambda one: (round(one.residual, 9), -one.family.corank, one.family.dimension)))
+
+
+class _Moved:
+    """A family of an arm as one of `in_metres(robot)`."""
+
+    def __init__(self, given: Condition, robot: Robot) -> None:
+        self.given, self.name, self.corank, self.dimension = given, given.name, given.corank, given.dimension
+        power = -metre_exponent(robot)
+        self.equations = tuple(rescaled(one, slides_of(robot), power) for one in given.equations)
+
+
+def place_words(met: Sequence[Met], corank: int) -> str:
+    """Where a configuration of this corank lies, in words: one family, one inside others, or a meeting point.
+
+    Args:
+        met: from `families_at`.
+        corank: of the configuration.
+    """
+    own = [one.family for one in met if one.family.corank == corank]
+    names = list(dict.fromkeys(one.family.name for one in met))
+    if not met:
+        return "on no known family"
+    if not own:
+        lower = met[0].family.corank
+        if len(names) == 1:
+            return f"a special point of the corank-{lower} family “{names[0]}”"
+        return "meeting point of families: " + "; ".join(names)
+    first = own[0]
+    others = [name for name in names if name != first.name]
+    if len(own) > 1 and own[1].dimension == first.dimension:
+        alike = [family.name for family in own if family.dimension == first.dimension]
+        return "meeting point of families: " + "; ".join(dict.fromkeys(alike))
+    return f"on “{first.name}”" + (f", which lies on: {'; '.join(others)}" if others else "")
+
+
+def _first_step(system: System, q: Array, scale: Array) -> float:
+    """Length of the shortest step that solves the linearised equations; √|f| where they have no slope."""
+    f, a = system.linear(q[None])
+    step = float(np.linalg.norm(shortest(a * scale, f)))
+    flat = np.linalg.norm(a[0] * scale, axis=1) < np.sqrt(np.abs(f[0]))
+    return max(step, float(np.sqrt(np.abs(f[0][flat])).max(initial=0.0)))
+
+
+def _way(
+    family: Condition, robot: Robot, q: Array, task: Task, rank: int, tolerances: Tolerances, scale: Array
+) -> float:
+    """Distance from q to a family that holds at q; inf where it does not hold."""
+    system = System(family.equations)
+    f, a = system.linear(q[None])
+    size, slope = np.abs(f[0]), np.linalg.norm(a[0] * scale, axis=1)
+    first = np.minimum(size / np.maximum(slope, 1e-300), np.sqrt(size))
+    if first.max() <= SOLVED:
+        return float(first.max())
+    if first.max() > 4 * WITHIN:
+        return inf
+    lengths, feet = system.nearest(q[None], WITHIN)
+    length = float(lengths[0])
+    if length <= tolerances.explained or not np.isfinite(length):
+        return length
+    part = np.linspace(0.0, 1.0, STEPS)[:, None]
+    sigma = singular_values(robot, (1 - part) * q + part * feet[0], task)[:, rank]
+    return length if bool((sigma <= tolerances.singular).all()) else inf

@@ -1,0 +1,285 @@
+"""The result of an analysis: a frozen record that goes to JSON and back unchanged and can re-check itself."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rankdrop.compare.joined import Joined, joined_from_dict
+from rankdrop.errors import RankdropError, ResultFileError
+from rankdrop.families.inside import inside_limits
+from rankdrop.families.overview import overview
+from rankdrop.families.share import Near
+from rankdrop.family.record import CorankSummary, Family
+from rankdrop.local.block import singular_values
+from rankdrop.results.codec import (
+    Record,
+    family_from_dict,
+    family_to_dict,
+    json_text,
+    known,
+    near_from_dict,
+    near_to_dict,
+    plain,
+    robot_from_dict,
+    robot_to_dict,
+    summary_from_dict,
+    summary_to_dict,
+    task_from_dict,
+)
+from rankdrop.results.verdict import Verdict, of_analysis
+from rankdrop.robot.model import Robot
+from rankdrop.sections import html
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+
+SCHEMA = "rankdrop/analysis/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What the analysis was asked to do; together with the robot and the version it determines the result.
+
+    Attributes:
+        seed: every random choice comes from it.
+        starts: random starts for each corank.
+        limits: starts and fresh points within the joint limits only.
+        length_scale: translation rows were divided by it [m].
+        tolerances: every threshold used.
+        version: of rankdrop.
+    """
+
+    seed: int
+    starts: int
+    limits: bool
+    length_scale: float
+    tolerances: Tolerances
+    version: str
+
+
+@dataclass(frozen=True, slots=True)
+class FamilyResidual:
+    """One family's witness, evaluated again.
+
+    Attributes:
+        id: of the family.
+        equation: largest |equation| at the witness (0 where the family has none).
+        sigma: largest of the singular values that have to vanish.
+        kept: smallest of those that must not.
+    """
+
+    id: str
+    equation: float
+    sigma: float
+    kept: float
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """An analysis evaluated again at its witnesses: one entry per family."""
+
+    families: tuple[FamilyResidual, ...]
+
+    @property
+    def equation(self) -> float:
+        """Largest |equation| at any witness."""
+        return max((family.equation for family in self.families), default=0.0)
+
+    @property
+    def sigma(self) -> float:
+        """Largest singular value that has to vanish at any witness."""
+        return max((family.sigma for family in self.families), default=0.0)
+
+    def holds(self, tolerances: Tolerances) -> bool:
+        """Whether every witness satisfies its equations and has exactly the corank of its family."""
+        return all(
+            family.equation <= tolerances.explained and family.sigma <= tolerances.singular < family.kept
+            for family in self.families
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """Every family of singular configurations that was found, of every corank, with what speaks for it.
+
+    Attributes:
+        robot: the arm.
+        task: the task, its length scale resolved.
+        generic_rank: rank of the task Jacobian almost everywhere; corank k means rank `generic_rank − k`.
+        settings: seed, starts, tolerances, version.
+        coranks: one summary per corank searched, the last one (nothing found) included.
+        families: rows of all coranks, in order.
+        complete: False when the analysis was interrupted.
+        unfinished: the corank that was being worked on then.
+        notes: what the reader should be told.
+        exact: the conditions derived exactly, held against the families; None where they were not asked for.
+        near: share of the joint space near each family; None where it was not asked for.
+    """
+
+    robot: Robot
+    task: Task
+    generic_rank: int
+    settings: Settings
+    coranks: tuple[CorankSummary, ...]
+    families: tuple[Family, ...]
+    complete: bool = True
+    unfinished: int | None = None
+    notes: tuple[str, ...] = ()
+    exact: Joined | None = None
+    near: Near | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What may be claimed, in one sentence; the exit code follows it."""
+        return of_analysis(self)
+
+    @property
+    def verified(self) -> bool:
+        """Whether the families hold numerically, and nothing derived exactly says otherwise."""
+        return self.verdict.holds
+
+    @property
+    def sound_and_complete(self) -> bool:
+        """Whether every fresh point is explained, every row has equations, and every row is sound."""
+        explained = all(row.completeness.explained == row.completeness.tested for row in self.coranks)
+        sound = all(row.named and row.soundness.singular == row.soundness.tested for row in self.families)
+        return explained and sound
+
+    def of_corank(self, corank: int) -> tuple[Family, ...]:
+        """The families of one corank."""
+        return tuple(family for family in self.families if family.corank == corank)
+
+    def residual(self) -> Residual:
+        """Evaluate all equations and singular values again at the witnesses."""
+        return Residual(tuple(self._residual(family) for family in self.families))
+
+    def _residual(self, family: Family) -> FamilyResidual:
+        q = np.array(family.witness)
+        sigma = singular_values(self.robot, q, self.task)
+        kept = self.generic_rank - family.corank
+        values = [abs(float(equation(q))) for equation in family.equations]
+        return FamilyResidual(
+            id=family.id,
+            equation=max(values, default=0.0),
+            sigma=float(sigma[kept]),
+            kept=float(sigma[kept - 1]) if kept else float("inf"),
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return self.to_dict() == other.to_dict() if isinstance(other, Analysis) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]  # equality is by value, of arrays too
+
+    def to_dict(self) -> Record:
+        """The analysis as plain data: see docs/json.md and schema/analysis.schema.json."""
+        return {
+            "schema": SCHEMA,
+            "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
+            "settings": {
+                "seed": self.settings.seed,
+                "starts": self.settings.starts,
+                "limits": self.settings.limits,
+                "length_scale": self.settings.length_scale,
+                "tolerances": self.settings.tolerances.to_dict(),
+                "version": self.settings.version,
+            },
+            **self.verdict.to_dict(),
+            "complete": self.complete,
+            "unfinished": self.unfinished,
+            "notes": list(self.notes),
+            "coranks": [summary_to_dict(summary) for summary in self.coranks],
+            "families": [self._row(family) for family in self.families],
+            **({} if self.exact is None else {"exact": plain(self.exact)}),
+            **({} if self.near is None else {"near": near_to_dict(self.near)}),
+        }
+
+    def _row(self, family: Family) -> Record:
+        """A family; within limits also what they leave of the values of its pinned joints."""
+        record = family_to_dict(family)
+        if self.settings.limits:
+            inside = inside_limits(family, self.robot)
+            record["inside"] = {
+                "holds": inside.holds,
+                "pinned": [{"number": one.number, "values": list(one.values)} for one in inside.pinned],
+                "outside": [{"number": one.number, "values": list(one.values)} for one in inside.outside],
+            }
+        return record
+
+    @classmethod
+    def from_dict(cls, record: Record) -> Analysis:
+        """Build the analysis of a record made by `to_dict`.
+
+        Raises:
+            ResultFileError: another schema, or entries that are missing or make no sense.
+        """
+        found = record.get("schema") if isinstance(record, dict) else None
+        if found != SCHEMA:
+            raise ResultFileError("this is not an analysis that can be read", got=repr(found), allowed=SCHEMA)
+        try:
+            return cls._from_dict(record)
+        except (KeyError, TypeError, ValueError, AttributeError, IndexError, RankdropError) as error:
+            what = f"no entry {error}" if isinstance(error, KeyError) else str(error)
+            raise ResultFileError("the analysis is damaged", got=what, mend="save it again") from error
+
+    @classmethod
+    def _from_dict(cls, record: Record) -> Analysis:
+        given = known(Settings, record["settings"])
+        settings = Settings(**{**given, "tolerances": Tolerances(**known(Tolerances, given["tolerances"]))})
+        return cls(
+            robot=robot_from_dict(record["robot"]),
+            task=task_from_dict(record["robot"], settings.length_scale),
+            generic_rank=record["robot"]["generic_rank"],
+            settings=settings,
+            coranks=tuple(summary_from_dict(summary) for summary in record["coranks"]),
+            families=tuple(family_from_dict(family) for family in record["families"]),
+            complete=record["complete"],
+            unfinished=record["unfinished"],
+            notes=tuple(record["notes"]),
+            exact=joined_from_dict(record["exact"]) if "exact" in record else None,
+            near=near_from_dict(record["near"]) if "near" in record else None,
+        )
+
+    def _repr_html_(self) -> str:
+        """For notebooks: one table per corank."""
+        rows = self.families
+        if self.settings.limits:
+            rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
+        return html(overview(self.robot, self.generic_rank, self.coranks, rows))
+
+    def save(self, path: str | Path) -> None:
+        """Write the analysis to a JSON file.
+
+        Raises:
+            ResultFileError: the file cannot be written.
+        """
+        text = json_text(self.to_dict())
+        try:
+            Path(path).write_text(text, encoding="utf-8")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else str(error)
+            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+
+    @classmethod
+    def load(cls, path: str | Path) -> Analysis:
+        """Read an analysis from a JSON file.
+
+        Raises:
+            ResultFileError: the file cannot be read or is not an analysis.
+        """
+        try:
+            record: Any = json.loads(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
+        except ValueError as error:
+            raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)) from error
+        try:
+            return cls.from_dict(record)
+        except ResultFileError as error:
+            raise ResultFileError(
+                error.what, where=str(path), got=error.got, allowed=error.allowed, mend=error.mend,
+                typed=error.typed,
+            ) from error

@@ -1,0 +1,113 @@
+"""What an exact derivation found, as plain attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.check import Check
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.results.verdict import Verdict, of_conditions
+from rankdrop.robot.model import Robot
+from rankdrop.task import Task
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand: a heading, and lines under it."""
+
+    title: str
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionSettings:
+    """What the derivation was asked to do; with the robot and the version it determines the result.
+
+    Attributes:
+        method: asked for, for corank 1.
+        lengths: "auto", "letters", "numbers", or values by letter [m].
+        coranks: the highest one asked for; None for all.
+        seconds: time limit. The result depends on it only where it was met.
+        seed: of every random choice.
+        points: numerically found configurations tried, of corank 1.
+        special: whether arms of special lengths were derived too.
+        steps: whether the derivation was written down.
+        version: of rankdrop.
+    """
+
+    method: str
+    lengths: str | Mapping[str, float]
+    coranks: int | None
+    seconds: float
+    seed: int
+    points: int
+    special: bool
+    steps: bool
+    version: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ConditionsData:
+    """The singularity conditions of an arm, exactly; `Conditions` adds what can be done with them.
+
+    Attributes:
+        robot, task: the arm, and the rows that matter.
+        generic_rank: of the task Jacobian almost everywhere; corank k means rank `generic_rank − k`.
+        letters: the lengths that are symbols, and their values [m].
+        shifts: θ = q + shift, per joint: conditions speak of θ [rad, m].
+        remarks: what was rounded, or is nearly so.
+        method, reason: how the conditions of corank 1 were derived, and why so.
+        steps: that derivation, step by step.
+        families: of every corank that was derived, large ones first.
+        lowest: rank down to which drops were looked for.
+        assumptions: lengths for which more happens.
+        not_real: sets without a real point for the arm's lengths, and why.
+        explained: of singular configurations found numerically, how many lie on a family.
+        disagreements: whatever two methods, or the derivation and a check, say differently. None is as it should be.
+        complete: nothing was left unfinished.
+        interrupted: Ctrl-C ended it.
+        left: what was not finished, in words.
+        seconds: spent.
+        settings: what was asked for.
+        chain: the arm over the exact ring, in which conditions are polynomials.
+        anew: None for what was derived just now; for the shipped conditions of a catalogue arm what derives them anew.
+    """
+
+    robot: Robot
+    task: Task
+    generic_rank: int
+    letters: Mapping[str, float]
+    shifts: tuple[float, ...]
+    remarks: tuple[str, ...]
+    method: str
+    reason: str
+    steps: tuple[Step, ...]
+    families: tuple[ExactFamily, ...]
+    lowest: int
+    assumptions: tuple[Assumption, ...]
+    not_real: tuple[str, ...]
+    explained: Check
+    disagreements: tuple[str, ...]
+    complete: bool
+    interrupted: bool
+    left: tuple[str, ...]
+    seconds: float
+    settings: ConditionSettings
+    chain: Chain
+    anew: Callable[[], ConditionsData] | None = None
+
+    @property
+    def verified(self) -> bool:
+        """Whether every check that was made holds and nothing was left unfinished."""
+        return self.verdict.holds
+
+    @property
+    def verdict(self) -> Verdict:
+        """What may be claimed, in one sentence; the exit code follows it."""
+        return of_conditions(self)
+
+    def of_corank(self, corank: int) -> tuple[ExactFamily, ...]:
+        """The families of one corank."""
+        return tuple(family for family in self.families if family.corank == corank)

@@ -1,0 +1,208 @@
+"""Exact conditions in words: what was derived and how, families by corank, assumptions, checks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.writing.pins import pin_text
+from rankdrop.family.equation import pretty_angle
+from rankdrop.results.conditions.data import ConditionsData
+from rankdrop.results.conditions.wrap import either, formula, sentence
+from rankdrop.sections import Section
+
+_TOGETHER = 64  # characters up to which all conditions of a family stand on one line
+_LONGEST = 600  # a longer condition is for programs
+_UNDERIVED = 3  # assumptions on lengths whose failing was not derived of which more are only counted
+_ALIKE = 2  # sets that are not real for the same reason of which more are only counted
+_HANG = 4
+_LEGEND = "s_i is sin θi, c_i is cos θi, c_ij is cos(θi + θj); angles are meant modulo 2π"
+METHOD = {"suppression": "dependent-screw suppression", "singular-vector": "the singular vector"} | {
+    name: f"the {name} method" for name in ("determinant", "cofactors", "reciprocity")
+}
+"""What methods are called in a sentence, where it is not their own name."""
+_ROUNDED = re.compile(r"\d\.\d{5}|\de[−-]\d")
+_DIGITS = re.compile(r"\d{8}")
+_INSET = " " * 7  # below the mark of a family
+_UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
+
+
+def arm_lines(found: ConditionsData) -> dict[str, str]:
+    """What was assumed of the arm, label -> text."""
+    lines = {}
+    letters = ", ".join(f"{name} = {_number(value)} m" for name, value in found.letters.items())
+    lines["lengths"] = letters or "as numbers"
+    shifted = [
+        f"θ{j} = q{j} {'−' if shift < 0 else '+'} {pretty_angle(abs(shift))}"
+        for j, shift in enumerate(found.shifts, 1)
+        if shift and found.robot.variables[j - 1].unit == "rad"
+    ]
+    if shifted:
+        lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < found.robot.n else "")
+    if found.generic_rank < found.task.m:
+        rank, rows = found.generic_rank, found.task.m
+        lines["always"] = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
+    if found.remarks:
+        lines["remarks"] = "; ".join(found.remarks)
+    told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))
+    reason = f" ({told})" if told else ""
+    other = "" if found.method == "tree" else f"; corank 1 also by {METHOD.get(found.method, found.method)}"
+    lines["method"] = f"rank tree{other}{reason}"
+    return lines
+
+
+def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Section, ...]:
+    """Derivation step by step where it was asked for, families, assumptions, sets that are not real, checks.
+
+    Args:
+        found: what was derived.
+        width: characters in a line of a formula; None for as many as it has.
+    """
+    parts = (_steps, _coranks, _assumed, _not_real, _checks, _unfinished)
+    sections = (section for part in parts for section in part(found, width))
+    return tuple(
+        replace(one, lines=tuple(piece for line in one.lines for piece in sentence(line, width))) for one in sections
+    )
+
+
+def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    if found.settings.steps:
+        for number, step in enumerate(found.steps):
+            summary = f"derivation of corank 1, {found.method}" if number == 0 else ""
+            yield Section(step.title, summary, tuple(piece for line in step.lines for piece in either(line, width)))
+
+
+def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    r = found.generic_rank
+    last = r - found.lowest
+    units = [joint.unit for joint in found.robot.variables]
+    highest = max((family.corank for family in found.families), default=0)
+    for corank in range(1, highest + 1):
+        rows = found.of_corank(corank)
+        lines = [line for family in rows for line in _family(family, units, width)]
+        count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
+        if rows and not found.complete:
+            count += " so far"
+        yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
+    if highest < last:
+        between = "and" if highest + 2 == last else "to"
+        name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
+        yield Section(name, _none(found))
+    texts = [text for family in found.families for text in family.texts[len(family.pins) :]]
+    notes = [_LEGEND] if texts else []
+    if any(_ROUNDED.search(text) for text in texts):
+        notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
+    if last < r:
+        notes.append(f"nothing is said about coranks above {last}: they were not asked for")
+    if notes:
+        yield Section("", "", notes=tuple(notes))
+
+
+def _none(found: ConditionsData) -> str:
+    if not found.complete:
+        return "no family so far; the derivation is not complete"
+    return "no family" if found.verified else "none derived, and a check says otherwise: see the first line"
+
+
+def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Iterator[str]:
+    """One family: name, conditions, dimension, what is lost."""
+    yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
+    yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
+    if family.reality:
+        yield from formula(f"{_INSET}{family.reality}; here it is", width)
+    yield f"{_INSET}dimension {family.dimension}, codimension {family.codimension}"
+    for words in family.lost_words:
+        yield from sentence(f"{_INSET}lost: {words.removeprefix('cannot ')}", width, len("lost: "))
+    if any("witness" in words for words in family.lost_words):
+        pairs = zip(family.witness, units, strict=True)
+        values = ", ".join(pretty_angle(value) if unit == "rad" else _number(value, 4) for value, unit in pairs)
+        yield from sentence(f"{_INSET}witness: q = ({values}) [rad, m]", width, len("witness: "))
+
+
+def condition_lines(family: ExactFamily) -> list[str]:
+    """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
+    parts = ["; ".join(pin_text(joint, values) for joint, values in family.pins)] if family.pins else []
+    for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
+        on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
+        whole = "whole with --latex, --python, --c, --json"
+        parts.append(text if len(text) <= _LONGEST else f"a condition on {on}, {len(text):,} characters long ({whole})")
+    line = "; ".join(parts)
+    return [line] if len(line) <= _TOGETHER else parts
+
+
+def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    lines = []
+    for one in found.assumptions:
+        if one.words:
+            case, _, happens = one.words.partition(", ")
+            lines += [f"{one.text} ({_holds(one, found)}); {case}:"]
+            lines += [piece for part in happens.split("; ") for piece in sentence(f"    {part}", width, _HANG)]
+        elif not one.holds:
+            lines += sentence(f"{one.text} ({_holds(one, found)}); what this arm has besides was not derived", width)
+    others = [one.text for one in found.assumptions if one.holds and not one.words]
+    if others:
+        lines += sentence("true here; what happens otherwise was not derived:", width)
+        short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
+        lines += [piece for text in short for piece in formula(f"    {text}", width)]
+        if count := len(others) - len(short):
+            lines += sentence(f"    and {count} more polynomials in the lengths (all of them with --json)", width)
+    if lines:
+        yield Section("Assumptions on the lengths", "", tuple(lines))
+
+
+def _holds(one: Assumption, found: ConditionsData) -> str:
+    said = "true here" if one.holds else "NOT true here"
+    match = _UNEQUAL.fullmatch(one.text)
+    if match is None or not {match[1], match[3]} <= set(found.letters):
+        return said
+    values = (found.letters[match[1]], (-1 if match[2] else 1) * found.letters[match[3]])
+    return f"{said}: {_number(values[0])} {'≠' if one.holds else '='} {_number(values[1])}"
+
+
+def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    by_reason: dict[str, list[str]] = {}
+    for text in found.not_real:
+        conditions, _, reason = text.partition(": ")
+        by_reason.setdefault(reason, []).append(conditions)
+    lines = []
+    for reason, sets in by_reason.items():
+        lines += formula(reason, width)
+        for conditions in sets[:_ALIKE]:
+            shown = conditions if len(conditions) <= _LONGEST else f"{conditions[:_LONGEST]} …"
+            lines += formula(f"    {shown}", width)
+        if len(sets) > _ALIKE:
+            lines.append(f"    and {len(sets) - _ALIKE} more sets like these")
+    if lines:
+        yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
+
+
+def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    tested = sum(family.rank_check.tested for family in found.families)
+    agree = sum(family.rank_check.agree for family in found.families)
+    lines = []
+    cloud = found.explained
+    if tested:
+        lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913")
+    if cloud.tested:
+        lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
+    elif found.settings.points:
+        lines.append("the numeric search for singular configurations found none")
+    else:
+        lines.append("no singular configuration was looked for numerically")
+    if found.method != "tree" and not found.disagreements and not found.left:
+        lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(found.method, found.method)} agree")
+    lines += [f"DISAGREEMENT: {one}" for one in found.disagreements]
+    shipped = f"As shipped with rankdrop {found.settings.version}; --fresh derives it anew."
+    lines.append(shipped if found.anew else f"Time taken: {found.seconds:.1f} s.")
+    yield Section("Checks", "", tuple(lines))
+
+
+def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
+    if found.left:
+        yield Section("Not finished", "", tuple(piece for one in found.left for piece in either(one, width)))
+
+
+def _number(value: float, digits: int = 12) -> str:
+    return f"{value + 0.0:.{digits}g}".replace("-", "−")

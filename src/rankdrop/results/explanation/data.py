@@ -1,0 +1,227 @@
+"""What an explanation of one configuration holds: frozen data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rankdrop.certify.ball import Certificate
+from rankdrop.families.distance import FamilyDistance
+from rankdrop.family.record import Family
+from rankdrop.family.which import Met
+from rankdrop.local.circuits import Circuit
+from rankdrop.local.directions import FramedDirections
+from rankdrop.local.ellipsoids import Ellipsoids
+from rankdrop.local.failures import Failures
+from rankdrop.local.nearest import Nearest
+from rankdrop.local.ordered import OrderedSubset
+from rankdrop.local.rates import Rates
+from rankdrop.local.redundant import Redundancy
+from rankdrop.local.relations import Relation
+from rankdrop.local.representation import Representations
+from rankdrop.local.screws import Screw
+from rankdrop.local.systems import ScrewSystem
+from rankdrop.local.verdict import Rank
+from rankdrop.local.ways_out import Escape
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+
+AT_LIMIT = 1e-3
+"""A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainSettings:
+    """What the explanation was asked for.
+
+    Attributes:
+        near: distance below which a configuration is near a singularity [rad].
+        small: σ_r below which it is near one whatever the distance [1].
+        limits: the nearest singularity within the joint limits.
+        evaluations: budget of the certified radius.
+        step: length of the motions out that were tried [rad; slides in length scales].
+        seed: of every random choice.
+        length_scale: translation rows were divided by it [m].
+        tolerances: thresholds.
+        version: of rankdrop.
+    """
+
+    near: float
+    small: float
+    limits: bool
+    evaluations: int
+    step: float
+    seed: int
+    length_scale: float
+    tolerances: Tolerances
+    version: str
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A question in full: the configuration and all that is known before any part is worked out.
+
+    Attributes:
+        robot, q, task: what is asked about.
+        rank: of the task Jacobian at q.
+        families: known families of all coranks; empty where there are none.
+        source: where they come from: "catalogue", "analysis" or "on the spot".
+        coranks: distances are worked out to families up to this corank.
+        settings: thresholds and budgets.
+    """
+
+    robot: Robot
+    q: Array
+    task: Task
+    rank: Rank
+    families: tuple[Family, ...]
+    source: str
+    coranks: int
+    settings: ExplainSettings
+
+
+@dataclass(frozen=True, eq=False)
+class Lost:
+    """What cannot be done, or is about to be lost.
+
+    Attributes:
+        directions: (k, 6) orthonormal, readable, in the task's frame; twists that cannot be made and, the same numbers
+            as (f; τ), wrenches that are carried without joint torque. Near a singularity: those of the nearest singular
+            configuration. At a regular configuration: empty.
+        weakest: (6,) the direction of σ_r at q, in the task's frame: what is lost first.
+        words: one sentence per direction, in the frame where they are sparsest.
+        blocked_words: the same directions read as wrenches.
+        framed: the directions in that frame, and its name.
+        twist_screws, wrench_screws: axis and pitch of each direction, read as twist and as wrench, in that frame.
+        never: (p, 6) directions that this arm cannot make anywhere near, where its generic rank is below that of the
+            task.
+    """
+
+    directions: Array
+    weakest: Array
+    words: tuple[str, ...]
+    blocked_words: tuple[str, ...]
+    framed: FramedDirections | None
+    twist_screws: tuple[Screw, ...]
+    wrench_screws: tuple[Screw, ...]
+    never: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Blame:
+    """Which joints make the dependency.
+
+    Attributes:
+        circuits: every inclusion-minimal dependent set of joint screws.
+        smallest: those that are special to this configuration and carry the loss.
+        ordered: GR's singular intervals of the chain.
+        systems: screw systems (subalgebras) that hold sets of joints.
+        always: why the arm is deficient everywhere; None where it is not.
+        complete: False where the chain is too long to list every circuit.
+    """
+
+    circuits: tuple[Circuit, ...]
+    smallest: tuple[Circuit, ...]
+    ordered: tuple[OrderedSubset, ...]
+    systems: tuple[ScrewSystem, ...]
+    always: str | None
+    complete: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Far:
+    """How far the next singularity is.
+
+    Attributes:
+        nearest: the nearest singular configuration that was found; None where none was.
+        nearest_family: a family it belongs to.
+        families: distance to each known family that does not hold here, nearest first.
+        certificate: ball proven free of singularities; None where the task cannot be certified (`uncertified` says
+            why) or the configuration is singular.
+        uncertified: the reason.
+        near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
+    """
+
+    nearest: Nearest | None
+    nearest_family: Met | None
+    families: tuple[FamilyDistance, ...]
+    certificate: Certificate | None
+    uncertified: str = ""
+    near_miss: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ExplanationData:
+    """Everything rankdrop can say of one configuration.
+
+    Attributes:
+        robot, task, q: what was asked about.
+        settings: thresholds, seed, version.
+        verdict: "regular", "near", "singular" or "always-singular".
+        reason: one sentence for it.
+        rank: singular values, rank, generic rank, corank, nullity.
+        focus: (n,) the configuration that family, relations and blame speak of: q itself, or the nearest singular one
+            where q is near it.
+        met: families that hold at the focus; the first is the one that says most.
+        source: where the families come from.
+        relations: what the axes have in common at the focus.
+        lost, blame, escape, rates, far: the parts.
+        failures: what the failure of each single joint leaves at q.
+        ellipsoids, redundancy, representations: further parts.
+        disagreements: where two methods disagree; empty when all is well.
+    """
+
+    robot: Robot
+    task: Task
+    q: Array
+    settings: ExplainSettings
+    verdict: str
+    reason: str
+    rank: Rank
+    focus: Array
+    met: tuple[Met, ...]
+    source: str
+    relations: tuple[Relation, ...]
+    lost: Lost
+    blame: Blame
+    escape: Escape
+    rates: Rates
+    far: Far
+    failures: Failures
+    ellipsoids: Ellipsoids
+    redundancy: Redundancy
+    representations: Representations
+    disagreements: tuple[str, ...] = ()
+
+    @property
+    def nearly_lost(self) -> int:
+        """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
+        kept = self.rank.sigma[: self.rank.rank]
+        return int((kept <= self.settings.small).sum())
+
+    @property
+    def outside_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
+        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+
+    @property
+    def at_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) that stand at a limit, to within `AT_LIMIT`."""
+        gap = np.minimum(np.abs(self.q - self.robot.lower), np.abs(self.robot.upper - self.q)) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(gap <= AT_LIMIT))
+
+    @property
+    def _scale(self) -> Array:
+        turning = [joint.unit == "rad" for joint in self.robot.variables]
+        return np.where(turning, 1.0, self.settings.length_scale)
+
+    @cached_property
+    def certified_radius(self) -> float | None:
+        """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""
+        if self.rank.corank or self.rank.always_singular:
+            return 0.0
+        return None if self.far.certificate is None else self.far.certificate.radius

@@ -1,0 +1,170 @@
+"""Parts of an explanation about motion: how to get out, how far the next singularity is, what motion costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isinf
+
+import numpy as np
+
+from rankdrop.local.rates import DirectionRates
+from rankdrop.local.ways_out import Direction, JointEscape
+from rankdrop.results.explanation.data import ExplanationData
+from rankdrop.results.explanation.words import angle, angle_below, motion, numbers, plural, power, raised, short
+from rankdrop.sections import Section
+
+_SHOWN = 5  # ways out and families
+_SHARE = 0.02  # a joint that moves less than this share of the fastest is left out of a direction
+_IDLE = 0.01  # away from a singularity: a joint whose rate is below this share of the best does not help
+_NONE = 1e-12  # a rate below it is rounding
+
+
+def escape_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+    """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
+    if found.rank.corank:
+        yield _out(found, full)
+    elif full or any(abs(one.rate) > _NONE for one in found.escape.single):
+        yield _away(found, full)
+
+
+def _out(found: ExplanationData, full: bool) -> Section:
+    out, r = found.escape, found.rank.generic_rank
+    helpful = [one for one in out.single if one.order is not None]
+    rows = tuple(_joint_row(found, one) for one in (out.single if full else helpful[:_SHOWN]))
+    after = [] if helpful else ["no single joint restores the full rank"]
+    if out.best_pair is not None and (full or not helpful):
+        after.append(f"best two joints: {_direction(found, out.best_pair)}")
+    after.append(f"best direction: {_direction(found, out.best_direction)}")
+    after.append(f"with the end effector still: {out.avoidable_words}")
+    for words in dict.fromkeys(one.words for one in out.types):
+        which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
+        told = words if len(which) == 1 else words.replace("along it", "along them")
+        after.append(f"along lost {plural('direction', len(which))} {numbers(which)}: {told}")
+    after.append(f"workspace: {out.boundary_words}")
+    columns = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
+    notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
+    return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows, (0, 5),
+                   tuple(after), notes if rows and full else ())  # fmt: skip
+
+
+def _away(found: ExplanationData, full: bool) -> Section:
+    out, r = found.escape, found.rank.generic_rank
+    best = max((abs(one.rate) for one in out.single), default=0.0)
+    helpful = [one for one in out.single if one.order is not None and abs(one.rate) > max(_IDLE * best, _NONE)]
+    rows = tuple(
+        (f"{one.number} {one.joint}", *_rate_and_step(found, one)) for one in (out.single if full else helpful[:_SHOWN])
+    )
+    now = f"one joint alone, best first; σ{r} = {short(found.rank.sigma[r - 1])} here" if r else ""
+    after = (f"best direction: {_direction(found, out.best_direction)}",) if r else ()
+    return Section("How to get away", now if rows else "", (),
+                   ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows, (0,), after)  # fmt: skip
+
+
+def _joint_row(found: ExplanationData, one: JointEscape) -> tuple[str, ...]:
+    name = f"{one.number} {one.joint}"
+    if one.order is None:
+        return (name, "–", f"gains {one.gain}, not all" if one.gain else "no gain", "", "", "")
+    return (name, str(one.order), *_rate_and_step(found, one), numbers(one.receptors) if one.receptors else "–")
+
+
+def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, str]:
+    if one.order is None:
+        return "0", "", ""
+    unit = found.robot.variables[one.number - 1].unit
+    per = unit if one.order == 1 else f"{unit}{raised(one.order)}"
+    rate = f"{short(one.rate) if abs(one.rate) > _NONE else '0'} per {per}"
+    if not one.within_limits or abs(one.step) < _NONE:
+        return rate, "not within limits", ""
+    return rate, motion(one.step, unit), short(one.sigma_after)
+
+
+def _direction(found: ExplanationData, one: Direction) -> str:
+    """The joints that matter, in words, and what they reach."""
+    joints = found.robot.variables
+    scale = np.where([joint.unit == "m" for joint in joints], found.settings.length_scale, 1.0)
+    size = np.abs(np.array(one.delta)) / scale
+    large = [number for number in one.numbers if size[number - 1] >= _SHARE * size.max()]
+    parts = [f"joint {number} {motion(one.delta[number - 1] * one.step, joints[number - 1].unit)}" for number in large]
+    rest = ", the others far less" if len(large) < sum(size > 1e-9) else ""
+    end = f"σ{found.rank.generic_rank} = {short(one.sigma_after)}"
+    if not one.within_limits:
+        end += ", outside the joint limits"
+    return f"{', '.join(parts)}{rest}: {end}" + ("" if one.restores else f", gains {one.gain} only")
+
+
+def far_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+    """The nearest singularity that was found, the radius that is proven free, and the known families."""
+    far, lines, rows = found.far, [], []
+    units = [joint.unit for joint in found.robot.variables]
+    if far.nearest is not None:
+        name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
+        limits = "" if far.nearest.within_limits else "; it is outside the joint limits"
+        lines.append(
+            f"nearest singular configuration found: {angle(far.nearest.distance)} away{name}; {far.nearest.agreeing} "
+            f"of {far.nearest.starts} searches agree; σ there at most {power(far.nearest.sigma)}{limits}"
+        )
+        if not any(one.distance <= far.nearest.distance * (1 + 1e-9) for one in far.families):
+            rows.append((f"{angle(far.nearest.distance)}  the nearest", *_deltas(far.nearest.delta, units)))
+    radius = found.certified_radius
+    if found.rank.always_singular:
+        pass  # every configuration is deficient: nothing to certify
+    elif far.certificate is not None and radius is not None:
+        lines.append(
+            f"certified: no singularity within {angle_below(radius)} (proven; {far.certificate.evaluations:,} "
+            f"enclosures{'' if far.certificate.complete else '; interrupted'})"
+        )
+    elif far.uncertified and not found.rank.corank:
+        lines.append(f"no certified radius: {far.uncertified}")
+    for one in far.families[: None if full else _SHOWN]:
+        rows.append((f"{angle(one.distance)}  {one.family.name} (corank {one.family.corank})",
+                     *_deltas(one.delta, units)))  # fmt: skip
+    if lines or rows:
+        columns = ("motion to it, by joint", *(f"{number}" for number in range(1, found.robot.n + 1))) if rows else ()
+        title = "How far the next one is" if found.rank.corank else "How far"
+        yield Section(title, "", tuple(lines), columns, tuple(rows))
+
+
+def _deltas(delta: tuple[float, ...], units: list[str]) -> tuple[str, ...]:
+    return tuple(motion(value, unit, 4) for value, unit in zip(delta, units, strict=True))
+
+
+def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+    """Joint rates for unit speed along the axes, the weakest and the lost directions."""
+    rates = found.rates
+    rows: list[tuple[str, ...]] = []
+    for one in (*rates.axes, rates.weakest, *rates.lost):
+        if one is None:
+            continue
+        if not one.possible:
+            rows.append((one.name, "impossible", "", "0", *([""] * found.robot.n if full else [])))
+            continue
+        each = tuple(short(round(rate, 6)) for rate in one.joint_rates) if full else ()
+        rows.append((one.name, short(one.norm), "" if one.worst is None else f"{one.worst} {one.worst_joint}",
+                     _largest(one), *each))  # fmt: skip
+    unlimited = [number for number, limit in enumerate(rates.limits, start=1) if isinf(limit)]
+    columns = ("unit speed", "joint rates", "held back by" if len(unlimited) < found.robot.n else "fastest", "at most")
+    notes = ["joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]", _limits_in_words(unlimited, found)]
+    if rates.weakest is not None:
+        kept = f"σ{found.rank.rank}"
+        notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "
+                     f"{short(rates.length_scale)} m/s")  # fmt: skip
+    per_joint = tuple(f"{number}" for number in range(1, found.robot.n + 1)) if full else ()
+    yield Section("What motion costs", "", (), (*columns, *per_joint), tuple(rows), (0, 2, 3), notes=tuple(notes))
+
+
+def _limits_in_words(unlimited: list[int], found: ExplanationData) -> str:
+    if len(unlimited) == found.robot.n:
+        return "no velocity limits are known"
+    none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""
+    return f"at most: the largest speed within the velocity limits{none}"
+
+
+def _largest(one: DirectionRates) -> str:
+    """The largest speed with its unit; of a direction that mixes both, its two parts."""
+    if isinf(one.speed):
+        return "no limit"
+    if one.unit != "1":
+        return f"{short(one.speed, 3)} {one.unit}"
+    parts = [(float(np.linalg.norm(part)) * one.speed, unit)
+             for part, unit in ((one.direction[:3], "m/s"), (one.direction[3:], "rad/s"))]  # fmt: skip
+    return ", ".join(f"{short(value, 3)} {unit}" for value, unit in parts if value > 1e-9)

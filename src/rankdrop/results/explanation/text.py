@@ -1,0 +1,223 @@
+"""An explanation in words: section by section, most useful first."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from math import degrees, pi
+
+import numpy as np
+
+from rankdrop.family.which import Met
+from rankdrop.frames import TIP
+from rankdrop.results.explanation.data import ExplanationData
+from rankdrop.results.explanation.details import DETAIL_PARTS
+from rankdrop.results.explanation.failures import failures_part
+from rankdrop.results.explanation.motion import escape_part, far_part, rates_part
+from rankdrop.results.explanation.words import (
+    fixed,
+    minus,
+    numbers,
+    pitch_text,
+    plural,
+    power,
+    short,
+    vector,
+    wrench_text,
+)
+from rankdrop.results.verdict import of_explanation
+from rankdrop.sections import Section
+
+_LONG = 160  # characters of an equation that is printed
+_TURNS = 4 * pi  # a joint angle beyond it was hardly meant in rad
+_FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
+_HUGE = 100.0  # an arm that reaches farther was hardly meant in m
+
+
+def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+    """The parts in the order in which they are asked for.
+
+    Args:
+        full: every detail; else what an engineer at a stopped robot needs.
+        parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
+    """
+    names = parts or [name for name in PARTS if full or name not in DETAILS]
+    return tuple(section for name in names for section in PARTS[name](found, full))
+
+
+def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
+    rank, robot = found.rank, found.robot
+    joints, r = robot.variables, rank.generic_rank
+    sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
+    lines = [
+        *_warnings(found),
+        f"corank {rank.corank}: task freedoms lost, of {r}",
+        f"nullity {rank.nullity}: independent joint motions without effect on the task",
+        f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
+        f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
+    ]
+    names = [joint.name for joint in joints]
+    if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
+        lines.append("joints " + ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1)))
+    rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, found.q))]
+    if any(joint.unit == "rad" for joint in joints):
+        rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(found.q, joints, strict=True))))
+    yield Section(
+        of_explanation(found), "", tuple(lines),
+        ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
+    )  # fmt: skip
+
+
+def _warnings(found: ExplanationData) -> Iterator[str]:
+    """Values that the arm cannot have, or that nobody means."""
+    reach = found.settings.length_scale
+    if reach > _HUGE:
+        yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
+    for number, (joint, value) in enumerate(zip(found.robot.variables, found.q, strict=True), start=1):
+        where = f"joint {number} at {short(value)} {joint.unit}"
+        degrees_meant = joint.unit == "rad" and abs(value) > _TURNS
+        doubt = "; is it in degrees?" if degrees_meant else ""
+        if number in found.outside_limits:
+            yield f"{where} is outside its limits, {short(joint.lower)} … {short(joint.upper)} {joint.unit}{doubt}"
+        elif degrees_meant:
+            yield f"{where} is more than two turns{doubt}"
+        elif number in found.at_limits:
+            yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)})"
+
+
+def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
+    special = [relation.words for relation in found.relations if not relation.structural]
+    always = [relation.words for relation in found.relations if relation.structural]
+    if not found.met and not full:
+        return
+    own = [met for met in found.met if met.family.corank == found.met[0].family.corank]
+    others = [met.family.name for met in found.met if met not in own]
+    lines = []
+    for met in own:
+        lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
+        if told := _conditions(met):
+            lines.append(f"    {told}")
+    if others:
+        lines.append(f"lies on: {'; '.join(others)}")
+    if special:
+        lines.append(f"here: {'; '.join(special)}")
+    notes = (f"at every configuration: {'; '.join(always)}",) if always else ()
+    if lines or notes:
+        yield Section("Which singularity" if found.met else "Axes", _focus(found), tuple(lines), notes=notes)
+
+
+def _focus(found: ExplanationData) -> str:
+    return "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
+
+
+def _conditions(met: Met) -> str:
+    """What has to hold, one after the other; long equations by the joints they are about."""
+    told = [f"{one} = 0" for one in met.family.equations] or list(getattr(met.family, "words", ()))
+    long = [text for text in told if len(text) > _LONG]
+    parts = [text for text in told if len(text) <= _LONG]
+    if long:
+        joints = sorted({int(number) for text in long for number in re.findall(r"[θq](\d+)", text)})
+        parts.append(f"{len(long)} long {plural('condition', len(long))} on joints {numbers(joints)} (in the JSON)")
+    return "; ".join(parts)
+
+
+def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
+    lost = found.lost
+    if lost.framed is not None:
+        miss = found.far.near_miss is not None and not found.rank.corank
+        lines = []
+        screws = zip(lost.words, lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True)
+        for sentence, direction, twist, wrench in screws:
+            lines.append(sentence.replace("cannot", "can hardly", 1) if miss else sentence)
+            lines.append(f"    twist {vector(direction)}: {pitch_text(twist.pitch)}")
+            torque = "with hardly any joint torque" if miss else "without joint torque"
+            lines.append(f"    carried {torque}: {wrench_text(wrench)}")
+        title = "What is lost" if found.rank.corank else "What is nearly lost"
+        where = _focus(found)
+        yield Section(title, f"{where}; {_seen(found)}" if where else _seen(found), tuple(lines))
+    if len(lost.never):
+        rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)
+        yield Section("Never possible", "twists that this arm makes nowhere around here",
+                      columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
+
+
+def _seen(found: ExplanationData) -> str:
+    """In which axes the directions are, and which point they refer to."""
+    assert found.lost.framed is not None
+    frame, name = found.lost.framed.frame, found.lost.framed.name
+    at_tip = frame.origin == TIP and not any(frame.point)
+    return f"in the axes of {name}" + (", reference point at the end effector" if at_tip else "")
+
+
+def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
+    blame = found.blame
+    lines = [circuit.words for circuit in blame.smallest]
+    lines += [system.words for system in blame.systems if system.permanent or full]
+    if blame.always:
+        lines.append(f"deficient at every configuration: {blame.always}")
+    if not blame.complete:
+        lines.append("the chain is too long to list dependent sets of joints")
+    if lines:
+        yield Section("Joints to blame", _dependencies(found) if blame.smallest else "", tuple(lines))
+    if full and blame.circuits:
+        rows = tuple(
+            (numbers(one.numbers), "always" if one.generic else "here", vector(one.coefficients), one.words)
+            for one in blame.circuits
+        )
+        yield Section("Every circuit", "dependent sets of joints without a smaller one inside",
+                      columns=("joints", "when", "joint rates that cancel", "in words"), rows=rows,
+                      texts=(0, 1, 2, 3))  # fmt: skip
+    if full and blame.ordered:
+        runs = tuple(
+            (f"{one.first}–{one.last}", str(one.dimension), str(one.loss), "yes" if one.msos else "no",
+             "yes" if one.minimal else "no")
+            for one in blame.ordered
+        )  # fmt: skip
+        yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
+                      columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
+
+
+def _dependencies(found: ExplanationData) -> str:
+    usual = found.robot.n - found.rank.generic_rank
+    text = "smallest sets of joints with dependent screws"
+    if usual:
+        corank = found.met[0].family.corank if found.met else found.rank.corank
+        text += f"; {usual + corank} dependencies here, {usual} almost everywhere"
+    return text
+
+
+def _closing(found: ExplanationData, full: bool) -> Iterator[Section]:
+    if found.disagreements:
+        yield Section("Disagreement", "two methods differ; please report it", found.disagreements)
+
+
+def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
+    if not full:
+        yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
+
+
+def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
+    yield Section(of_explanation(found))
+
+
+def _deg(value: float, unit: str) -> str:
+    return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
+
+
+PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+    "verdict": _verdict,
+    "which": _which,
+    "lost": _lost,
+    "blame": _blame,
+    "escape": escape_part,
+    "far": far_part,
+    "rates": rates_part,
+    "failures": failures_part,
+    **DETAIL_PARTS,
+    "closing": _closing,
+    "more": _more,
+    "last": _last,
+}
+"""Every part by its name, in order."""
+DETAILS = frozenset(DETAIL_PARTS)
+"""Parts that are shown only on demand."""

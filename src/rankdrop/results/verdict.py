@@ -1,0 +1,240 @@
+"""What a run may claim, in one sentence: printed first and last, written to the JSON, and followed by the exit code.
+
+A verdict is *verified* where every check that was made holds; then it says which were made: families sampled, derived
+exactly, or both. Where one fails it says which, with counts, and nothing is called verified.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from rankdrop.compare.joined import AGREES, DIFFERS, NOT_DERIVED, Joined
+from rankdrop.exact.check import Check
+from rankdrop.exact.family import ExactFamily
+from rankdrop.family.record import CorankSummary, Family
+from rankdrop.robot.model import Robot
+
+VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
+    "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
+)  # fmt: skip
+SAMPLED, EXACT = "sampled", "derived exactly"
+_BOTH = "too small and too large"
+_SAID = {CONTRADICTED: "Contradicted", UNSOUND: "Not sound", INCOMPLETE: "Incomplete", INEXACT: "Not exact"}
+_BROKEN = tuple(_SAID)  # worst first
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What may be claimed.
+
+    Attributes:
+        word: "verified"; "unchecked", derived completely and tried on nothing; "contradicted", two ways differ;
+            "unsound", a row's conditions hold elsewhere too; "incomplete"; "not exact", the condition that was asked
+            about; "interrupted".
+        claims: of "sampled" and "derived exactly", what was done and holds.
+        sentence: for people.
+    """
+
+    word: str
+    claims: tuple[str, ...]
+    sentence: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing speaks against what is claimed: exit code 0."""
+        return self.word in (VERIFIED, UNCHECKED)
+
+    def to_dict(self) -> dict[str, object]:
+        """The entries of a JSON file."""
+        return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
+
+
+class _Sampled(Protocol):
+    """What is read of an analysis, which holds its verdict."""
+
+    @property
+    def families(self) -> Sequence[Family]: ...
+    @property
+    def coranks(self) -> Sequence[CorankSummary]: ...
+    @property
+    def exact(self) -> Joined | None: ...
+    @property
+    def sound_and_complete(self) -> bool: ...
+    @property
+    def complete(self) -> bool: ...
+    @property
+    def unfinished(self) -> int | None: ...
+
+
+class _Derived(Protocol):
+    """What is read of an exact derivation."""
+
+    @property
+    def families(self) -> Sequence[ExactFamily]: ...
+    @property
+    def explained(self) -> Check: ...
+    @property
+    def disagreements(self) -> Sequence[str]: ...
+    @property
+    def left(self) -> Sequence[str]: ...
+    @property
+    def complete(self) -> bool: ...
+    @property
+    def interrupted(self) -> bool: ...
+    @property
+    def generic_rank(self) -> int: ...
+    @property
+    def lowest(self) -> int: ...
+
+
+class _Explained(Protocol):
+    """What is read of an explanation."""
+
+    @property
+    def robot(self) -> Robot: ...
+    @property
+    def verdict(self) -> str: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def disagreements(self) -> Sequence[str]: ...
+
+
+def of_analysis(analysis: _Sampled, derived: _Derived | None = None) -> Verdict:
+    """The verdict on an analysis.
+
+    Args:
+        analysis: sampled, with or without exact conditions beside it.
+        derived: exact conditions derived later, for a report; what they contradict is contradicted.
+    """
+    claims = ((SAMPLED,) if analysis.sound_and_complete else ()) + ((EXACT,) if _agrees(analysis, derived) else ())
+    if not analysis.complete:
+        text = f"Interrupted: corank {analysis.unfinished} is unfinished; nothing is said about it and higher ones."
+        return Verdict(INTERRUPTED, claims, text)
+    wrong = [*_wrong(analysis), *((CONTRADICTED, text) for text in _disagreements(derived))]
+    sentence = f"Verified, {' and '.join(claims)}: {_all(analysis, derived)}."
+    return _failed(wrong, claims) or Verdict(VERIFIED, claims, sentence)
+
+
+def of_conditions(found: _Derived, tested: str = "exact") -> Verdict:
+    """The verdict on an exact derivation.
+
+    Args:
+        found: the derivation.
+        tested: what was found of a condition that was held against it: "exact", "too small", … "not tested".
+    """
+    ranks = sum(family.rank_check.tested for family in found.families)
+    claims = ((EXACT,) if found.complete else ()) + ((SAMPLED,) if found.explained.tested and _met(found) else ())
+    if found.interrupted:
+        return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
+    wrong = [(CONTRADICTED, text) for text in found.disagreements]
+    if not _met(found) and not wrong and found.complete:
+        left = found.explained.tested - found.explained.agree
+        wrong.append((CONTRADICTED, f"{left:,} configurations found numerically lie on no family"))
+    wrong += [(INCOMPLETE, f"no rank was tried on {row.id}") for row in found.families if not row.rank_check.tested]
+    if not found.complete:
+        wrong.append((INCOMPLETE, _left(found)))
+    if tested != "exact":
+        how = f"is {_BOTH if tested == 'both' else tested}"
+        wrong.append((INEXACT, f"the condition asked about {how}"))
+    failed = _failed(wrong, claims)
+    if failed is not None:
+        return failed
+    count = _families(len(found.families))
+    tail = "not tried on configurations found numerically"
+    asked = f"; coranks above {found.generic_rank - found.lowest} were not asked for" if found.lowest else ""
+    if found.explained.tested:
+        on = f"{found.explained.tested:,} of {found.explained.tested:,} singular configurations found numerically"
+        return Verdict(VERIFIED, claims, f"Verified, derived exactly and sampled: {on} lie on {_the(count)}{asked}.")
+    if ranks:
+        on = f"the rank is as claimed at {ranks:,} random points of {_the(count)}"
+        return Verdict(VERIFIED, claims, f"Verified, derived exactly: {on}; {tail}{asked}.")
+    return Verdict(UNCHECKED, claims, f"Derived exactly: {count}; {tail}{asked}.")
+
+
+def of_explanation(found: _Explained) -> str:
+    """The sentence of one configuration; its word is `Explanation.verdict`."""
+    differ = "; two methods differ on a detail, told at the end" if found.disagreements else ""
+    return f"{found.robot.name}: {found.verdict.upper()}, {found.reason}{differ}."
+
+
+def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | None:
+    """The worst of what is wrong gives the word; the first of each kind is told, with the number of the others."""
+    if not wrong:
+        return None
+    word = min((word for word, _ in wrong), key=_BROKEN.index)
+    texts = []
+    for kind in _BROKEN:
+        mine = [text for one, text in wrong if one == kind]
+        more = f" (and {len(mine) - 1} more)" if len(mine) > 1 else ""
+        texts += [f"{mine[0].rstrip('.')}{more}"] if mine else []
+    return Verdict(word, claims, f"{_SAID[word]}: {'; '.join(texts)}.")
+
+
+def _agrees(analysis: _Sampled, derived: _Derived | None = None) -> bool:
+    beside = analysis.exact is not None and analysis.exact.status == AGREES
+    return beside or (derived is not None and of_conditions(derived).holds)
+
+
+def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
+    joined = analysis.exact
+    if joined is not None and joined.status == DIFFERS:
+        for text in joined.disagreements:
+            yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
+    for row in analysis.families:
+        if row.named and row.soundness.singular < row.soundness.tested:
+            regular = row.soundness.tested - row.soundness.singular
+            yield UNSOUND, f"{row.id} also holds at {regular:,} of {row.soundness.tested:,} solutions that are regular"
+    for one in analysis.coranks:
+        share = one.completeness
+        if share.explained < share.tested:
+            missed = share.tested - share.explained
+            yield INCOMPLETE, f"corank {one.corank}, {missed:,} of {share.tested:,} fresh singular points on no row"
+    for row in analysis.families:
+        if not row.named:
+            yield INCOMPLETE, f"no conditions were found for {row.id}"
+    if joined is not None and joined.status == NOT_DERIVED and not joined.holds:
+        yield INCOMPLETE, f"exact conditions were asked for and not derived, {joined.reason}"
+
+
+def _all(analysis: _Sampled, derived: _Derived | None) -> str:
+    """What an analysis found, everything in it being as it should be."""
+    joined = analysis.exact
+    if _agrees(analysis):
+        exactly = "the exact conditions agree with every one" if analysis.families else "the exact conditions too"
+    elif derived is not None:
+        done = _agrees(analysis, derived)
+        on = f"{derived.explained.agree:,} of {derived.explained.tested:,} configurations found lie on exact families"
+        exactly = on if done else "the exact conditions are not complete"
+    else:
+        exactly = "exact conditions were not " + ("asked for" if joined is None else "derived")
+    if not analysis.families:
+        starts = sum(one.starts for one in analysis.coranks)
+        return f"no singular configuration met from {starts:,} starts, which is no proof of absence; {exactly}"
+    fresh = sum(one.completeness.tested for one in analysis.coranks)
+    rows = _families(len(analysis.families))
+    explain = "explains" if len(analysis.families) == 1 else "explain"
+    return f"{rows} {explain} {fresh:,} of {fresh:,} fresh singular points; {exactly}"
+
+
+def _disagreements(derived: _Derived | None) -> Sequence[str]:
+    """Of an unfinished derivation it says nothing that a point lies on none of its families."""
+    return () if derived is None or not derived.complete else derived.disagreements
+
+
+def _met(found: _Derived) -> bool:
+    return found.explained.tested == found.explained.agree
+
+
+def _left(found: _Derived) -> str:
+    return found.left[0] if len(found.left) == 1 else f"{len(found.left)} things were left unfinished, told at the end"
+
+
+def _families(count: int) -> str:
+    return "no family" if not count else "1 family" if count == 1 else f"{count} families"
+
+
+def _the(count: str) -> str:
+    return {"no family": count, "1 family": "the family"}.get(count, f"the {count}")

@@ -1,0 +1,9 @@
+from .beside import Here as Here
+from .beside import Idealised as Idealised
+from .beside import Nearby as Nearby
+from .beside import here as here
+from .beside import here_section as here_section
+from .beside import idealised as idealised
+from .beside import moved_section as moved_section
+from .beside import nearby as nearby
+from .beside import there_section as there_section

@@ -1,0 +1,84 @@
+"""Linear conditions: values of covectors, their combinations, completion by symmetry, and covering by full products."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from rankdrop.families.linear import Linear, boxes, canonical, grow, wrap
+from rankdrop.families.signature import candidates, independent
+from rankdrop.robot.open import open_robot
+
+
+def linear(*covectors, robot="pa10") -> Linear:
+    return Linear.of(open_robot(robot), covectors)
+
+
+def test_place_puts_the_values_where_they_belong(rng):
+    conditions = linear((0, 1, 0, 0, 0, 0, 0), (0, 0, 1, 0, 1, 0, 0), (0, 0, 0, 1, 0, 2, 0))
+    values = rng.uniform(-3, 3, (50, 3))
+    q = conditions.place(rng.uniform(-pi, pi, (50, 7)), values, rng)
+    np.testing.assert_allclose(wrap(conditions.values(q) - values), 0, atol=1e-12)
+    np.testing.assert_allclose(conditions.covectors @ conditions.along, 0, atol=1e-12)
+
+
+def test_pivots_prefer_a_unit_minor():
+    assert linear((0, 0, 0, 1, 0, 2, 0)).pivots == (3,)
+
+
+def test_minus_pi_and_pi_are_one_value(rng):
+    conditions = linear((0, 1, 0, 0, 0, 0, 0))
+    q = np.zeros((40, 7))
+    q[:, 1] = np.where(np.arange(40) % 2, pi, -pi) + rng.uniform(-1e-9, 1e-9, 40)
+    assert list(conditions.combinations(q, np.ones(40), 1e-6)) == [(pi,)]
+
+
+def test_values_that_are_not_simple_are_kept(rng):
+    conditions = linear((0, 0, 0, 1, 0, 0, 0))
+    q = np.zeros((10, 7))
+    q[:, 3] = 0.4321 + rng.uniform(-1e-10, 1e-10, 10)
+    (values,) = conditions.combinations(q, np.arange(10.0), 1e-6)
+    assert values[0] == pytest.approx(0.4321, abs=1e-10)
+
+
+def test_a_length_is_not_wrapped():
+    conditions = linear((0, 0, 1, 0, 0, 0), robot="stanford")
+    assert not conditions.periodic.any()
+    assert conditions.values(np.full((1, 6), 5.0))[0, 0] == 5.0
+
+
+@pytest.mark.parametrize(("angle", "want"), [(-pi, pi), (3 * pi, pi), (1e-14, 0.0), (pi / 2 + 1e-14, pi / 2)])
+def test_canonical_angles(angle, want):
+    assert canonical(angle) == want
+
+
+def test_symmetry_completes_a_family_from_one_combination():
+    conditions = linear((0, 1, 0, 0, 0, 0, 0), (0, 0, 1, 0, 0, 0, 0))
+    found = grow(
+        [(0.0, pi / 2)], conditions, lambda batch: [abs(np.sin(a)) + abs(np.cos(b)) < 1e-9 for a, b in batch]
+    )
+    assert found == {(a, b) for a in (0.0, pi) for b in (pi / 2, -pi / 2)}
+
+
+def test_rounding_makes_no_new_combinations():
+    conditions = linear((0, 1, 0, 0, 0, 0, 0))
+    found = grow([(1.0274947943129,)], conditions, lambda batch: [abs(np.sin(v) - 0.85604) < 1e-3 for (v,) in batch])
+    assert len(found) == 2
+
+
+def test_boxes_cover_by_full_products():
+    square = {(a, b) for a in (0.0, pi) for b in (0.5, -0.5)}
+    assert boxes(square) == [((0.0, pi), (0.5, -0.5))]
+    corner = square | {(1.0, 0.5)}
+    covered = {v for a, b in boxes(corner) for v in [(x, y) for x in a for y in b]}
+    assert covered == corner
+    assert boxes({(0.0, 1.0), (1.0, 0.0)}) == [((0.0,), (1.0,)), ((1.0,), (0.0,))]
+
+
+def test_candidates_are_primitive_and_simplest_first():
+    found = candidates([1, 2, 4], 5)
+    assert [int(x) for x in found[0]] == [0, 1, 1, 0, 0]
+    assert all(np.gcd.reduce(row) == 1 for row in found)
+    assert independent(found) == ((0, 1, 1, 0, 0), (0, 1, 0, 0, 1), (0, 1, 0, 0, -1))

@@ -1,0 +1,171 @@
+"""The monitor says what the slow parts say, one by one, to rounding."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from known.members import members
+from reference import arms
+
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families.monitor import Monitor, compiled
+from rankdrop.family.equation import Equation, Term
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import block, joint_scale, singular_values
+from rankdrop.results.known import shipped
+from rankdrop.robot.model import Array
+from rankdrop.task import resolve_task
+
+ARMS = ["pa10", "canadarm2", "gen3", "stanford", "planar3r", "scara", "rcrrrr", "fetch8"]
+
+
+def residuals(monitor: Monitor, q: Array) -> Array:
+    """(B, F) largest of min(|f|/|∇f|, √|f|) over each family's equations, from the equations themselves."""
+    scale = joint_scale(monitor.robot, monitor.task)
+    columns = []
+    for family in monitor.families:
+        worst = np.zeros(len(q))
+        for equation in family.equations:
+            f, slope = equation.with_gradient(q)
+            f, slope = np.abs(f), np.linalg.norm(slope * scale, axis=1)
+            worst = np.maximum(worst, np.minimum(f / np.maximum(slope, 1e-300), np.sqrt(f)))
+        columns.append(worst)
+    return np.stack(columns, axis=1)
+
+
+def watched(name: str) -> tuple[Monitor, Array]:
+    """A monitor, and configurations of every kind: random, near a family, on it, at round numbers."""
+    found = shipped(name)
+    rng = np.random.default_rng(9)
+    on = [members(found.robot, found.task, family, 4, seed=8) for family in found.families]
+    random = rng.uniform(-3, 3, (37, found.robot.n))
+    near = np.concatenate(on) + rng.normal(size=np.concatenate(on).shape) * 1e-5
+    q = np.concatenate([random, near, *on, np.zeros((1, found.robot.n))])
+    return Monitor(found.robot, found.task, found.families), q
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_rank_and_directions_are_those_of_the_decomposition(name):
+    monitor, q = watched(name)
+    seen = monitor.look(q)
+    np.testing.assert_array_equal(seen.sigma, singular_values(monitor.robot, q, monitor.task))
+    assert set(seen.corank) >= {0, 1}
+    np.testing.assert_array_equal(seen.rank, (seen.sigma[:, : monitor.generic_rank] > 1e-9).sum(axis=1))
+    np.testing.assert_array_equal(seen.corank, monitor.generic_rank - seen.rank)
+    j = task_jacobian(monitor.robot, q, monitor.task)
+    m = j.shape[1]
+    assert monitor.generic_rank == m
+    assert np.abs(seen.u.swapaxes(1, 2) @ seen.u - np.eye(m)).max() < 1e-13
+    for row in range(len(q)):
+        lost = seen.u[row][:, seen.rank[row] :]
+        assert np.abs(lost.T @ j[row]).max(initial=0.0) < 2e-9
+        still = seen.v[row][:, seen.rank[row] :]
+        assert np.abs(j[row] @ still).max(initial=0.0) < 2e-9
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_residuals_and_families_are_those_of_the_equations(name):
+    monitor, q = watched(name)
+    seen = monitor.look(q)
+    want = residuals(monitor, q)
+    nearest = want[np.arange(len(q)), seen.nearest]
+    # √|f| makes a difference of 1e-16 in f one of 1e-8
+    assert np.abs(nearest - want.min(axis=1)).max() < 3e-8
+    named = seen.family >= 0
+    assert named.sum() >= 4 * len(monitor.families)
+    own = np.where(named, want[np.arange(len(q)), seen.family], nearest)
+    assert np.abs(own - seen.residual).max() < 3e-8
+    coranks = np.array([family.corank for family in monitor.families])
+    assert (coranks[seen.family[named]] <= seen.corank[named]).all()
+    assert (seen.corank[named] > 0).all()
+    for row in np.flatnonzero(named):
+        on = np.flatnonzero(want[row] <= 1e-5)
+        held = [monitor.families[i] for i in on if coranks[i] <= seen.corank[row]]
+        best = max(((f.corank, -f.dimension) for f in held), default=(0, 0))
+        chosen = monitor.families[seen.family[row]]
+        if seen.residual[row] <= 1e-5:
+            assert (chosen.corank, -chosen.dimension) == best
+        else:
+            assert chosen.corank == seen.corank[row] > best[0]
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_distance_is_sigma_over_its_slope(name):
+    monitor, q = watched(name)
+    seen, r = monitor.look(q), monitor.generic_rank
+    scale = joint_scale(monitor.robot, monitor.task)
+    for row in np.flatnonzero(seen.corank == 0)[:20]:
+        if r > 1 and seen.sigma[row, r - 2] - seen.sigma[row, r - 1] < 1e-3:
+            continue  # next to a tie the slope is that of one of several
+        d = block(monitor.robot, q[row], monitor.task, r - 1)
+        slope = np.array([
+            (singular_values(monitor.robot, q[row] + 1e-6 * e * scale, monitor.task)[r - 1]
+             - singular_values(monitor.robot, q[row] - 1e-6 * e * scale, monitor.task)[r - 1]) / 2e-6
+            for e in np.eye(len(scale))
+        ])  # fmt: skip
+        assert d.sigma[r - 1] == seen.sigma[row, r - 1]
+        if seen.sigma[row, r - 1] > 1e-4:
+            assert seen.distance[row] == pytest.approx(seen.sigma[row, r - 1] / np.linalg.norm(slope), rel=1e-4)
+    assert (seen.distance[seen.corank > 0] == 0).all()
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_one_at_a_time_gives_the_same_bits(name):
+    monitor, q = watched(name)
+    seen = monitor.look(q)
+    for row in range(0, len(q), 5):
+        one = monitor.look_one(q[row])
+        np.testing.assert_array_equal(one.sigma, seen.sigma[row])
+        np.testing.assert_array_equal(one.u, seen.u[row])
+        assert (one.rank, one.corank, one.family, one.nearest) == (
+            seen.rank[row], seen.corank[row], seen.family[row], seen.nearest[row],
+        )  # fmt: skip
+        assert (one.residual, one.distance) == (seen.residual[row], seen.distance[row])
+    assert monitor.look_one(q[0].tolist()).rank == seen.rank[0]
+
+
+def test_powers_of_prismatic_joints_are_differentiated():
+    """q3² sin θ2 + q3 q1 = 0 on an arm with three variables of all kinds."""
+    robot = arms.random_chain(np.random.default_rng(1), "rpr")
+    task = resolve_task("vx,vy,vz", robot)
+    terms = (Term(1.0, "sin", (0, 2, 0), (0, 0, 2)), Term(0.7, "cos", (0, 0, 0), (1, 0, 1)),
+             Term(0.3, "cos", (2, 0, -2), (0, 1, 0), 0.4))  # fmt: skip
+    family = replace(shipped("planar3r").families[0], equations=(Equation(terms),))
+    monitor = Monitor(robot, task, [family])
+    q = np.random.default_rng(2).uniform(-1, 1, (23, 3))
+    assert np.abs(monitor.look(q).residual - residuals(monitor, q)[:, 0]).max() < 1e-13
+
+
+def test_without_families_nothing_is_named():
+    found = shipped("pa10")
+    seen = Monitor(found.robot, found.task, ()).look(np.zeros((2, 7)))
+    assert (seen.family == -1).all()
+    assert (seen.nearest == -1).all()
+    assert np.isinf(seen.residual).all()
+    assert (seen.corank == 3).all()
+    unnamed = replace(found.families[0], equations=(), named=False)
+    assert Monitor(found.robot, found.task, [unnamed]).look_one(np.zeros(7)).family == -1
+
+
+def test_the_index_is_that_of_the_families_handed_in():
+    found = shipped("pa10")
+    q = members(found.robot, found.task, found.families[0], 3)
+    for order in (found.families, found.families[::-1]):
+        seen = Monitor(found.robot, found.task, order).look(q)
+        assert [order[i].id for i in seen.family] == [found.families[0].id] * 3
+
+
+def test_broken_input_is_refused():
+    found = shipped("pa10")
+    monitor = Monitor(found.robot, found.task, found.families)
+    for bad in (np.zeros((2, 6)), np.full((1, 7), np.inf)):
+        with pytest.raises(ConfigurationError):
+            monitor.look(bad)
+        with pytest.raises(ConfigurationError):
+            monitor.look_one(bad[0])
+    assert monitor.look(np.zeros((0, 7))).u.shape == (0, 6, 6)
+    ur5 = shipped("ur5")
+    with pytest.raises(OptionError, match="another number of joints"):
+        compiled(found.families, ur5.robot, ur5.task)

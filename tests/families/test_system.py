@@ -1,0 +1,66 @@
+"""Several equations at once: solutions, distances, and places where gradients vanish."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from rankdrop.families.vanishing import vanishing_on
+from rankdrop.family.equation import Equation, Term
+from rankdrop.family.system import System
+from rankdrop.results.known import shipped
+
+ZERO = (0, 0, 0)
+CURVED = Equation((Term(1.0, "cos", (2, 0, 0), ZERO), Term(-0.5, "cos", (0, 2, 0), ZERO)))
+SQUARE = Equation((Term(0.5, "cos", ZERO, ZERO), Term(-0.5, "cos", (0, 0, 4), ZERO)))  # sin² θ3
+
+
+def test_solutions_solve(rng):
+    system = System((CURVED, vanishing_on((0, 0, 1), (0.0, pi), periodic=True)))
+    q, solved = system.solve(rng.uniform(-pi, pi, (200, 3)))
+    assert solved.mean() > 0.95
+    np.testing.assert_allclose(system.values(q[solved]), 0, atol=1e-12)
+    assert (system.rank(q[solved]) == 2).mean() > 0.95
+
+
+def test_second_derivatives_are_those_of_the_first(rng):
+    """Of the longest conditions in the catalogue (Gen3's), against central differences."""
+    families = [family for family in shipped("gen3").families if family.coupled and family.equations]
+    assert families
+    for family in families:
+        system, q = System(family.equations), rng.uniform(-pi, pi, (4, 7))
+        f, first, second = system.quadratic(q)
+        value, slope = system.linear(q)
+        np.testing.assert_allclose(f, value, atol=1e-12)
+        np.testing.assert_allclose(first, slope, atol=1e-12)
+        h = 1e-5
+        steps = [(system.jacobian(q + h * e) - system.jacobian(q - h * e)) / (2 * h) for e in np.eye(7)]
+        np.testing.assert_allclose(second, np.stack(steps, axis=-1), atol=1e-8)
+    slide = Equation((Term(1.0, "cos", (2, 0), (0, 1)),))  # q2 cos θ1: left to differences
+    assert System((slide,)).quadratic(np.zeros((1, 2))) is None
+
+
+def test_distance_of_points_moved_off_the_set(rng):
+    system = System((CURVED,))
+    q, solved = system.solve(rng.uniform(-pi, pi, (100, 3)))
+    gradient = CURVED.gradient(q)
+    steep = solved & (np.linalg.norm(gradient, axis=1) > 0.2)
+    off = q + 1e-5 * gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
+    length, foot = system.nearest(off[steep])
+    np.testing.assert_allclose(length, 1e-5, rtol=1e-3)
+    np.testing.assert_allclose(foot, q[steep], atol=1e-8)
+
+
+def test_distance_is_right_where_the_gradient_vanishes():
+    q = np.array([[0.3, 0.4, 1e-5], [0.3, 0.4, pi + 2e-6], [0.3, 0.4, 0.5]])
+    length, _ = System((SQUARE,)).nearest(q)
+    np.testing.assert_allclose(length[:2], [1e-5, 2e-6], rtol=0.02)
+    assert length[2] == np.inf
+
+
+def test_nothing_to_solve_is_solved(rng):
+    q = rng.uniform(-1, 1, (3, 3))
+    assert System(()).solve(q)[1].all()
+    assert (System(()).nearest(q)[0] == 0).all()
+    assert len(System((CURVED,)).solve(q[:0])[0]) == 0

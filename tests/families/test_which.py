@@ -1,0 +1,115 @@
+"""A member of a family is attributed to that family, or to one that lies inside it and holds there too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from known.arms import KINDS
+from known.members import members
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.families.monitor import Monitor
+from rankdrop.family.which import Met, families_at, families_near, place_words
+from rankdrop.local.block import singular_values
+from rankdrop.results.known import shipped
+
+EACH = 5
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_random_members_of_every_family_are_attributed_to_it(name):
+    found = shipped(name)
+    robot, task = found.robot, found.task
+    monitor = Monitor(robot, task, found.families)
+    for index, family in enumerate(found.families):
+        q = members(robot, task, family, EACH, seed=3)
+        assert len(q) == EACH, f"{family.id}: too few members to tell"
+        seen = monitor.look(q)
+        for row, configuration in enumerate(q):
+            met = families_at(found.families, robot, configuration, task)
+            assert any(one.family is family for one in met), (family.id, configuration)
+            first = met[0].family
+            assert first.corank == family.corank == seen.corank[row]
+            assert first.dimension <= family.dimension, "inside it: the smaller one says more"
+            named = found.families[seen.family[row]]
+            assert (named.corank, named.dimension) == (first.corank, first.dimension)
+            assert seen.residual[row] < 1e-8
+            if first is family:
+                assert seen.family[row] == index or named.dimension == first.dimension
+            assert place_words(met, family.corank) != "on no known family"
+
+
+@pytest.mark.parametrize("name", ["pa10", "ur5", "canadarm2", "stanford", "fetch", "z1"])
+def test_no_regular_configuration_lies_on_a_family(name, rng):
+    found = shipped(name)
+    q = rng.uniform(-3, 3, (40, found.robot.n))
+    sigma = singular_values(found.robot, q, found.task)[:, found.generic_rank - 1]
+    assert (sigma > 1e-6).all()
+    for configuration in q:
+        assert families_at(found.families, found.robot, configuration, found.task) == ()
+    seen = Monitor(found.robot, found.task, found.families).look(q)
+    assert (seen.family == -1).all()
+    assert (seen.nearest >= 0).all()
+
+
+def test_a_family_of_higher_corank_is_not_claimed_beside_it():
+    """1e-7 rad off a corank-2 row, along the larger family: corank 1 by σ, so the row of corank 2 does not hold."""
+    found = shipped("pa10")
+    q = np.array([0.3, 0.0, 0.4, 0.0, 0.2, 0.0, 1.0])  # θ2 = θ4 = θ6 = 0
+    assert families_at(found.families, found.robot, q, found.task)[0].family.corank == 2
+    q[1] = 1e-7
+    met = families_at(found.families, found.robot, q, found.task)
+    assert {one.family.corank for one in met} == {1}
+    assert "elbow: arm stretched or folded" in {one.family.name for one in met}
+
+
+def test_a_meeting_point_of_families_is_called_so():
+    found = shipped("iiwa14")
+    q = np.array([0.0, 0.0, np.pi / 2, 0.0, 0.0, 1.2, 0.0])  # elbow, and shoulder with axes 2 ⟂ 4
+    met = families_at(found.families, found.robot, q, found.task)
+    corank = int((singular_values(found.robot, q, found.task) <= 1e-9).sum())
+    assert corank == 1
+    assert [one.family.corank for one in met] == [1, 1]
+    assert [one.family.dimension for one in met] == [5, 6], "the smaller one first"
+    text = place_words(met, corank)
+    assert text.startswith("on “shoulder")
+    assert "elbow" in text
+
+
+def test_words_tell_one_family_a_meeting_point_and_a_special_point_apart():
+    found = shipped("pa10")
+    elbow, *others = [Met(family, 0.0, "analysis") for family in found.of_corank(1)]
+    assert place_words([], 1) == "on no known family"
+    assert place_words([elbow], 1) == "on “elbow: arm stretched or folded”"
+    assert place_words([elbow], 2).startswith("a special point of the corank-1 family")
+    assert place_words([elbow, others[0]], 2).startswith("meeting point of families: elbow: arm stretched or folded; ")
+    twins = [one for one in others if one.family.dimension == others[0].family.dimension][:2]
+    assert place_words(twins, 1).startswith("meeting point of families: ")
+
+
+def test_what_is_near_comes_first_and_its_distance_is_right_to_first_order():
+    found = shipped("pa10")
+    q = np.array([0.3, 0.6, 0.4, 0.01, 0.2, 0.9, 1.0])
+    near = families_near(found.families, found.robot, q, found.task)
+    assert len(near) == len(found.families)
+    assert near[0].family.name.startswith("elbow")
+    assert near[0].residual == pytest.approx(0.01, rel=1e-3)
+    assert [one.residual for one in near] == sorted(one.residual for one in near)
+
+
+def test_the_distance_to_two_conditions_is_that_to_both():
+    """θ2, θ4 and θ6 are off by 0.003, 0.004 and 0.012: the distance is 0.013."""
+    found = shipped("pa10")
+    q = np.array([0.3, 0.003, 0.4, 0.004, 0.2, 0.012, 1.0])
+    near = {one.family.id: one.residual for one in families_near(found.families, found.robot, q, found.task)}
+    both = next(f for f in found.families if f.corank == 2 and [p.number for p in f.pinned] == [2, 4, 6])
+    assert near[both.id] == pytest.approx(0.013, rel=1e-4)
+
+
+def test_broken_input_is_refused():
+    found = shipped("pa10")
+    for bad in (np.zeros(6), np.full(7, np.nan), np.zeros((2, 7))):
+        with pytest.raises(ConfigurationError):
+            families_at(found.families, found.robot, bad, found.task)
+        with pytest.raises(ConfigurationError):
+            families_near(found.families, found.robot, bad, found.task)

@@ -27,16 +27,11 @@ inline void bracket6(const Pack* a, const Pack* b, Pack sign, Pack* out) {
 
 class Enclosure {
   public:
-    static std::size_t size(const Chain& chain, int m) {
-        const std::size_t n = chain.variables, joints = chain.joints.size();
-        return Workspace::size(chain, m) + n + joints * 15 + 4 * 36 + 6;
-    }
-
-    Enclosure(const Chain& chain, const View& view, const EnclosureSettings& settings, Pack* memory)
+    Enclosure(const Chain& chain, const View& view, const EnclosureSettings& settings, Arena& arena)
         : chain_(chain), view_(view), set_(settings), n_(chain.variables), joints_((int)chain.joints.size()),
-          r_(settings.rank), ws_(chain, view.m, memory) {
-        Pack* next = memory + Workspace::size(chain, view.m);
-        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
+          r_(settings.rank), link_(view.axes), inverse_length_(1.0 / settings.length),
+          slides_(view.row[0] < 3), turns_(view.row[view.m - 1] > 2), ws_(chain, view.m, arena) {
+        const auto take = [&](int count) { return arena.take<Pack>(static_cast<std::size_t>(count)); };
         q_ = take(n_), screw_ = take(joints_ * 6), mover_ = take(joints_ * 6), arm_ = take(joints_), half_ = take(joints_);
         left_ = take(36), first_ = take(36), second_ = take(36), third_ = take(6), bound_ = take(36);
         score_ = take(joints_);
@@ -67,7 +62,7 @@ class Enclosure {
     static constexpr double kMixed = 1.1547005383792517;  // 3 max t^2 s over t^2 + s^2 = 1, that is 2 / sqrt(3), and up
 
     void see_screws() {
-        const double factor[6] = {set_.inverse_length, set_.inverse_length, set_.inverse_length, 1, 1, 1};
+        const double factor[6] = {inverse_length_, inverse_length_, inverse_length_, 1, 1, 1};
         for (int i = 0; i < joints_; ++i) {
             see(ws_.at, ws_.at.screws[i], screw_ + 6 * i);
             for (int c = 0; c < 6; ++c) {
@@ -90,7 +85,7 @@ class Enclosure {
     // M_i times |multiplier|: bound on every derivative of column i by turning joints, in the box. A slide between i and the
     // link lengthens the reach; a helical joint adds its travel, and its pitch as often as it is differentiated (thrice).
     void arms() {
-        const double l = set_.inverse_length;
+        const double l = inverse_length_;
         const auto along = [&](int from, int to, int step) {
             Pack extra = fill(0.0);
             for (int i = from; i != to; i += step) {
@@ -100,16 +95,16 @@ class Enclosure {
                 const Pack travel = abs(value(i)) + half_[i] * (size * set_.scale[joint.variable]);
                 if (joint.turns) {
                     const Pack reach = (fill(set_.arm[i] + std::fabs(pitch)) + extra) * l;
-                    arm_[i] = sqrt(fill(set_.turns) + reach * reach * set_.slides) * size;
+                    arm_[i] = sqrt(fill(turns_) + reach * reach * slides_) * size;
                     if (pitch != 0.0) extra = extra + (travel + fill(3.0)) * std::fabs(pitch);
                 } else {
-                    arm_[i] = fill(l * set_.slides * size);
+                    arm_[i] = fill(l * slides_ * size);
                     extra = extra + travel;
                 }
             }
         };
-        along(set_.link, joints_, 1);
-        along(set_.link - 1, -1, -1);
+        along(link_, joints_, 1);
+        along(link_ - 1, -1, -1);
     }
 
     Pack value(int i) const {
@@ -121,13 +116,13 @@ class Enclosure {
     double unit(int i) const {
         const JointConstants& joint = chain_.joints[i];
         const double step = std::fabs(joint.multiplier) * set_.scale[joint.variable];
-        return joint.turns ? step : step * set_.inverse_length;
+        return joint.turns ? step : step * inverse_length_;
     }
 
     // What rounding may do to an entry: of U1^T J V1 beside Sigma and of the sums, per unit of M; of the screws before
     // they are brought to the link, per unit of their size in base coordinates; of large joint values.
     void allow() {
-        const double l = set_.inverse_length;
+        const double l = inverse_length_;
         Pack size = fill(0.0), far = size, turned = size, point = size;
         for (int c = 0; c < 3; ++c) point = point + abs(ws_.at.p[c]);
         for (int i = 0; i < joints_; ++i) {
@@ -137,7 +132,7 @@ class Enclosure {
             if (joint.turns) far = far + point * std::fabs(joint.multiplier);
             turned = turned + abs(value(i)) * (joint.turns ? 1.0 : l);
         }
-        slack_ = fill(kSlack) * (fill(2.0) + size) + far * (kFar * l * set_.slides) + size * turned * kTurned;
+        slack_ = fill(kSlack) * (fill(2.0) + size) + far * (kFar * l * slides_) + size * turned * kTurned;
     }
 
     Pack along_row(const Pack* row, const Pack* twist) const {
@@ -151,7 +146,7 @@ class Enclosure {
     void walk(const Pack* x, Visit visit) const {
         Pack sum[6], twist[6];
         for (int side = 0; side < 2; ++side) {
-            const int from = side ? 0 : joints_ - 1, to = side ? set_.link : set_.link - 1, step = side ? 1 : -1;
+            const int from = side ? 0 : joints_ - 1, to = side ? link_ : link_ - 1, step = side ? 1 : -1;
             const Pack sign = fill(side ? -1.0 : 1.0);
             for (Pack& c : sum) c = fill(0.0);
             for (int k = from; k != to; k += step) {
@@ -194,8 +189,8 @@ class Enclosure {
 
     // second derivatives by joints l and k, k from l to the link: [S_k, [S_l, .]]
     void curve(int l, int j, const Pack* twist, const Pack* weight, bool box) {
-        const int side = l < set_.link;
-        const int to = side ? set_.link : set_.link - 1, step = side ? 1 : -1;
+        const int side = l < link_;
+        const int to = side ? link_ : link_ - 1, step = side ? 1 : -1;
         const Pack sign = fill(side ? -1.0 : 1.0);
         Pack twice[6];
         for (int k = l; k != to; k += step) {
@@ -222,12 +217,12 @@ class Enclosure {
     Pack remainder(const Pack* x, bool box, Pack weight) {
         Pack total = fill(0.0);
         for (int side = 0; side < 2; ++side) {
-            const int from = side ? set_.link - 1 : set_.link, to = side ? -1 : joints_, step = side ? -1 : 1;
+            const int from = side ? link_ - 1 : link_, to = side ? -1 : joints_, step = side ? -1 : 1;
             Pack turns = fill(0.0), slides = turns;  // in a ball: sums of squares
             for (int i = from; i != to; i += step) {
                 const JointConstants& joint = chain_.joints[i];
                 const Pack part = abs(x[joint.variable]) * fill(1.0 / 6.0);
-                const double lever = joint.turns ? set_.slides * std::fabs(joint.multiplier) : 0.0;
+                const double lever = joint.turns ? slides_ * std::fabs(joint.multiplier) : 0.0;
                 if (box) {
                     const Pack cubic = part * arm_[i], mixed = part * (3.0 * lever), square = turns * turns;
                     total = total + cubic * square * turns + mixed * square * slides;
@@ -344,7 +339,9 @@ class Enclosure {
     const Chain& chain_;
     const View& view_;
     const EnclosureSettings& set_;
-    const int n_, joints_, r_;
+    const int n_, joints_, r_, link_;      // joints before the link are 0 … link - 1
+    const double inverse_length_;          // of the translation rows
+    const double slides_, turns_;          // 1 where the view has translation rows, rotation rows
     Workspace ws_;
     Pack *q_, *screw_, *mover_, *arm_, *half_, *left_, *first_, *second_, *third_, *bound_, *score_;
     Pack slack_;

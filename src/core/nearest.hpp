@@ -15,34 +15,23 @@ namespace rankdrop::RANKDROP_ISA {
 // Everything is measured in x = (q - centre) / scale, so that a distance is a norm and small ones keep their digits.
 class NearestWalk {
   public:
-    static std::size_t size(const Chain& chain, int m, int rank) {
-        const std::size_t n = chain.variables, entries = (std::size_t)(m - rank) * (n - rank);
-        return Workspace::size(chain, m) + n * m + 6 * n + entries * n + n * n + (entries > n ? entries : n);
-    }
-
-    // `numbers` has room for doubles() doubles
-    static std::size_t doubles(const Chain& chain) { return (std::size_t)W * (5 + chain.variables) * chain.variables; }
-
-    NearestWalk(const Chain& chain, const View& view, const NearestSettings& settings, Pack* memory, double* numbers)
+    NearestWalk(const Chain& chain, const View& view, const NearestSettings& settings, Arena& arena)
         : chain_(chain), view_(view), set_(settings), n_(chain.variables),
           entries_((view.m - settings.rank) * (n_ - settings.rank)),
-          values_(entries_ < n_ ? entries_ : n_), ws_(chain, view.m, memory) {
-        Pack* next = memory + Workspace::size(chain, view.m);
-        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
-        scratch_ = take(n_ * view.m);
-        x_ = take(n_), q_ = take(n_), slope_ = take(n_), correction_ = take(n_), tangent_ = take(n_), free_ = take(n_);
-        w_ = take(entries_ * n_), basis_ = take(n_ * n_), size_ = take(entries_ > n_ ? entries_ : n_);
-        for (int lane = 0; lane < W; ++lane) {
-            double* next_number = numbers + (std::size_t)lane * (5 + n_) * n_;
-            const auto some = [&](int count) { double* here = next_number; next_number += count; return here; };
-            Lane& state = lanes_[lane];
-            state.base = some(n_), state.way = some(n_), state.direction = some(n_), state.moved = some(n_);
-            state.change = some(n_), state.inverse = some(n_ * n_);
+          values_(entries_ < n_ ? entries_ : n_), ws_(chain, view.m, arena), block_(chain, view.m, settings.rank, arena) {
+        const std::size_t n = static_cast<std::size_t>(n_), entries = static_cast<std::size_t>(entries_);
+        for (Pack** vector : {&x_, &q_, &slope_, &correction_, &tangent_, &free_}) *vector = arena.take<Pack>(n);
+        w_ = arena.take<Pack>(entries * n), basis_ = arena.take<Pack>(n * n);
+        size_ = arena.take<Pack>(std::max(entries, n));
+        for (Lane& state : lanes_) {
+            for (double** vector : {&state.base, &state.way, &state.direction, &state.moved, &state.change})
+                *vector = arena.take<double>(n);
+            state.inverse = arena.take<double>(n * n);
         }
     }
 
     // Runs starts begin … end - 1, each from where it stands; `stop` is polled once per evaluation of a pack.
-    void run(const double* starts, std::int64_t begin, std::int64_t end, const NearestOutput& out, const volatile bool* stop) {
+    void run(const double* starts, std::int64_t begin, std::int64_t end, const NearestOutput& out, const std::atomic<bool>& stop) {
         std::int64_t next = begin;
         for (int j = 0; j < n_; ++j) x_[j] = fill(0.0);
         for (;;) {
@@ -51,7 +40,7 @@ class NearestWalk {
                 if (lanes_[lane].start < 0 && next < end) enter(lane, next++, starts);
                 alive = alive || lanes_[lane].start >= 0;
             }
-            if (!alive || *stop) return;
+            if (!alive || stop.load(std::memory_order_relaxed)) return;
             evaluate();
             for (int lane = 0; lane < W; ++lane)
                 if (lanes_[lane].start >= 0) judge(lane, out);
@@ -75,7 +64,7 @@ class NearestWalk {
         double *moved, *change;
     };
 
-    double scale(int j) const { return set_.variable_scale[j]; }
+    double scale(int j) const { return set_.scale[j]; }
 
     void enter(int lane, std::int64_t start, const double* starts) {
         Lane& state = lanes_[lane];
@@ -93,17 +82,17 @@ class NearestWalk {
     void evaluate() {
         for (int j = 0; j < n_; ++j) {
             q_[j] = fill(set_.centre[j]) + x_[j] * fill(scale(j));
-            if (!set_.lower) continue;
+            if (set_.lower.empty()) continue;
             q_[j] = min(max(q_[j], fill(set_.lower[j])), fill(set_.upper[j]));
             x_[j] = (q_[j] - fill(set_.centre[j])) / fill(scale(j));
         }
         decompose(chain_, view_, q_, set_.rank, ws_);
-        block(chain_, view_, set_.rank, ws_, scratch_);
+        fill_block(chain_, view_, set_.rank, ws_, block_);
         for (int j = 0; j < n_; ++j) free_[j] = fill(1.0);
         for (int e = 0; e < entries_; ++e)
-            for (int j = 0; j < n_; ++j) ws_.d[e * n_ + j] = ws_.d[e * n_ + j] * scale(j);
+            for (int j = 0; j < n_; ++j) block_.d[e * n_ + j] = block_.d[e * n_ + j] * scale(j);
         split();
-        if (!set_.lower) return;
+        if (set_.lower.empty()) return;
         for (int pass = 0; pass < n_ && hold_at_limits(); ++pass) split();
     }
 
@@ -113,10 +102,10 @@ class NearestWalk {
     void split() {
         const bool tall = entries_ > n_;
         for (int e = 0; e < entries_; ++e)
-            for (int j = 0; j < n_; ++j) w_[tall ? j * entries_ + e : e * n_ + j] = ws_.d[e * n_ + j] * free_[j];
+            for (int j = 0; j < n_; ++j) w_[tall ? j * entries_ + e : e * n_ + j] = block_.d[e * n_ + j] * free_[j];
         for (int j = 0; j < n_; ++j) {
             slope_[j] = fill(0.0);
-            for (int e = 0; e < entries_; ++e) slope_[j] = slope_[j] + ws_.d[e * n_ + j] * ws_.f[e];
+            for (int e = 0; e < entries_; ++e) slope_[j] = slope_[j] + block_.d[e * n_ + j] * block_.f[e];
             slope_[j] = slope_[j] * free_[j];
             correction_[j] = fill(0.0);
             tangent_[j] = -x_[j] * free_[j];
@@ -339,7 +328,7 @@ class NearestWalk {
         const std::int64_t row = state.start;
         for (int j = 0; j < n_; ++j) {
             double q = set_.centre[j] + (state.has_base ? state.base[j] : get(x_[j], lane)) * scale(j);
-            if (set_.lower) q = std::fmin(std::fmax(q, set_.lower[j]), set_.upper[j]);
+            if (!set_.lower.empty()) q = std::fmin(std::fmax(q, set_.lower[j]), set_.upper[j]);
             out.q[row * n_ + j] = q;
         }
         const double length = state.has_base ? std::sqrt(state.distance2) : HUGE_VAL;
@@ -362,7 +351,8 @@ class NearestWalk {
     const NearestSettings& set_;
     const int n_, entries_, values_;
     Workspace ws_;
-    Pack *scratch_, *x_, *q_, *slope_, *correction_, *tangent_, *free_, *w_, *basis_, *size_;
+    Block block_;
+    Pack *x_, *q_, *slope_, *correction_, *tangent_, *free_, *w_, *basis_, *size_;
     Pack smallest_;  // singular value of A that is not zero
     Lane lanes_[W];
 };

@@ -29,7 +29,7 @@ class Handles:
         self.shape = (robot.n,)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
-        self.world = _make_view(robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
+        self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
 
 
 _handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
@@ -107,17 +107,17 @@ def _make_chain(robot: Robot) -> _core.Chain:
 
 
 def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
-    views = handles_of(robot).views
+    handles = handles_of(robot)
     key = (frame, rows, length)
-    view = views.get(key)
+    view = handles.views.get(key)
     if view is None:
-        view = views[key] = _make_view(robot, frame, rows, length)
+        view = handles.views[key] = _make_view(handles.chain, robot, frame, rows, length)
     return view
 
 
-def _make_view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+def _make_view(chain: _core.Chain, robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
     joints = len(robot.joints)
     return _core.make_view(
-        link_index(frame.axes, joints, "axes"), link_index(frame.origin, joints, "origin"), list(frame.point),
-        list(rows), [1.0 / length if row < 3 else 1.0 for row in rows],
+        chain, axes=link_index(frame.axes, joints, "axes"), origin=link_index(frame.origin, joints, "origin"),
+        point=list(frame.point), rows=list(rows), factors=[1.0 / length if row < 3 else 1.0 for row in rows],
     )

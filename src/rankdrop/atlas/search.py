@@ -232,11 +232,15 @@ def refine(
     most = _ITERATIONS[method] if iterations is None else iterations
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
+    settings = _core.SearchSettings(
+        method=METHODS.index(method), rank=rank, iterations=most, singular=singular, target=tolerances.target,
+        stationary=tolerances.stationary, seed=seed, scale=scale, limits=box, tie=_TIE,
+    )  # fmt: skip
+
     def run(part: Array, first: int) -> _Part:
         return _core.search(
-            chain_of(robot), task_view(robot, resolved), part, rank, METHODS.index(method), most, singular,
-            tolerances.target, tolerances.stationary, seed, first, scale, box, _TIE, history, threads,
-        )  # fmt: skip
+            chain_of(robot), task_view(robot, resolved), part, settings, first=first, history=history, threads=threads
+        )
 
     parts = _in_parts(run, rows, progress)
     return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)

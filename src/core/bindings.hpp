@@ -37,7 +37,7 @@ using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu
 template <class T>
 class Result {
   public:
-    explicit Result(std::initializer_list<std::size_t> shape) : shape_(shape), memory_(allocate(sizeof(T) * size())) {}
+    explicit Result(std::initializer_list<std::size_t> shape) : shape_(shape), memory_(allocate_result(sizeof(T) * size())) {}
 
     T* data() const { return static_cast<T*>(memory_.get()); }
 
@@ -65,7 +65,38 @@ class Result {
     Memory memory_;
 };
 
+// Where a batch is written: the caller's own array, or one that NumPy gets.
+class Target {
+  public:
+    Target(const nb::object& out, std::initializer_list<std::size_t> shape) {
+        if (out.is_none()) {
+            own_.emplace(shape);
+            return;
+        }
+        if (!nb::try_cast(out, given_, false)) throw nb::type_error("out is a C-contiguous, writable array of float64");
+        if (given_.ndim() != shape.size() || !std::equal(shape.begin(), shape.end(), given_.shape_ptr()))
+            throw nb::value_error("out has the wrong shape");
+        object_ = out;
+    }
+
+    double* data() const { return own_ ? own_->data() : given_.data(); }
+    nb::object give() { return own_ ? own_->give() : object_; }
+
+    // Rows are read while others are written.
+    void apart_from(const In2& q) const {
+        const double *begin = data(), *end = begin + (own_ ? own_->size() : given_.size());
+        const double *first = q.data(), *last = first + q.size();
+        if (std::less<>()(first, end) && std::less<>()(begin, last)) throw nb::value_error("out and q share memory");
+    }
+
+  private:
+    std::optional<Result<double>> own_;
+    nb::ndarray<double, nb::c_contig, nb::device::cpu> given_;
+    nb::object object_;
+};
+
 inline constexpr std::int64_t kAlone = 256;                   // rows that are not worth a thread
+inline constexpr std::int64_t kShort = 4096;                  // rows that one thread does without looking up
 inline constexpr std::int64_t kLeastChunk = 64, kMostChunk = 256;  // rows done at one go
 
 // work(begin, end) over all rows, in chunks over threads, without the interpreter's lock. Small batches stay on the
@@ -73,7 +104,7 @@ inline constexpr std::int64_t kLeastChunk = 64, kMostChunk = 256;  // rows done 
 template <class Work>
 void each(std::size_t count, int threads, Work work) {
     const std::int64_t rows = static_cast<std::int64_t>(count);
-    if (rows <= kAlone) {
+    if (rows <= (threads == 1 ? kShort : kAlone)) {
         nb::gil_scoped_release release;
         work(std::int64_t{0}, rows);
         return;
@@ -82,7 +113,8 @@ void each(std::size_t count, int threads, Work work) {
     bool raised = false;
     {
         nb::gil_scoped_release release;
-        share({rows, std::clamp(rows / 16 / 8 * 8, kLeastChunk, kMostChunk), threads}, stop, std::ref(work), [&] {
+        const std::int64_t chunk = threads == 1 ? kMostChunk : std::clamp(rows / 16 / 8 * 8, kLeastChunk, kMostChunk);
+        share({rows, chunk, threads}, stop, std::ref(work), [&] {
             nb::gil_scoped_acquire acquire;
             raised = PyErr_CheckSignals() != 0;
             return raised;

@@ -70,20 +70,22 @@ struct Sizes {
     std::size_t m, n, s;
 };
 
-nb::object pose(const Chain& chain, const In2& q, int threads) {
+nb::object pose(const Chain& chain, const In2& q, const nb::object& given, int threads) {
     fit(chain, q);
     const std::size_t rows = q.shape(0);
-    Result<double> out({rows, 4, 4});
-    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels().pose(chain, q.data(), a, b, out.data()); });
+    Target out(given, {rows, 4, 4});
+    out.apart_from(q);
+    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels(rows).pose(chain, q.data(), a, b, out.data()); });
     return out.give();
 }
 
-nb::object jacobian(const Chain& chain, const View& view, const In2& q, int threads) {
+nb::object jacobian(const Chain& chain, const View& view, const In2& q, const nb::object& given, int threads) {
     fit(chain, view, q);
     const std::size_t rows = q.shape(0);
     const auto [m, n, s] = Sizes(chain, view);
-    Result<double> out({rows, m, n});
-    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels().jacobian(chain, view, q.data(), a, b, out.data()); });
+    Target out(given, {rows, m, n});
+    out.apart_from(q);
+    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels(rows).jacobian(chain, view, q.data(), a, b, out.data()); });
     return out.give();
 }
 
@@ -99,22 +101,24 @@ bool jacobian_one(const Chain& chain, const View& view, const In1& q, const Out2
     return true;
 }
 
-nb::object derivative(const Chain& chain, const View& view, const In2& q, int threads) {
+nb::object derivative(const Chain& chain, const View& view, const In2& q, const nb::object& given, int threads) {
     fit(chain, view, q);
     const std::size_t rows = q.shape(0);
     const auto [m, n, s] = Sizes(chain, view);
-    Result<double> out({rows, m, n, n});
+    Target out(given, {rows, m, n, n});
+    out.apart_from(q);
     each(rows, threads,
-         [&](std::int64_t a, std::int64_t b) { kernels().derivative(chain, view, q.data(), a, b, out.data()); });
+         [&](std::int64_t a, std::int64_t b) { kernels(rows).derivative(chain, view, q.data(), a, b, out.data()); });
     return out.give();
 }
 
-nb::object singular_values(const Chain& chain, const View& view, const In2& q, int threads) {
+nb::object singular_values(const Chain& chain, const View& view, const In2& q, const nb::object& given, int threads) {
     fit(chain, view, q);
     const std::size_t rows = q.shape(0);
-    Result<double> out({rows, Sizes(chain, view).s});
+    Target out(given, {rows, Sizes(chain, view).s});
+    out.apart_from(q);
     each(rows, threads, [&](std::int64_t a, std::int64_t b) {
-        kernels().decompose(chain, view, q.data(), a, b, out.data(), nullptr, nullptr);
+        kernels(rows).decompose(chain, view, q.data(), a, b, out.data(), nullptr, nullptr);
     });
     return out.give();
 }
@@ -125,7 +129,7 @@ nb::object decompose(const Chain& chain, const View& view, const In2& q, int thr
     const auto [m, n, s] = Sizes(chain, view);
     Result<double> sigma({rows, s}), u({rows, m, m}), v({rows, n, n});
     each(rows, threads, [&](std::int64_t a, std::int64_t b) {
-        kernels().decompose(chain, view, q.data(), a, b, sigma.data(), u.data(), v.data());
+        kernels(rows).decompose(chain, view, q.data(), a, b, sigma.data(), u.data(), v.data());
     });
     return nb::make_tuple(u.give(), sigma.give(), v.give());
 }
@@ -138,7 +142,7 @@ nb::object block(const Chain& chain, const View& view, const In2& q, int rank, i
     const std::size_t kept = static_cast<std::size_t>(rank), p = m - kept, r = n - kept;
     Result<double> sigma({rows, s}), f({rows, p, r}), d({rows, p, r, n}), u2({rows, m, p}), v2({rows, n, r});
     each(rows, threads, [&](std::int64_t a, std::int64_t b) {
-        kernels().block(chain, view, rank, q.data(), a, b, {sigma.data(), f.data(), d.data(), u2.data(), v2.data()});
+        kernels(rows).block(chain, view, rank, q.data(), a, b, {sigma.data(), f.data(), d.data(), u2.data(), v2.data()});
     });
     return nb::make_tuple(f.give(), d.give(), u2.give(), v2.give(), sigma.give());
 }
@@ -156,11 +160,12 @@ nb::object svd(const In3& a, bool vectors, int threads) {
     return nb::make_tuple(u.give(), sigma.give(), v.give());
 }
 
-nb::object links(const Chain& chain, const In2& q, int threads) {
+nb::object links(const Chain& chain, const In2& q, const nb::object& given, int threads) {
     fit(chain, q);
     const std::size_t rows = q.shape(0);
-    Result<double> out({rows, static_cast<std::size_t>(chain.links()), 4, 4});
-    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels().links(chain, q.data(), a, b, out.data()); });
+    Target out(given, {rows, static_cast<std::size_t>(chain.links()), 4, 4});
+    out.apart_from(q);
+    each(rows, threads, [&](std::int64_t a, std::int64_t b) { kernels(rows).links(chain, q.data(), a, b, out.data()); });
     return out.give();
 }
 
@@ -177,16 +182,21 @@ void bind_chain(nb::module_& module) {
                nb::arg("multiplier"), nb::arg("offset"), nb::arg("variables"));
     module.def("make_view", &make_view, nb::arg("chain"), nb::kw_only(), nb::arg("axes"), nb::arg("origin"), nb::arg("point"),
                nb::arg("rows"), nb::arg("factors"));
-    module.def("pose", &pose, nb::arg("chain"), nb::arg("q"), nb::arg("threads") = 0);
-    module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
+    module.def("pose", &pose, nb::arg("chain"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
+               nb::arg("threads") = 0);
+    module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
+               nb::arg("threads") = 0);
     module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q").noconvert(),
                nb::arg("out").noconvert());
-    module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
-    module.def("singular_values", &singular_values, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
+    module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
+               nb::arg("threads") = 0);
+    module.def("singular_values", &singular_values, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
+               nb::arg("threads") = 0);
     module.def("decompose", &decompose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("threads") = 0);
     module.def("block", &block, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("rank"), nb::arg("threads") = 0);
     module.def("svd", &svd, nb::arg("a"), nb::arg("vectors") = true, nb::arg("threads") = 0);
-    module.def("links", &links, nb::arg("chain"), nb::arg("q"), nb::arg("threads") = 0);
+    module.def("links", &links, nb::arg("chain"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
+               nb::arg("threads") = 0);
     module.def("threads_kept", &threads_kept);
     module.def("instruction_sets", &instruction_sets);
     module.def("instruction_set", [] { return std::string(kernels().name); });

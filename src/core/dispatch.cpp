@@ -35,6 +35,10 @@ const Kernels& kernels() { return *chosen().load(std::memory_order_relaxed); }
 
 const Kernels& narrowest() { return baseline::table; }
 
+const Kernels& kernels(std::size_t rows) {
+    return rows <= static_cast<std::size_t>(baseline::table.width) ? narrowest() : kernels();
+}
+
 std::vector<std::string> available() {
     std::vector<std::string> names;
     for (const Kernels* table : runnable()) names.emplace_back(table->name);

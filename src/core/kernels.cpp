@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
 #include "nearest.hpp"
@@ -19,10 +20,15 @@ Pack* take(Arena& arena, int count) { return arena.take<Pack>(static_cast<std::s
 int lanes_left(std::int64_t row, std::int64_t end) { return end - row < W ? (int)(end - row) : W; }
 
 // Matrix held by columns in lanes -> row-major rows x columns
-void store_columns(const Pack* in, int rows, int columns, int count, double* out, std::ptrdiff_t stride) {
-    for (int lane = 0; lane < count; ++lane)
-        for (int i = 0; i < rows; ++i)
-            for (int j = 0; j < columns; ++j) out[stride * lane + i * columns + j] = get(in[j * rows + i], lane);
+void store_columns(const Pack* in, int rows, int columns, int count, double* out, std::ptrdiff_t stride,
+                   Pack* room) {
+    int i = 0, j = 0;
+    const auto next = [&] {
+        const Pack& entry = in[j * rows + i];
+        if (++j == columns) j = 0, ++i;
+        return entry;
+    };
+    store_each(next, rows * columns, count, out, stride, room);
 }
 
 void pose(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {
@@ -62,22 +68,16 @@ void task_jacobian(const Chain& chain, const View& view, const double* q, std::i
 }
 
 void derivative(const Chain& chain, const View& view, const double* q, std::int64_t begin, std::int64_t end, double* out) {
-    const int n = chain.variables, m = view.m;
+    const int n = chain.variables, size = view.m * n * n;
     Arena arena;
     Placed at = placed_in(chain, arena);
-    Pack *x = take(arena, n), *unit = take(arena, n), *slopes = take(arena, n * m);
+    Derivative slopes(chain, view, arena);
+    Pack* x = take(arena, n);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         forward(chain, view, x, at);
-        for (int i = 0; i < n; ++i) {
-            for (int j = 0; j < n; ++j) unit[j] = fill(i == j ? 1.0 : 0.0);
-            derivative_times(chain, view, at, unit, slopes);
-            for (int lane = 0; lane < count; ++lane)
-                for (int a = 0; a < m; ++a)
-                    for (int k = 0; k < n; ++k)
-                        out[(((row + lane) * m + a) * n + i) * n + k] = get(slopes[k * m + a], lane);
-        }
+        store(slopes.at(at), size, count, out + row * size, size);
     }
 }
 
@@ -86,15 +86,15 @@ void decompose_range(const Chain& chain, const View& view, const double* q, std:
     const int n = chain.variables, m = view.m, s = m < n ? m : n;
     Arena arena;
     Workspace ws(chain, m, arena);
-    Pack* x = take(arena, n);
+    Pack *x = take(arena, n), *room = u ? take(arena, std::max(n, m) * std::max(n, m)) : nullptr;
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, u ? s : -1, ws);
         store(ws.sigma, s, count, sigma + row * s, s);
         if (!u) continue;
-        store_columns(ws.u, m, m, count, u + row * m * m, m * m);
-        store_columns(ws.v, n, n, count, v + row * n * n, n * n);
+        store_columns(ws.u, m, m, count, u + row * m * m, m * m, room);
+        store_columns(ws.v, n, n, count, v + row * n * n, n * n, room);
     }
 }
 
@@ -104,7 +104,7 @@ void block_range(const Chain& chain, const View& view, int rank, const double* q
     Arena arena;
     Workspace ws(chain, m, arena);
     Block parts(chain, m, rank, arena);
-    Pack* x = take(arena, n);
+    Pack *x = take(arena, n), *room = take(arena, std::max(n, m) * std::max(n, m));
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
@@ -113,8 +113,8 @@ void block_range(const Chain& chain, const View& view, int rank, const double* q
         store(ws.sigma, s, count, out.sigma + row * s, s);
         store(parts.f, p * r, count, out.f + row * p * r, p * r);
         store(parts.d, p * r * n, count, out.d + row * p * r * n, p * r * n);
-        store_columns(ws.u + rank * m, m, p, count, out.u2 + row * m * p, m * p);
-        store_columns(ws.v + rank * n, n, r, count, out.v2 + row * n * r, n * r);
+        store_columns(ws.u + rank * m, m, p, count, out.u2 + row * m * p, m * p, room);
+        store_columns(ws.v + rank * n, n, r, count, out.v2 + row * n * r, n * r, room);
     }
 }
 
@@ -139,6 +139,7 @@ void svd_range(int m, int n, const double* a, std::int64_t begin, std::int64_t e
     Arena arena;
     Pack *given = take(arena, m * n), *w = take(arena, m * n), *sv = take(arena, s);
     Pack *narrow = u ? take(arena, s * s) : nullptr, *wide = u ? take(arena, longer * longer) : nullptr;
+    Pack* room = u ? take(arena, longer * longer) : nullptr;
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(a + row * m * n, m * n, count, m * n, given);
@@ -153,8 +154,8 @@ void svd_range(int m, int n, const double* a, std::int64_t begin, std::int64_t e
         for (int i = 0; i < s; ++i) sv[i] = sv[i] * unit;
         store(sv, s, count, sigma + row * s, s);
         if (!u) continue;
-        store_columns(m <= n ? narrow : wide, m, m, count, u + row * m * m, m * m);
-        store_columns(m <= n ? wide : narrow, n, n, count, v + row * n * n, n * n);
+        store_columns(m <= n ? narrow : wide, m, m, count, u + row * m * m, m * m, room);
+        store_columns(m <= n ? wide : narrow, n, n, count, v + row * n * n, n * n, room);
     }
 }
 
@@ -210,6 +211,7 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Arena arena;
     Workspace ws(chain, m, arena);
     Pack *x = take(arena, n), *gradient = take(arena, n), *scratch = take(arena, n * m);
+    Pack* room = take(arena, std::max(n, m) * std::max(n, m));
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
@@ -220,8 +222,8 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
         const Attribution met = attribute(families, settings, fill((double)settings.generic) - rank, x, gradient);
         const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch);
         store(ws.sigma, s, count, out.sigma + row * s, s);
-        store_columns(ws.u, m, m, count, out.u + row * m * m, m * m);
-        if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n);
+        store_columns(ws.u, m, m, count, out.u + row * m * m, m * m, room);
+        if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n, room);
         for (int lane = 0; lane < count; ++lane) {
             out.rank[row + lane] = (std::int32_t)get(rank, lane);
             out.family[row + lane] = (std::int32_t)get(met.family, lane);

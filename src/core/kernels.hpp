@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -54,8 +55,10 @@ struct Kernels {
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
-// The table for single rows.
+// The table with the narrowest lanes, for single rows.
 const Kernels& narrowest();
+// The quicker of the two for so many rows: both give the same bits.
+const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.
 std::vector<std::string> available();
 // False if there is no such set here.

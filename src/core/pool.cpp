@@ -22,8 +22,11 @@ constexpr auto kPoll = std::chrono::milliseconds(50);
 
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
-// More threads than this only take memory.
-int most_threads() { return std::max(16, 4 * processors()); }
+// As many as are asked for, but more than four for each processor only take memory.
+int threads_for(int asked) {
+    if (asked <= 0) return processors();
+    return asked <= 16 ? asked : std::min(asked, std::max(16, 4 * processors()));
+}
 
 struct Range {
     std::int64_t begin, end;
@@ -169,8 +172,7 @@ void share(const Batch& batch, std::atomic<bool>& stop, const std::function<void
         if (poll()) stop = true;
     };
     const std::int64_t chunks = (batch.rows + batch.chunk - 1) / batch.chunk;
-    const int asked_for = batch.threads > 0 ? std::min(batch.threads, most_threads()) : processors();
-    const int helpers = static_cast<int>(std::min<std::int64_t>(asked_for, chunks)) - 1;
+    const int helpers = static_cast<int>(std::min<std::int64_t>(threads_for(batch.threads), chunks)) - 1;
     Job job(batch, stop, work, std::max(0, helpers));
     Pool& threads = pool();
     threads.offer(job);

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.errors import ConfigurationError, RobotError
+from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -90,6 +90,25 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
             "q has a value that is not finite", where=f"robot {robot.name!r}", got=f"{array[bad]} at index {bad}"
         )
     return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
+
+
+def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[int, ...]) -> Array | None:
+    """The caller's array as the core writes it, (B, *entry); None for none.
+
+    Raises:
+        OptionError: not a writable C-contiguous float64 array of shape (*batch, *entry), or sharing memory with q.
+    """
+    if out is None:
+        return None
+    shape = (*batch, *entry)
+    if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != shape:
+        got = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else f"a {type(out).__name__}"
+        raise OptionError("out does not fit the result", got=got, allowed=f"a float64 array of shape {shape}")
+    if not out.flags.c_contiguous or not out.flags.writeable:
+        raise OptionError("out cannot be written to row by row", allowed="a C-contiguous, writable array")
+    if np.may_share_memory(out, q):
+        raise OptionError("out and q share memory", allowed="an array of its own")
+    return out.reshape(-1, *entry)
 
 
 def _make_chain(robot: Robot) -> _core.Chain:

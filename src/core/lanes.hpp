@@ -77,7 +77,7 @@ inline bool any(Mask mask) {
 
 inline Pack sqrt(Pack x) {
 #if RANKDROP_WIDTH == 8 && defined(__AVX512F__)
-    return (Pack)_mm512_sqrt_pd((__m512d)x);
+    return (Pack)_mm512_maskz_sqrt_pd((__mmask8)0xFF, (__m512d)x);  // all lanes: compilers warn of the plain one
 #elif RANKDROP_WIDTH == 4 && defined(__AVX__)
     return (Pack)_mm256_sqrt_pd((__m256d)x);
 #elif RANKDROP_WIDTH == 2 && defined(__SSE2__)

@@ -24,9 +24,9 @@ struct BallResult {
 class Ball {
   public:
     Ball(const Chain& chain, const View& view, const EnclosureSettings& settings, const double* q0, const bool* matters,
-         double radius, double inner, double smallest, std::int64_t budget, bool keep)
-        : chain_(chain), view_(view), set_(settings), n_(chain.variables), q0_(q0), matters_(matters), radius_(radius),
-          inner_(inner), smallest_(smallest), budget_(budget), keep_(keep) {}
+         const BallSettings& ball)
+        : chain_(chain), view_(view), set_(settings), ball_(ball), n_(chain.variables), q0_(q0), matters_(matters),
+          radius_(settings.radius) {}
 
     // `poll` is asked now and then whether to stop.
     template <class Poll>
@@ -37,10 +37,10 @@ class Ball {
         std::vector<double> q(batch * n_), half(batch * n_);
         std::vector<std::int8_t> free(batch);
         std::vector<std::int32_t> split(batch);
-        while (!heap_.empty() && out.evaluations < budget_) {
+        while (!heap_.empty() && out.evaluations < ball_.budget) {
             std::vector<Box> taken;
-            while (!heap_.empty() && (std::int64_t)taken.size() < std::min(batch, budget_ - out.evaluations)) taken.push_back(pop());
-            if (out.evaluations > 0 && widest(taken.front()) < smallest_) {  // the singular set is here, or too near to tell
+            while (!heap_.empty() && (std::int64_t)taken.size() < std::min(batch, ball_.budget - out.evaluations)) taken.push_back(pop());
+            if (out.evaluations > 0 && widest(taken.front()) < ball_.smallest) {  // the singular set is here, or too near to tell
                 for (Box& box : taken) put(std::move(box));
                 break;
             }
@@ -58,7 +58,7 @@ class Ball {
             for (std::size_t b = 0; b < taken.size(); ++b) {
                 if (!free[b]) {
                     divide(taken[b], split[b]);
-                } else if (keep_) {
+                } else if (ball_.keep) {
                     out.centre.insert(out.centre.end(), taken[b].centre.begin(), taken[b].centre.end());
                     out.half.insert(out.half.end(), taken[b].half.begin(), taken[b].half.end());
                 }
@@ -68,7 +68,7 @@ class Ball {
                 break;
             }
         }
-        out.radius = heap_.empty() ? radius_ : std::max(inner_, std::min(radius_, heap_.front().distance));
+        out.radius = heap_.empty() ? radius_ : std::max(ball_.inner, std::min(radius_, heap_.front().distance));
         return out;
     }
 
@@ -95,7 +95,7 @@ class Ball {
             near += gap * gap, far += end * end;
         }
         const double distance = std::fmax(0.0, std::sqrt(near) * (1.0 - 1e-14) - 1e-15);  // corners are rounded
-        if (distance < radius_ && std::sqrt(far) * (1.0 + 1e-14) + 1e-15 > inner_) put({std::move(centre), std::move(half), distance});
+        if (distance < radius_ && std::sqrt(far) * (1.0 + 1e-14) + 1e-15 > ball_.inner) put({std::move(centre), std::move(half), distance});
     }
 
     void put(Box box) {
@@ -127,12 +127,11 @@ class Ball {
     const Chain& chain_;
     const View& view_;
     const EnclosureSettings& set_;
+    const BallSettings ball_;
     const int n_;
     const double* q0_;
     const bool* matters_;
-    const double radius_, inner_, smallest_;
-    const std::int64_t budget_;
-    const bool keep_;
+    const double radius_;
     std::int64_t rounds_ = 0;
     std::vector<Box> heap_;
 };

@@ -6,57 +6,56 @@
 namespace rankdrop {
 namespace {
 
-EnclosureSettings make_enclosure(const Chain& chain, const View& view, int rank, double length, const In1& scale,
-                                 const In1& arm, double radius, double repeats) {
-    if (rank < 1 || rank > std::min(view.m, chain.variables)) throw nb::value_error("rank out of range");
-    if (chain.joints.size() > (std::size_t)kMostJoints) throw nb::value_error("too many joints");
-    if (view.axes != view.origin || view.axes > (int)chain.joints.size())
+std::unique_ptr<EnclosureSettings> make_settings(int rank, double length, double radius, double repeats, const In1& scale,
+                                                 const In1& arm) {
+    return std::make_unique<EnclosureSettings>(
+        EnclosureSettings{rank, length, radius, repeats, numbers(scale), numbers(arm)});
+}
+
+void fit(const Chain& chain, const View& view, const EnclosureSettings& settings) {
+    fit(chain, view);
+    if (settings.rank < 1 || settings.rank > std::min(view.m, chain.variables)) throw nb::value_error("rank out of range");
+    if (chain.joints.size() > static_cast<std::size_t>(kMostJoints)) throw nb::value_error("too many joints");
+    if (view.axes != view.origin || view.axes > static_cast<int>(chain.joints.size()))
         throw nb::value_error("an enclosure is seen from one link");
-    if ((int)scale.shape(0) != chain.variables || arm.shape(0) != chain.joints.size())
+    if (static_cast<int>(settings.scale.size()) != chain.variables || settings.arm.size() != chain.joints.size())
         throw nb::value_error("one scale for each variable, one reach for each joint");
-    EnclosureSettings settings;
-    settings.rank = rank, settings.link = view.axes, settings.inverse_length = 1.0 / length;
-    settings.slides = view.row[0] < 3, settings.turns = view.row[view.m - 1] > 2;
-    settings.radius = radius, settings.repeats = repeats;
-    settings.scale = scale.data(), settings.arm = arm.data();
-    return settings;
 }
 
 // Boxes (half given) or balls around each row of q; the last five arrays are what the bound speaks of.
-nb::object enclose(const Chain& chain, const View& view, const In2& q, const nb::object& half, int rank, double length,
-                   const In1& scale, const In1& arm, double radius, double repeats, int threads) {
+nb::object enclose(const Chain& chain, const View& view, const In2& q, const std::optional<In2>& half,
+                   const EnclosureSettings& settings, int threads) {
     fit(chain, q);
-    const EnclosureSettings settings = make_enclosure(chain, view, rank, length, scale, arm, radius, repeats);
-    const std::size_t rows = q.shape(0), n = chain.variables, m = view.m, r = rank, joints = chain.joints.size();
-    const double* widths = nullptr;
-    if (!half.is_none()) {
-        const In2 given = nb::cast<In2>(half);
-        if (given.shape(0) != rows || given.shape(1) != n) throw nb::value_error("half-widths have the shape of q");
-        widths = given.data();
-    }
+    fit(chain, view, settings);
+    const std::size_t rows = q.shape(0), n = static_cast<std::size_t>(chain.variables),
+                      m = static_cast<std::size_t>(view.m), r = static_cast<std::size_t>(settings.rank),
+                      joints = chain.joints.size();
+    if (half && (half->shape(0) != rows || half->shape(1) != n)) throw nb::value_error("half-widths have the shape of q");
+    const double* widths = half ? half->data() : nullptr;
+    Result<std::int8_t> free({rows});
+    Result<double> radius({rows}), bound({rows, r, r}), sigma({rows, r}), u({rows, m, r}), v({rows, n, r}), arm({rows, joints});
+    free.fill(0), radius.fill(0.0);
     EnclosureOutput out;
-    auto* free = make<std::int8_t>(rows);
-    out.free = free;
-    out.radius = make<double>(rows);
-    std::fill(free, free + rows, (std::int8_t)0);
-    std::fill(out.radius, out.radius + rows, 0.0);
-    out.bound = make<double>(rows * r * r), out.sigma = make<double>(rows * r), out.u = make<double>(rows * m * r);
-    out.v = make<double>(rows * n * r), out.arm = make<double>(rows * joints);
-    each((std::int64_t)rows, threads,
+    out.free = free.data(), out.radius = radius.data(), out.bound = bound.data(), out.sigma = sigma.data();
+    out.u = u.data(), out.v = v.data(), out.arm = arm.data();
+    each(rows, threads,
          [&](std::int64_t a, std::int64_t b) { kernels().enclose(chain, view, settings, q.data(), widths, a, b, out); });
-    return nb::make_tuple(array(free, {rows}), array(out.radius, {rows}), array(out.bound, {rows, r, r}),
-                          array(out.sigma, {rows, r}), array(out.u, {rows, m, r}), array(out.v, {rows, n, r}),
-                          array(out.arm, {rows, joints}));
+    return nb::make_tuple(free.give(), radius.give(), bound.give(), sigma.give(), u.give(), v.give(), arm.give());
+}
+
+nb::object array_of(const std::vector<double>& values, std::size_t columns) {
+    Result<double> out({values.size() / columns, columns});
+    std::copy(values.begin(), values.end(), out.data());
+    return out.give();
 }
 
 // One ball by branch and bound: radius, evaluations, interrupted, and the free boxes (centre, half) where kept.
-nb::object ball(const Chain& chain, const View& view, const In1& q, const nb::ndarray<const bool, nb::ndim<1>>& matters,
-                int rank, double length, const In1& scale, const In1& arm, double radius, double inner, double repeats,
-                double smallest, std::int64_t budget, bool keep) {
-    const std::size_t n = chain.variables;
+nb::object ball(const Chain& chain, const View& view, const In1& q, const Flags& matters, const EnclosureSettings& settings,
+                double inner, double smallest, std::int64_t budget, bool keep) {
+    const std::size_t n = static_cast<std::size_t>(chain.variables);
     if (q.shape(0) != n || matters.shape(0) != n) throw nb::value_error("one number for each variable");
-    const EnclosureSettings settings = make_enclosure(chain, view, rank, length, scale, arm, radius, repeats);
-    Ball search(chain, view, settings, q.data(), matters.data(), radius, inner, smallest, budget, keep);
+    fit(chain, view, settings);
+    Ball search(chain, view, settings, q.data(), matters.data(), BallSettings{inner, smallest, budget, keep});
     BallResult found;
     {
         nb::gil_scoped_release release;
@@ -67,22 +66,19 @@ nb::object ball(const Chain& chain, const View& view, const In1& q, const nb::nd
             return true;
         });
     }
-    const std::size_t boxes = found.centre.size() / n;
-    double *centre = make<double>(boxes * n), *half = make<double>(boxes * n);
-    std::copy(found.centre.begin(), found.centre.end(), centre);
-    std::copy(found.half.begin(), found.half.end(), half);
-    return nb::make_tuple(found.radius, found.evaluations, found.stopped, array(centre, {boxes, n}), array(half, {boxes, n}));
+    return nb::make_tuple(found.radius, found.evaluations, found.stopped, array_of(found.centre, n), array_of(found.half, n));
 }
 
 }  // namespace
 
 void bind_certify(nb::module_& module) {
-    module.def("enclose", &enclose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("half").none(), nb::arg("rank"),
-               nb::arg("length"), nb::arg("scale"), nb::arg("arm"), nb::arg("radius"), nb::arg("repeats"),
-               nb::arg("threads") = 0);
-    module.def("ball", &ball, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("matters"), nb::arg("rank"),
-               nb::arg("length"), nb::arg("scale"), nb::arg("arm"), nb::arg("radius"), nb::arg("inner"), nb::arg("repeats"),
-               nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
+    nb::class_<EnclosureSettings>(module, "EnclosureSettings")
+        .def(nb::new_(&make_settings), nb::kw_only(), nb::arg("rank"), nb::arg("length"), nb::arg("radius"),
+             nb::arg("repeats"), nb::arg("scale"), nb::arg("arm"));
+    module.def("enclose", &enclose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("half").none(),
+               nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("ball", &ball, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("matters"), nb::arg("settings"),
+               nb::kw_only(), nb::arg("inner"), nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
 }
 
 }  // namespace rankdrop

@@ -6,16 +6,32 @@
 namespace rankdrop {
 namespace {
 
+// Are the columns orthonormal, to more than single precision? No number that is not finite passes.
+bool orthonormal(const In3& bases) {
+    const std::size_t rows = bases.shape(1), columns = bases.shape(2);
+    for (std::size_t item = 0; item < bases.shape(0); ++item) {
+        const double* basis = bases.data() + item * rows * columns;
+        for (std::size_t a = 0; a < columns; ++a)
+            for (std::size_t b = a; b < columns; ++b) {
+                double sum = a == b ? -1.0 : 0.0;
+                for (std::size_t i = 0; i < rows; ++i) sum += basis[i * columns + a] * basis[i * columns + b];
+                if (!(std::fabs(sum) < 1e-8)) return false;
+            }
+    }
+    return true;
+}
+
 // Orthonormal columns (B, m, k) in, readable bases of their spans out.
 nb::object readable_bases(const In3& bases) {
     const std::size_t count = bases.shape(0), rows = bases.shape(1), columns = bases.shape(2);
     if (columns == 0 || columns > rows) throw nb::value_error("a basis has one to as many columns as rows");
-    double* out = make<double>(count * rows * columns);
+    if (!orthonormal(bases)) throw nb::value_error("columns of a basis are orthonormal");
+    Result<double> out({count, rows, columns});
     {
         nb::gil_scoped_release release;
-        readable((int)rows, (int)columns, bases.data(), (std::int64_t)count, out);
+        readable(static_cast<int>(rows), static_cast<int>(columns), bases.data(), static_cast<std::int64_t>(count), out.data());
     }
-    return array(out, {count, rows, columns});
+    return out.give();
 }
 
 std::unique_ptr<Families> make_families(int variables, const std::vector<double>& m, const std::vector<double>& shift,
@@ -33,41 +49,48 @@ std::unique_ptr<Families> make_families(int variables, const std::vector<double>
     return std::make_unique<Families>(Families{variables, m, shift, a, b, powers, terms, equations, corank, scale});
 }
 
-void fit(const Chain& chain, const View& view, const Families& families, int generic) {
-    if (families.variables != chain.variables) throw nb::value_error("the families are of another number of joints");
-    if (generic < 1 || generic > std::min(view.m, chain.variables)) throw nb::value_error("generic rank out of range");
+std::unique_ptr<MonitorSettings> make_monitor_settings(int generic, double singular, double on, double loose) {
+    return std::make_unique<MonitorSettings>(MonitorSettings{generic, singular, on, loose});
 }
 
-nb::object monitor(const Chain& chain, const View& view, const Families& families, const In2& q, int generic,
-                   double singular, double on, double loose, int threads) {
+void fit(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings) {
+    fit(chain, view);
+    if (families.variables != chain.variables) throw nb::value_error("the families are of another number of joints");
+    if (settings.generic < 1 || settings.generic > std::min(view.m, chain.variables))
+        throw nb::value_error("generic rank out of range");
+}
+
+nb::object monitor(const Chain& chain, const View& view, const Families& families, const In2& q,
+                   const MonitorSettings& settings, int threads) {
     fit(chain, q);
-    fit(chain, view, families, generic);
-    const MonitorSettings settings{generic, singular, on, loose};
-    const std::size_t rows = q.shape(0), m = view.m, n = chain.variables, s = std::min(m, n);
-    const SightingsOutput out{make<double>(rows * s), make<double>(rows * m * m), make<double>(rows * n * n),
-                              make<double>(rows), make<double>(rows), make<std::int32_t>(rows),
-                              make<std::int32_t>(rows), make<std::int32_t>(rows)};
-    each((std::int64_t)rows, threads, [&](std::int64_t from, std::int64_t to) {
+    fit(chain, view, families, settings);
+    const std::size_t rows = q.shape(0), m = static_cast<std::size_t>(view.m),
+                      n = static_cast<std::size_t>(chain.variables), s = std::min(m, n);
+    Result<double> sigma({rows, s}), u({rows, m, m}), v({rows, n, n}), residual({rows}), distance({rows});
+    Result<std::int32_t> rank({rows}), family({rows}), nearest({rows});
+    const SightingsOutput out{sigma.data(),    u.data(),    v.data(),      residual.data(),
+                              distance.data(), rank.data(), family.data(), nearest.data()};
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) {
         kernels().monitor(chain, view, families, settings, q.data(), from, to, out);
     });
-    return nb::make_tuple(array(out.sigma, {rows, s}), array(out.rank, {rows}), array(out.family, {rows}),
-                          array(out.nearest, {rows}), array(out.residual, {rows}), array(out.u, {rows, m, m}),
-                          array(out.v, {rows, n, n}), array(out.distance, {rows}));
+    return nb::make_tuple(sigma.give(), rank.give(), family.give(), nearest.give(), residual.give(), u.give(), v.give(),
+                          distance.give());
 }
 
 // One configuration; None for a q that is not finite. As for `jacobian_one`, the narrowest lanes give the same bits.
-nb::object monitor_one(const Chain& chain, const View& view, const Families& families, const In1& q, int generic,
-                       double singular, double on, double loose) {
-    fit(chain, view, families, generic);
-    const std::size_t m = view.m, n = chain.variables, s = std::min(m, n);
+nb::object monitor_one(const Chain& chain, const View& view, const Families& families, const In1& q,
+                       const MonitorSettings& settings) {
+    fit(chain, view, families, settings);
+    const std::size_t m = static_cast<std::size_t>(view.m), n = static_cast<std::size_t>(chain.variables), s = std::min(m, n);
     if (q.shape(0) != n) throw nb::value_error("q has the wrong shape");
     for (std::size_t j = 0; j < n; ++j)
         if (!std::isfinite(q.data()[j])) return nb::none();
+    Result<double> sigma({s}), u({m, m});
     double residual, distance;
     std::int32_t rank, family, nearest;
-    const SightingsOutput out{make<double>(s), make<double>(m * m), nullptr, &residual, &distance, &rank, &family, &nearest};
-    narrowest().monitor(chain, view, families, MonitorSettings{generic, singular, on, loose}, q.data(), 0, 1, out);
-    return nb::make_tuple(array(out.sigma, {s}), rank, family, nearest, residual, array(out.u, {m, m}), distance);
+    const SightingsOutput out{sigma.data(), u.data(), nullptr, &residual, &distance, &rank, &family, &nearest};
+    narrowest().monitor(chain, view, families, settings, q.data(), 0, 1, out);
+    return nb::make_tuple(sigma.give(), rank, family, nearest, residual, u.give(), distance);
 }
 
 }  // namespace
@@ -75,12 +98,16 @@ nb::object monitor_one(const Chain& chain, const View& view, const Families& fam
 void bind_families(nb::module_& module) {
     nb::class_<Families>(module, "Families").def_ro("variables", &Families::variables);
     module.def("readable", &readable_bases, nb::arg("bases"));
-    module.def("make_families", &make_families, nb::arg("variables"), nb::arg("m"), nb::arg("shift"), nb::arg("a"),
-               nb::arg("b"), nb::arg("powers"), nb::arg("terms"), nb::arg("equations"), nb::arg("corank"), nb::arg("scale"));
-    module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"), nb::arg("generic"),
-               nb::arg("singular"), nb::arg("on"), nb::arg("loose"), nb::arg("threads") = 0);
+    module.def("make_families", &make_families, nb::kw_only(), nb::arg("variables"), nb::arg("m"), nb::arg("shift"),
+               nb::arg("a"), nb::arg("b"), nb::arg("powers"), nb::arg("terms"), nb::arg("equations"), nb::arg("corank"),
+               nb::arg("scale"));
+    nb::class_<MonitorSettings>(module, "MonitorSettings")
+        .def(nb::new_(&make_monitor_settings), nb::kw_only(), nb::arg("generic"), nb::arg("singular"), nb::arg("on"),
+             nb::arg("loose"));
+    module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
+               nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     module.def("monitor_one", &monitor_one, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
-               nb::arg("generic"), nb::arg("singular"), nb::arg("on"), nb::arg("loose"));
+               nb::arg("settings"));
 }
 
 }  // namespace rankdrop

@@ -2,30 +2,36 @@
 // `rank`, and D = U2^T dJ V2 says what each joint does to it.
 #pragma once
 
+#include <algorithm>
+
 #include "chain.hpp"
+#include "memory.hpp"
 #include "svd.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 
-// Scratch for one pack of configurations; sized once, reused for a whole range.
+// Scratch for one pack of configurations; taken once, used again for a whole range.
 struct Workspace {
     Placed at;
-    Pack *jacobian, *w, *sigma, *u, *v, *f, *d;
+    Pack *jacobian, *w, *sigma, *u, *v;
 
-    static std::size_t size(const Chain& chain, int m) {
-        const std::size_t joints = chain.joints.size(), n = chain.variables;
-        return joints * 6 + 2 * m * n + (m < (int)n ? m : n) + m * m + n * n + m * n + m * n * n;
+    Workspace(const Chain& chain, int m_, Arena& arena) : at(placed_in(chain, arena)) {
+        const std::size_t m = static_cast<std::size_t>(m_), n = static_cast<std::size_t>(chain.variables);
+        jacobian = arena.take<Pack>(m * n), w = arena.take<Pack>(m * n);
+        sigma = arena.take<Pack>(std::min(m, n));
+        u = arena.take<Pack>(m * m), v = arena.take<Pack>(n * n);
     }
-    // `memory` has room for size() packs
-    Workspace(const Chain& chain, int m, Pack* memory) {
-        const std::size_t joints = chain.joints.size(), n = chain.variables;
-        Pack* next = memory;
-        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
-        at.screws = reinterpret_cast<Twist*>(take(joints * 6));
-        jacobian = take(m * n), w = take(m * n);
-        sigma = take(m < (int)n ? m : n);
-        u = take(m * m), v = take(n * n);
-        f = take(m * n), d = take(m * n * n);
+};
+
+// F and D of one pack of configurations, and what they are made with.
+struct Block {
+    Pack *f, *d, *scratch;
+
+    Block(const Chain& chain, int m, int rank, Arena& arena) {
+        const std::size_t n = static_cast<std::size_t>(chain.variables);
+        const std::size_t entries = static_cast<std::size_t>(m - rank) * static_cast<std::size_t>(chain.variables - rank);
+        f = arena.take<Pack>(entries), d = arena.take<Pack>(entries * n);
+        scratch = arena.take<Pack>(n * static_cast<std::size_t>(m));
     }
 };
 
@@ -100,12 +106,11 @@ inline void derivative_times(const Chain& chain, const View& view, const Placed&
 }
 
 // F[a * r + b] and D[(a * r + b) * n + k] at the configuration that `decompose(..., rank)` was called for.
-// `scratch` has room for n * m packs.
-inline void block(const Chain& chain, const View& view, int rank, Workspace& ws, Pack* scratch) {
+inline void fill_block(const Chain& chain, const View& view, int rank, const Workspace& ws, Block& out) {
     const int m = view.m, n = chain.variables, p = m - rank, r = n - rank;
     for (int b = 0; b < r; ++b) {
         const Pack* x = ws.v + (rank + b) * n;
-        derivative_times(chain, view, ws.at, x, scratch);
+        derivative_times(chain, view, ws.at, x, out.scratch);
         Pack image[6];
         for (int c = 0; c < m; ++c) {
             image[c] = fill(0.0);
@@ -115,11 +120,11 @@ inline void block(const Chain& chain, const View& view, int rank, Workspace& ws,
             const Pack* y = ws.u + (rank + a) * m;
             Pack sum = fill(0.0);
             for (int c = 0; c < m; ++c) sum = sum + y[c] * image[c];
-            ws.f[a * r + b] = sum;
+            out.f[a * r + b] = sum;
             for (int k = 0; k < n; ++k) {
                 Pack slope = fill(0.0);
-                for (int c = 0; c < m; ++c) slope = slope + y[c] * scratch[k * m + c];
-                ws.d[(a * r + b) * n + k] = slope;
+                for (int c = 0; c < m; ++c) slope = slope + y[c] * out.scratch[k * m + c];
+                out.d[(a * r + b) * n + k] = slope;
             }
         }
     }

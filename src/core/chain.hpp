@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lanes.hpp"
+#include "memory.hpp"
 #include "model.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -76,6 +77,12 @@ struct Placed {
     bool base_axes;  // R = I: nothing to turn
     Motion end;      // pose of the tip
 };
+
+inline Placed placed_in(const Chain& chain, Arena& arena) {
+    Placed out;
+    out.screws = arena.take<Twist>(chain.joints.size());
+    return out;
+}
 
 inline void forward(const Chain& chain, const View& view, const Pack* q, Placed& out) {
     const int joints = (int)chain.joints.size();

@@ -12,30 +12,19 @@ namespace rankdrop::RANKDROP_ISA {
 
 class Descent {
   public:
-    static std::size_t size(const Chain& chain, int m) {
-        return Workspace::size(chain, m) + (std::size_t)chain.variables * (m + 1);
-    }
-
-    // `numbers` has room for doubles() doubles
-    static std::size_t doubles(const Chain& chain, int m) {
-        const std::size_t n = chain.variables;
-        return 8 * n + m + (std::size_t)m * m * n + 2 * (std::size_t)m * n + 2 * m * m;
-    }
-
-    Descent(const Chain& chain, const View& view, const SearchSettings& settings, Pack* memory, double* numbers)
+    Descent(const Chain& chain, const View& view, const SearchSettings& settings, Arena& arena)
         : chain_(chain), view_(view), set_(settings), n_(chain.variables),
-          s_(view.m < chain.variables ? view.m : chain.variables), ws_(chain, view.m, memory) {
-        scratch_ = memory + Workspace::size(chain, view.m);
-        lanes_q_ = scratch_ + n_ * view.m;
-        double* next = numbers;
-        const auto take = [&](std::size_t count) { double* here = next; next += count; return here; };
-        q_ = take(n_), direction_ = take(n_), previous_ = take(n_), mixed_ = take(n_), best_mix_ = take(n_), unit_ = take(n_);
-        sigma_ = take(view.m), tensor_ = take(view.m * view.m * n_), gradients_ = take(view.m * n_);
-        turned_ = take(view.m * n_), rotation_ = take(view.m * view.m), candidate_ = take(view.m * view.m);
+          s_(view.m < chain.variables ? view.m : chain.variables), ws_(chain, view.m, arena) {
+        const std::size_t n = static_cast<std::size_t>(n_), m = static_cast<std::size_t>(view.m);
+        scratch_ = arena.take<Pack>(n * m), lanes_q_ = arena.take<Pack>(n);
+        for (double** vector : {&q_, &direction_, &previous_, &mixed_, &best_mix_, &unit_}) *vector = arena.take<double>(n);
+        sigma_ = arena.take<double>(m), tensor_ = arena.take<double>(m * m * n);
+        gradients_ = arena.take<double>(m * n), turned_ = arena.take<double>(m * n);
+        rotation_ = arena.take<double>(m * m), candidate_ = arena.take<double>(m * m);
     }
 
-    void run(const double* starts, std::int64_t begin, std::int64_t end, const SearchOutput& out, const volatile bool* stop) {
-        for (std::int64_t start = begin; start < end && !*stop; ++start) one(starts, start, out);
+    void run(const double* starts, std::int64_t begin, std::int64_t end, const SearchOutput& out, const std::atomic<bool>& stop) {
+        for (std::int64_t start = begin; start < end && !stop.load(std::memory_order_relaxed); ++start) one(starts, start, out);
     }
 
   private:
@@ -55,7 +44,7 @@ class Descent {
             if (value <= set_.singular) outcome = kConverged;
             if (outcome == kConverged || iteration >= set_.iterations) break;
             std::copy(gradients_, gradients_ + n_, direction_);
-            const int tied = set_.rotate ? ties() : 1;
+            const int tied = set_.method == Method::rotated ? ties() : 1;
             if (tied > 1) combine(tied);
             if (out.turning && iteration > 0)
                 out.turning[start * (set_.iterations + 1) + iteration] = angle(previous_, direction_);
@@ -69,7 +58,7 @@ class Descent {
             }
             for (int j = 0; j < n_; ++j) {
                 q_[j] -= length * unit_[j];
-                if (set_.lower) q_[j] = std::min(std::max(q_[j], set_.lower[j]), set_.upper[j]);
+                if (!set_.lower.empty()) q_[j] = std::min(std::max(q_[j], set_.lower[j]), set_.upper[j]);
             }
         }
         for (int j = 0; j < n_; ++j) out.q[start * n_ + j] = q_[j];
@@ -221,7 +210,7 @@ class Descent {
                 const double length = lengths[std::min(first + lane, count - 1)];
                 for (int j = 0; j < n_; ++j) {
                     double value = q_[j] - length * unit_[j];
-                    if (set_.lower) value = std::min(std::max(value, set_.lower[j]), set_.upper[j]);
+                    if (!set_.lower.empty()) value = std::min(std::max(value, set_.lower[j]), set_.upper[j]);
                     set(lanes_q_[j], lane, value);
                 }
             }
@@ -230,7 +219,7 @@ class Descent {
         }
     }
 
-    double scale(int j) const { return set_.variable_scale ? set_.variable_scale[j] : 1.0; }
+    double scale(int j) const { return set_.scale[j]; }
 
     const Chain& chain_;
     const View& view_;

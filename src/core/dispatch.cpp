@@ -1,5 +1,5 @@
 // Run-time choice among the instruction sets the core was built for.
-#include <cstring>
+#include <atomic>
 
 #include "kernels.hpp"
 
@@ -13,44 +13,42 @@ namespace avx512 { extern const Kernels table; }
 
 namespace {
 
-int runnable(const Kernels** tables) {
-    int count = 0;
-    tables[count++] = &baseline::table;
+// The tables that this processor can run, narrowest first.
+std::vector<const Kernels*> runnable() {
+    std::vector<const Kernels*> tables{&baseline::table};
 #if defined(RANKDROP_HAVE_X86_SETS)
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx2")) tables[count++] = &avx2::table;
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) tables[count++] = &avx512::table;
+    if (__builtin_cpu_supports("avx2")) tables.push_back(&avx2::table);
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) tables.push_back(&avx512::table);
 #endif
-    return count;
+    return tables;
 }
 
-const Kernels*& chosen() {
-    static const Kernels* table = [] {
-        const Kernels* tables[3];
-        return tables[runnable(tables) - 1];
-    }();
+std::atomic<const Kernels*>& chosen() {
+    static std::atomic<const Kernels*> table{runnable().back()};
     return table;
 }
 
 }  // namespace
 
-const Kernels& kernels() { return *chosen(); }
+const Kernels& kernels() { return *chosen().load(std::memory_order_relaxed); }
 
 const Kernels& narrowest() { return baseline::table; }
 
-int available(const char** names, int room) {
-    const Kernels* tables[3];
-    const int count = runnable(tables);
-    for (int i = 0; i < count && i < room; ++i) names[i] = tables[i]->name;
-    return count;
+const Kernels& kernels(std::size_t rows) {
+    return rows <= static_cast<std::size_t>(baseline::table.width) ? narrowest() : kernels();
 }
 
-bool choose(const char* name) {
-    const Kernels* tables[3];
-    const int count = runnable(tables);
-    for (int i = 0; i < count; ++i)
-        if (std::strcmp(tables[i]->name, name) == 0) {
-            chosen() = tables[i];
+std::vector<std::string> available() {
+    std::vector<std::string> names;
+    for (const Kernels* table : runnable()) names.emplace_back(table->name);
+    return names;
+}
+
+bool choose(const std::string& name) {
+    for (const Kernels* table : runnable())
+        if (name == table->name) {
+            chosen() = table;
             return true;
         }
     return false;

@@ -1,9 +1,10 @@
 // The kernels over ranges, compiled once per instruction set.
 #include "kernels.hpp"
 
-#include <cstdlib>
+#include <algorithm>
 #include <cstring>
 
+#include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
 #include "nearest.hpp"
@@ -14,56 +15,37 @@
 namespace rankdrop::RANKDROP_ISA {
 namespace {
 
-// Aligned scratch for one call.
-class Memory {
-  public:
-    explicit Memory(std::size_t packs) {
-#if defined(_MSC_VER)
-        base_ = _aligned_malloc((packs + 1) * sizeof(Pack), 64);
-#else
-        base_ = std::aligned_alloc(64, ((packs + 1) * sizeof(Pack) + 63) / 64 * 64);
-#endif
-        if (!base_) std::abort();
-    }
-    ~Memory() {
-#if defined(_MSC_VER)
-        _aligned_free(base_);
-#else
-        std::free(base_);
-#endif
-    }
-    Memory(const Memory&) = delete;
-    Memory& operator=(const Memory&) = delete;
-    Pack* packs() const { return static_cast<Pack*>(base_); }
-
-  private:
-    void* base_;
-};
+Pack* take(Arena& arena, int count) { return arena.take<Pack>(static_cast<std::size_t>(count)); }
 
 int lanes_left(std::int64_t row, std::int64_t end) { return end - row < W ? (int)(end - row) : W; }
 
 // Matrix held by columns in lanes -> row-major rows x columns
-void store_columns(const Pack* in, int rows, int columns, int count, double* out, std::ptrdiff_t stride) {
-    for (int lane = 0; lane < count; ++lane)
-        for (int i = 0; i < rows; ++i)
-            for (int j = 0; j < columns; ++j) out[stride * lane + i * columns + j] = get(in[j * rows + i], lane);
+void store_columns(const Pack* in, int rows, int columns, int count, double* out, std::ptrdiff_t stride,
+                   Pack* room) {
+    int i = 0, j = 0;
+    const auto next = [&] {
+        const Pack& entry = in[j * rows + i];
+        if (++j == columns) j = 0, ++i;
+        return entry;
+    };
+    store_each(next, rows * columns, count, out, stride, room);
 }
 
 void pose(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {
     const int n = chain.variables;
-    Memory memory(Workspace::size(chain, 6) + n);
-    Workspace ws(chain, 6, memory.packs());
-    Pack* x = memory.packs() + Workspace::size(chain, 6);
+    Arena arena;
+    Placed at = placed_in(chain, arena);
+    Pack* x = take(arena, n);
     const View view;
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
-        forward(chain, view, x, ws.at);
+        forward(chain, view, x, at);
         for (int lane = 0; lane < count; ++lane) {
             double* t = out + (row + lane) * 16;
             for (int i = 0; i < 3; ++i) {
-                for (int j = 0; j < 3; ++j) t[4 * i + j] = get(ws.at.end.r[3 * i + j], lane);
-                t[4 * i + 3] = get(ws.at.end.t[i], lane);
+                for (int j = 0; j < 3; ++j) t[4 * i + j] = get(at.end.r[3 * i + j], lane);
+                t[4 * i + 3] = get(at.end.t[i], lane);
                 t[12 + i] = 0.0;
             }
             t[15] = 1.0;
@@ -73,128 +55,139 @@ void pose(const Chain& chain, const double* q, std::int64_t begin, std::int64_t 
 
 void task_jacobian(const Chain& chain, const View& view, const double* q, std::int64_t begin, std::int64_t end, double* out) {
     const int n = chain.variables, m = view.m;
-    Memory memory(Workspace::size(chain, m) + n);
-    Workspace ws(chain, m, memory.packs());
-    Pack* x = memory.packs() + Workspace::size(chain, m);
+    Arena arena;
+    Placed at = placed_in(chain, arena);
+    Pack *x = take(arena, n), *columns = take(arena, m * n);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
-        forward(chain, view, x, ws.at);
-        jacobian(chain, view, ws.at, ws.jacobian, n, 1);
-        store(ws.jacobian, m * n, count, out + row * m * n, m * n);
+        forward(chain, view, x, at);
+        jacobian(chain, view, at, columns, n, 1);
+        store(columns, m * n, count, out + row * m * n, m * n);
     }
 }
 
 void derivative(const Chain& chain, const View& view, const double* q, std::int64_t begin, std::int64_t end, double* out) {
-    const int n = chain.variables, m = view.m;
-    const std::size_t size = Workspace::size(chain, m);
-    Memory memory(size + 2 * n + (std::size_t)n * m);
-    Workspace ws(chain, m, memory.packs());
-    Pack *x = memory.packs() + size, *unit = x + n, *slopes = unit + n;
+    const int n = chain.variables, size = view.m * n * n;
+    Arena arena;
+    Placed at = placed_in(chain, arena);
+    Derivative slopes(chain, view, arena);
+    Pack* x = take(arena, n);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
-        forward(chain, view, x, ws.at);
-        for (int i = 0; i < n; ++i) {
-            for (int j = 0; j < n; ++j) unit[j] = fill(i == j ? 1.0 : 0.0);
-            derivative_times(chain, view, ws.at, unit, slopes);
-            for (int lane = 0; lane < count; ++lane)
-                for (int a = 0; a < m; ++a)
-                    for (int k = 0; k < n; ++k)
-                        out[(((row + lane) * m + a) * n + i) * n + k] = get(slopes[k * m + a], lane);
-        }
+        forward(chain, view, x, at);
+        store(slopes.at(at), size, count, out + row * size, size);
     }
 }
 
 void decompose_range(const Chain& chain, const View& view, const double* q, std::int64_t begin, std::int64_t end,
                      double* sigma, double* u, double* v) {
     const int n = chain.variables, m = view.m, s = m < n ? m : n;
-    const std::size_t size = Workspace::size(chain, m);
-    Memory memory(size + n);
-    Workspace ws(chain, m, memory.packs());
-    Pack* x = memory.packs() + size;
+    Arena arena;
+    Workspace ws(chain, m, arena);
+    Pack *x = take(arena, n), *room = u ? take(arena, std::max(n, m) * std::max(n, m)) : nullptr;
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, u ? s : -1, ws);
         store(ws.sigma, s, count, sigma + row * s, s);
         if (!u) continue;
-        store_columns(ws.u, m, m, count, u + row * m * m, m * m);
-        store_columns(ws.v, n, n, count, v + row * n * n, n * n);
+        store_columns(ws.u, m, m, count, u + row * m * m, m * m, room);
+        store_columns(ws.v, n, n, count, v + row * n * n, n * n, room);
     }
 }
 
 void block_range(const Chain& chain, const View& view, int rank, const double* q, std::int64_t begin, std::int64_t end,
-                 double* sigma, double* f, double* d, double* u2, double* v2) {
+                 const BlockOutput& out) {
     const int n = chain.variables, m = view.m, s = m < n ? m : n, p = m - rank, r = n - rank;
-    const std::size_t size = Workspace::size(chain, m);
-    Memory memory(size + n + (std::size_t)n * m);
-    Workspace ws(chain, m, memory.packs());
-    Pack *x = memory.packs() + size, *scratch = x + n;
+    Arena arena;
+    Workspace ws(chain, m, arena);
+    Block parts(chain, m, rank, arena);
+    Pack *x = take(arena, n), *room = take(arena, std::max(n, m) * std::max(n, m));
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, rank, ws);
-        block(chain, view, rank, ws, scratch);
-        store(ws.sigma, s, count, sigma + row * s, s);
-        store(ws.f, p * r, count, f + row * p * r, p * r);
-        store(ws.d, p * r * n, count, d + row * p * r * n, p * r * n);
-        store_columns(ws.u + rank * m, m, p, count, u2 + row * m * p, m * p);
-        store_columns(ws.v + rank * n, n, r, count, v2 + row * n * r, n * r);
+        fill_block(chain, view, rank, ws, parts);
+        store(ws.sigma, s, count, out.sigma + row * s, s);
+        store(parts.f, p * r, count, out.f + row * p * r, p * r);
+        store(parts.d, p * r * n, count, out.d + row * p * r * n, p * r * n);
+        store_columns(ws.u + rank * m, m, p, count, out.u2 + row * m * p, m * p, room);
+        store_columns(ws.v + rank * n, n, r, count, out.v2 + row * n * r, n * r, room);
     }
+}
+
+// Brings the largest entry of each matrix near 1 where it is so large or small that fourth powers would leave the range of
+// doubles, by a power of two, which changes no digit; returns what the singular values are to be multiplied by.
+Pack unit_of(Pack* a, int entries) {
+    Pack most = fill(0.0), back = fill(1.0);
+    for (int i = 0; i < entries; ++i) most = max(abs(a[i]), most);
+    const Mask wild = (most > fill(1e50)) | ((most < fill(1e-50)) & (most > fill(0.0)));
+    if (!any(wild)) return back;
+    for (int lane = 0; lane < W; ++lane) {
+        if (!get(wild, lane) || !std::isfinite(get(most, lane))) continue;
+        const int exponent = std::ilogb(get(most, lane));
+        for (int i = 0; i < entries; ++i) set(a[i], lane, std::scalbn(get(a[i], lane), -exponent));
+        set(back, lane, std::scalbn(1.0, exponent));
+    }
+    return back;
 }
 
 void svd_range(int m, int n, const double* a, std::int64_t begin, std::int64_t end, double* sigma, double* u, double* v) {
     const int s = m < n ? m : n, longer = m < n ? n : m;
-    Memory memory(2 * (std::size_t)m * n + s + s * s + longer * longer);
-    Pack *given = memory.packs(), *w = given + m * n, *sv = w + m * n, *narrow = sv + s, *wide = narrow + s * s;
+    Arena arena;
+    Pack *given = take(arena, m * n), *w = take(arena, m * n), *sv = take(arena, s);
+    Pack *narrow = u ? take(arena, s * s) : nullptr, *wide = u ? take(arena, longer * longer) : nullptr;
+    Pack* room = u ? take(arena, longer * longer) : nullptr;
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(a + row * m * n, m * n, count, m * n, given);
+        const Pack unit = unit_of(given, m * n);
         if (m <= n)
-            std::memcpy(static_cast<void*>(w), given, sizeof(Pack) * m * n);
+            for (int i = 0; i < m * n; ++i) w[i] = given[i];
         else
             for (int i = 0; i < m; ++i)
                 for (int j = 0; j < n; ++j) w[j * m + i] = given[i * n + j];
-        svd(w, longer, s, kExact, sv, u ? narrow : nullptr);
+        svd(w, longer, s, kExact, sv, narrow);
+        if (u) complete_basis(w, sv, longer, s, wide);
+        for (int i = 0; i < s; ++i) sv[i] = sv[i] * unit;
         store(sv, s, count, sigma + row * s, s);
         if (!u) continue;
-        complete_basis(w, sv, longer, s, wide);
-        store_columns(m <= n ? narrow : wide, m, m, count, u + row * m * m, m * m);
-        store_columns(m <= n ? wide : narrow, n, n, count, v + row * n * n, n * n);
+        store_columns(m <= n ? narrow : wide, m, m, count, u + row * m * m, m * m, room);
+        store_columns(m <= n ? wide : narrow, n, n, count, v + row * n * n, n * n, room);
     }
 }
 
 void newton(const Chain& chain, const View& view, const SearchSettings& settings, const double* starts,
-            std::int64_t begin, std::int64_t end, std::int64_t first, const SearchOutput& out, const volatile bool* stop) {
-    Memory memory(BlockNewton::size(chain, view.m));
-    BlockNewton(chain, view, settings, memory.packs()).run(starts, begin, end, first, out, stop);
+            std::int64_t begin, std::int64_t end, std::int64_t first, const SearchOutput& out,
+            const std::atomic<bool>& stop) {
+    Arena arena;
+    BlockNewton(chain, view, settings, arena).run(starts, begin, end, first, out, stop);
 }
 
 void descend(const Chain& chain, const View& view, const SearchSettings& settings, const double* starts,
-             std::int64_t begin, std::int64_t end, std::int64_t, const SearchOutput& out, const volatile bool* stop) {
-    Memory memory(Descent::size(chain, view.m));
-    Memory numbers(Descent::doubles(chain, view.m) / W + 1);
-    Descent(chain, view, settings, memory.packs(), reinterpret_cast<double*>(numbers.packs())).run(starts, begin, end, out, stop);
+             std::int64_t begin, std::int64_t end, std::int64_t, const SearchOutput& out, const std::atomic<bool>& stop) {
+    Arena arena;
+    Descent(chain, view, settings, arena).run(starts, begin, end, out, stop);
 }
 
 void enclose(const Chain& chain, const View& view, const EnclosureSettings& settings, const double* q, const double* half,
              std::int64_t begin, std::int64_t end, const EnclosureOutput& out) {
-    Memory memory(Enclosure::size(chain, view.m));
-    Enclosure(chain, view, settings, memory.packs()).run(q, half, begin, end, out);
+    Arena arena;
+    Enclosure(chain, view, settings, arena).run(q, half, begin, end, out);
 }
 
 void nearest(const Chain& chain, const View& view, const NearestSettings& settings, const double* starts,
-             std::int64_t begin, std::int64_t end, const NearestOutput& out, const volatile bool* stop) {
-    Memory memory(NearestWalk::size(chain, view.m, settings.rank));
-    Memory numbers(NearestWalk::doubles(chain) / W + 1);
-    NearestWalk(chain, view, settings, memory.packs(), reinterpret_cast<double*>(numbers.packs())).run(starts, begin, end, out, stop);
+             std::int64_t begin, std::int64_t end, const NearestOutput& out, const std::atomic<bool>& stop) {
+    Arena arena;
+    NearestWalk(chain, view, settings, arena).run(starts, begin, end, out, stop);
 }
 
 void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {
-    const int n = chain.variables, count = (int)chain.joints.size() + 2;
-    Memory memory(n + 12 * (std::size_t)count);
-    Pack *x = memory.packs(), *poses = x + n;
+    const int n = chain.variables, count = chain.links();
+    Arena arena;
+    Pack *x = take(arena, n), *poses = take(arena, 12 * count);
     for (std::int64_t row = begin; row < end; row += W) {
         const int lanes = lanes_left(row, end);
         load(q + row * n, n, lanes, n, x);
@@ -215,10 +208,10 @@ void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t
 void monitor(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings,
              const double* q, std::int64_t begin, std::int64_t end, const SightingsOutput& out) {
     const int n = chain.variables, m = view.m, s = m < n ? m : n;
-    const std::size_t size = Workspace::size(chain, m);
-    Memory memory(size + 2 * n + (std::size_t)n * m);
-    Workspace ws(chain, m, memory.packs());
-    Pack *x = memory.packs() + size, *gradient = x + n, *scratch = gradient + n;
+    Arena arena;
+    Workspace ws(chain, m, arena);
+    Pack *x = take(arena, n), *gradient = take(arena, n), *scratch = take(arena, n * m);
+    Pack* room = take(arena, std::max(n, m) * std::max(n, m));
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
@@ -229,8 +222,8 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
         const Attribution met = attribute(families, settings, fill((double)settings.generic) - rank, x, gradient);
         const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch);
         store(ws.sigma, s, count, out.sigma + row * s, s);
-        store_columns(ws.u, m, m, count, out.u + row * m * m, m * m);
-        if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n);
+        store_columns(ws.u, m, m, count, out.u + row * m * m, m * m, room);
+        if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n, room);
         for (int lane = 0; lane < count; ++lane) {
             out.rank[row + lane] = (std::int32_t)get(rank, lane);
             out.family[row + lane] = (std::int32_t)get(met.family, lane);

@@ -1,13 +1,26 @@
 // The kernels of one instruction set, as a table. Each works on rows begin … end - 1 of row-major batches.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "families.hpp"
 #include "model.hpp"
 #include "settings.hpp"
 
 namespace rankdrop {
+
+// What `block` writes.
+struct BlockOutput {
+    double* sigma;  // (B, s)
+    double* f;      // (B, p, r)
+    double* d;      // (B, p, r, n)
+    double* u2;     // (B, m, p)
+    double* v2;     // (B, n, r)
+};
 
 struct Kernels {
     const char* name;
@@ -21,20 +34,19 @@ struct Kernels {
     // (B, n) -> sigma (B, s) and, where not null, u (B, m, m), v (B, n, n) with vectors as columns
     void (*decompose)(const Chain&, const View&, const double* q, std::int64_t begin, std::int64_t end, double* sigma,
                       double* u, double* v);
-    // (B, n) -> sigma (B, s), f (B, p, r), d (B, p, r, n), u2 (B, m, p), v2 (B, n, r)
     void (*block)(const Chain&, const View&, int rank, const double* q, std::int64_t begin, std::int64_t end,
-                  double* sigma, double* f, double* d, double* u2, double* v2);
+                  const BlockOutput&);
     // (B, m, n) -> sigma (B, s) and, where not null, u (B, m, m), v (B, n, n)
     void (*svd)(int m, int n, const double* a, std::int64_t begin, std::int64_t end, double* sigma, double* u, double* v);
     void (*newton)(const Chain&, const View&, const SearchSettings&, const double* starts, std::int64_t begin,
-                   std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
+                   std::int64_t end, std::int64_t first, const SearchOutput&, const std::atomic<bool>& stop);
     void (*descend)(const Chain&, const View&, const SearchSettings&, const double* starts, std::int64_t begin,
-                    std::int64_t end, std::int64_t first, const SearchOutput&, const volatile bool* stop);
+                    std::int64_t end, std::int64_t first, const SearchOutput&, const std::atomic<bool>& stop);
     // half (B, n) half-widths of boxes around q (B, n), or null for balls
     void (*enclose)(const Chain&, const View&, const EnclosureSettings&, const double* q, const double* half,
                     std::int64_t begin, std::int64_t end, const EnclosureOutput&);
     void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
-                    std::int64_t end, const NearestOutput&, const volatile bool* stop);
+                    std::int64_t end, const NearestOutput&, const std::atomic<bool>& stop);
     // (B, n) -> (B, joints + 2, 4, 4): base, every link, tip
     void (*links)(const Chain&, const double* q, std::int64_t begin, std::int64_t end, double* out);
     void (*monitor)(const Chain&, const View&, const Families&, const MonitorSettings&, const double* q, std::int64_t begin,
@@ -43,11 +55,13 @@ struct Kernels {
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
-// The table for single rows.
+// The table with the narrowest lanes, for single rows.
 const Kernels& narrowest();
+// The quicker of the two for so many rows: both give the same bits.
+const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.
-int available(const char** names, int room);
+std::vector<std::string> available();
 // False if there is no such set here.
-bool choose(const char* name);
+bool choose(const std::string& name);
 
 }  // namespace rankdrop

@@ -77,7 +77,7 @@ inline bool any(Mask mask) {
 
 inline Pack sqrt(Pack x) {
 #if RANKDROP_WIDTH == 8 && defined(__AVX512F__)
-    return (Pack)_mm512_sqrt_pd((__m512d)x);
+    return (Pack)_mm512_maskz_sqrt_pd((__mmask8)0xFF, (__m512d)x);  // all lanes: compilers warn of the plain one
 #elif RANKDROP_WIDTH == 4 && defined(__AVX__)
     return (Pack)_mm256_sqrt_pd((__m256d)x);
 #elif RANKDROP_WIDTH == 2 && defined(__SSE2__)
@@ -157,9 +157,66 @@ inline void load(const double* rows, std::ptrdiff_t stride, int count, int colum
         for (int j = 0; j < columns; ++j) set(out[j], lane, row[j]);
     }
 }
-inline void store(const Pack* in, int columns, int count, double* rows, std::ptrdiff_t stride) {
-    for (int lane = 0; lane < count; ++lane)
-        for (int j = 0; j < columns; ++j) rows[stride * lane + j] = get(in[j], lane);
+
+#if RANKDROP_WIDTH > 1
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define RANKDROP_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#endif
+#endif
+#if !defined(RANKDROP_SHUFFLE)
+#define RANKDROP_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, Mask{__VA_ARGS__})
+#endif
+#endif
+
+// W packs, the rows of a matrix, become its columns: single entries change places first, then pairs, then fours.
+inline void transpose(Pack* x) {
+#if RANKDROP_WIDTH > 1
+    const auto change = [&](int apart, auto low, auto high) {
+        for (int i = 0; i < W; ++i) {
+            if (i & apart) continue;
+            const Pack a = x[i], b = x[i + apart];
+            x[i] = low(a, b), x[i + apart] = high(a, b);
+        }
+    };
+#endif
+#if RANKDROP_WIDTH == 2
+    change(1, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 2); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 1, 3); });
+#elif RANKDROP_WIDTH == 4
+    change(1, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 4, 2, 6); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 1, 5, 3, 7); });
+    change(2, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 1, 4, 5); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 2, 3, 6, 7); });
+#elif RANKDROP_WIDTH == 8
+    change(1, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 8, 2, 10, 4, 12, 6, 14); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 1, 9, 3, 11, 5, 13, 7, 15); });
+    change(2, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 1, 8, 9, 4, 5, 12, 13); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 2, 3, 10, 11, 6, 7, 14, 15); });
+    change(4, [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 0, 1, 2, 3, 8, 9, 10, 11); },
+           [](Pack a, Pack b) { return RANKDROP_SHUFFLE(a, b, 4, 5, 6, 7, 12, 13, 14, 15); });
+#else
+    static_cast<void>(x);
+#endif
+}
+
+// `next` gives the entries of a row one after the other, in lanes; the rows are written one after the other, in whole
+// packs. `room` holds `columns` packs.
+template <class Next>
+inline void store_each(Next next, int columns, int count, double* rows, std::ptrdiff_t stride, Pack* room) {
+    for (int j = 0; j < columns; ++j) room[j] = next();
+    const int whole = count == W ? columns / W * W : 0;
+    for (int j = 0; j < whole; j += W) transpose(room + j);
+    for (int lane = 0; lane < count; ++lane) {
+        double* row = rows + stride * lane;
+        for (int j = 0; j < whole; j += W) std::memcpy(row + j, room + j + lane, sizeof(Pack));
+        for (int j = whole; j < columns; ++j) row[j] = get(room[j], lane);
+    }
+}
+
+// Leaves `in` in another order.
+inline void store(Pack* in, int columns, int count, double* rows, std::ptrdiff_t stride) {
+    store_each([&, j = 0]() mutable { return in[j++]; }, columns, count, rows, stride, in);
 }
 
 }  // namespace rankdrop::RANKDROP_ISA

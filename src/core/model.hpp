@@ -18,10 +18,13 @@ struct Chain {
     std::vector<JointConstants> joints;
     std::vector<double> frames;   // (joints + 2) poses at q = 0, 12 numbers each (rotation by rows, then translation)
     int variables = 0;
+
+    int links() const { return static_cast<int>(joints.size()) + 2; }  // base, one after each joint, tip
 };
 
 // Which rows of the Jacobian, in whose axes, at which point, divided by what.
 struct View {
+    int links = 0;                // of the chains it is a view of
     int axes = 0, origin = 0;     // links: 0 base … joints + 1 tip
     double point[3] = {0, 0, 0};  // in the frame of link `origin`
     int m = 6;

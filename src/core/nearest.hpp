@@ -7,42 +7,26 @@
 // to the last digit at the end only.
 #pragma once
 
-#include "block.hpp"
-#include "settings.hpp"
+#include "tangent.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 
 // Everything is measured in x = (q - centre) / scale, so that a distance is a norm and small ones keep their digits.
 class NearestWalk {
   public:
-    static std::size_t size(const Chain& chain, int m, int rank) {
-        const std::size_t n = chain.variables, entries = (std::size_t)(m - rank) * (n - rank);
-        return Workspace::size(chain, m) + n * m + 6 * n + entries * n + n * n + (entries > n ? entries : n);
-    }
-
-    // `numbers` has room for doubles() doubles
-    static std::size_t doubles(const Chain& chain) { return (std::size_t)W * (5 + chain.variables) * chain.variables; }
-
-    NearestWalk(const Chain& chain, const View& view, const NearestSettings& settings, Pack* memory, double* numbers)
-        : chain_(chain), view_(view), set_(settings), n_(chain.variables),
-          entries_((view.m - settings.rank) * (n_ - settings.rank)),
-          values_(entries_ < n_ ? entries_ : n_), ws_(chain, view.m, memory) {
-        Pack* next = memory + Workspace::size(chain, view.m);
-        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
-        scratch_ = take(n_ * view.m);
-        x_ = take(n_), q_ = take(n_), slope_ = take(n_), correction_ = take(n_), tangent_ = take(n_), free_ = take(n_);
-        w_ = take(entries_ * n_), basis_ = take(n_ * n_), size_ = take(entries_ > n_ ? entries_ : n_);
-        for (int lane = 0; lane < W; ++lane) {
-            double* next_number = numbers + (std::size_t)lane * (5 + n_) * n_;
-            const auto some = [&](int count) { double* here = next_number; next_number += count; return here; };
-            Lane& state = lanes_[lane];
-            state.base = some(n_), state.way = some(n_), state.direction = some(n_), state.moved = some(n_);
-            state.change = some(n_), state.inverse = some(n_ * n_);
+    NearestWalk(const Chain& chain, const View& view, const NearestSettings& settings, Arena& arena)
+        : set_(settings), n_(chain.variables), near_(chain, view, settings, arena) {
+        const std::size_t n = static_cast<std::size_t>(n_);
+        x_ = arena.take<Pack>(n);
+        for (Lane& state : lanes_) {
+            for (double** vector : {&state.base, &state.way, &state.direction, &state.moved, &state.change})
+                *vector = arena.take<double>(n);
+            state.inverse = arena.take<double>(n * n);
         }
     }
 
     // Runs starts begin … end - 1, each from where it stands; `stop` is polled once per evaluation of a pack.
-    void run(const double* starts, std::int64_t begin, std::int64_t end, const NearestOutput& out, const volatile bool* stop) {
+    void run(const double* starts, std::int64_t begin, std::int64_t end, const NearestOutput& out, const std::atomic<bool>& stop) {
         std::int64_t next = begin;
         for (int j = 0; j < n_; ++j) x_[j] = fill(0.0);
         for (;;) {
@@ -51,8 +35,8 @@ class NearestWalk {
                 if (lanes_[lane].start < 0 && next < end) enter(lane, next++, starts);
                 alive = alive || lanes_[lane].start >= 0;
             }
-            if (!alive || *stop) return;
-            evaluate();
+            if (!alive || stop.load(std::memory_order_relaxed)) return;
+            near_.evaluate(x_);
             for (int lane = 0; lane < W; ++lane)
                 if (lanes_[lane].start >= 0) judge(lane, out);
         }
@@ -75,7 +59,7 @@ class NearestWalk {
         double *moved, *change;
     };
 
-    double scale(int j) const { return set_.variable_scale[j]; }
+    double scale(int j) const { return set_.scale[j]; }
 
     void enter(int lane, std::int64_t start, const double* starts) {
         Lane& state = lanes_[lane];
@@ -89,82 +73,10 @@ class NearestWalk {
         for (int j = 0; j < n_; ++j) set(x_[j], lane, (starts[start * n_ + j] - set_.centre[j]) / scale(j));
     }
 
-    // At x_: singular values, Gauss-Newton correction -A^+ F, and the part of -x along the set
-    void evaluate() {
-        for (int j = 0; j < n_; ++j) {
-            q_[j] = fill(set_.centre[j]) + x_[j] * fill(scale(j));
-            if (!set_.lower) continue;
-            q_[j] = min(max(q_[j], fill(set_.lower[j])), fill(set_.upper[j]));
-            x_[j] = (q_[j] - fill(set_.centre[j])) / fill(scale(j));
-        }
-        decompose(chain_, view_, q_, set_.rank, ws_);
-        block(chain_, view_, set_.rank, ws_, scratch_);
-        for (int j = 0; j < n_; ++j) free_[j] = fill(1.0);
-        for (int e = 0; e < entries_; ++e)
-            for (int j = 0; j < n_; ++j) ws_.d[e * n_ + j] = ws_.d[e * n_ + j] * scale(j);
-        split();
-        if (!set_.lower) return;
-        for (int pass = 0; pass < n_ && hold_at_limits(); ++pass) split();
-    }
-
-    // Right singular vectors of A = D in scaled variables; those with a value above a cut span what F sees, the rest the
-    // tangent space. Joints that are held count as if they were not there. Values that are zero on the set are of the
-    // order of sigma beside it, those of a double piece of the order of its root: the cut lies between the two.
-    void split() {
-        const bool tall = entries_ > n_;
-        for (int e = 0; e < entries_; ++e)
-            for (int j = 0; j < n_; ++j) w_[tall ? j * entries_ + e : e * n_ + j] = ws_.d[e * n_ + j] * free_[j];
-        for (int j = 0; j < n_; ++j) {
-            slope_[j] = fill(0.0);
-            for (int e = 0; e < entries_; ++e) slope_[j] = slope_[j] + ws_.d[e * n_ + j] * ws_.f[e];
-            slope_[j] = slope_[j] * free_[j];
-            correction_[j] = fill(0.0);
-            tangent_[j] = -x_[j] * free_[j];
-        }
-        svd(w_, tall ? entries_ : n_, values_, kExact, size_, tall ? basis_ : nullptr);
-        const Pack one = fill(1.0), zero = fill(0.0);
-        const Pack cut = fill(kCut) * sqrt(max(ws_.sigma[set_.rank], fill(1e-16)));
-        smallest_ = size_[0];
-        for (int i = 0; i < values_; ++i) {
-            const Mask seen = size_[i] > cut;
-            smallest_ = select(seen, size_[i], smallest_);
-            const Pack inverse = one / max(size_[i], cut);
-            const Pack norm = tall ? one : inverse;
-            Pack* v = tall ? basis_ + i * n_ : w_ + i * n_;
-            Pack pull = zero, way = zero;
-            for (int j = 0; j < n_; ++j) {
-                v[j] = select(seen, v[j] * norm, zero);
-                pull = pull + v[j] * slope_[j];
-                way = way + v[j] * tangent_[j];
-            }
-            pull = pull * inverse * inverse;
-            for (int j = 0; j < n_; ++j) {
-                correction_[j] = correction_[j] - pull * v[j];
-                tangent_[j] = tangent_[j] - way * v[j];
-            }
-        }
-    }
-
-    // Holds joints at a limit that would be pushed across it; true where one was added
-    bool hold_at_limits() {
-        const Pack zero = fill(0.0);
-        const Mask on_set = ws_.sigma[set_.rank] <= fill(set_.target);
-        bool added = false;
-        for (int j = 0; j < n_; ++j) {
-            const Pack push = select(on_set, tangent_[j], correction_[j]);
-            const Mask held = ((q_[j] <= fill(set_.lower[j])) & (push < zero)) |
-                              ((q_[j] >= fill(set_.upper[j])) & (push > zero));
-            if (!any(held)) continue;
-            added = true;
-            free_[j] = select(held, zero, free_[j]);
-        }
-        return added;
-    }
-
     void judge(int lane, const NearestOutput& out) {
         Lane& state = lanes_[lane];
         ++state.evaluations;
-        const double sigma = get(ws_.sigma[set_.rank], lane), length = norm(correction_, lane);
+        const double sigma = get(near_.sigma(), lane), length = norm(near_.correction, lane);
         if (state.polishing) return polish(lane, sigma, length, out);
         const bool last = state.evaluations >= set_.evaluations;
         if (sigma > set_.target) {
@@ -181,7 +93,7 @@ class NearestWalk {
             distance2 = distance2 + x * x;
             if (state.has_base) along = along + state.way[j] * (x - state.base[j]);
         }
-        const double slope = norm(tangent_, lane), slope2 = slope * slope;
+        const double slope = norm(near_.tangent, lane), slope2 = slope * slope;
         if (state.has_base) {
             // the last digits of the distance are those of the way back to the set; there the gradient decides
             const bool nearer = distance2 <= state.distance2 - 1e-4 * std::fmax(along, 0.0);
@@ -204,7 +116,7 @@ class NearestWalk {
         ++state.corrections;
         state.last_sigma = sigma;
         const double cap = std::fmin(1.0, set_.step / std::fmax(length, 1e-300));
-        for (int j = 0; j < n_; ++j) set(x_[j], lane, get(x_[j], lane) + cap * get(correction_[j], lane));
+        for (int j = 0; j < n_; ++j) set(x_[j], lane, get(x_[j], lane) + cap * get(near_.correction[j], lane));
     }
 
     // Takes the point as the new base and chooses the next direction
@@ -215,14 +127,14 @@ class NearestWalk {
             state.change[j] = state.way[j];
         }
         if (state.has_base) {
-            project(lane, state.moved), project(lane, state.change);
-            for (int j = 0; j < n_; ++j) state.change[j] = state.change[j] - get(tangent_[j], lane);
+            near_.project(lane, state.moved), near_.project(lane, state.change);
+            for (int j = 0; j < n_; ++j) state.change[j] = state.change[j] - get(near_.tangent[j], lane);
             learn(state);
             state.radius = std::fmin(2.0 * state.radius, set_.step);
         }
         for (int j = 0; j < n_; ++j) {
             state.base[j] = get(x_[j], lane);
-            state.way[j] = get(tangent_[j], lane);
+            state.way[j] = get(near_.tangent[j], lane);
         }
         state.has_base = true;
         state.distance2 = distance2;
@@ -235,17 +147,6 @@ class NearestWalk {
         double sum = 0.0;
         for (int j = 0; j < n; ++j) sum = sum + a[j] * b[j];
         return sum;
-    }
-
-    // The part of a lane's vector in the tangent space of the last evaluation, over joints that are not held
-    void project(int lane, double* vector) const {
-        for (int j = 0; j < n_; ++j) vector[j] = vector[j] * get(free_[j], lane);
-        for (int i = 0; i < values_; ++i) {
-            const Pack* v = (entries_ > n_ ? basis_ : w_) + i * n_;
-            double overlap = 0.0;
-            for (int j = 0; j < n_; ++j) overlap = overlap + get(v[j], lane) * vector[j];
-            for (int j = 0; j < n_; ++j) vector[j] = vector[j] - overlap * get(v[j], lane);
-        }
     }
 
     static void forget(Lane& state, int n, double size) {
@@ -272,7 +173,7 @@ class NearestWalk {
     void aim(int lane) {
         Lane& state = lanes_[lane];
         for (int i = 0; i < n_; ++i) state.direction[i] = dot(state.inverse + i * n_, state.way, n_);
-        project(lane, state.direction);
+        near_.project(lane, state.direction);
         state.reach = std::sqrt(dot(state.direction, state.direction, n_));
         if (!(dot(state.direction, state.way, n_) > 1e-6 * state.reach * std::sqrt(state.slope2))) {
             forget(state, n_, 1.0);
@@ -317,7 +218,7 @@ class NearestWalk {
             distance2 = distance2 + state.base[j] * state.base[j];
         }
         state.distance2 = distance2;
-        const double value = get(smallest_, lane);
+        const double value = get(near_.smallest, lane);
         const double blurred = 2e-16 / std::fmax(value, 1e-300);
         if (length <= std::fmax(1e-16, blurred) || state.corrections >= kPolish) return leave(lane, out);
         const auto halved = [](double now, double before) { return now > 0.45 * before && now < 0.55 * before; };
@@ -330,7 +231,7 @@ class NearestWalk {
         }
         state.last_length = length;
         state.last_value = value;
-        for (int j = 0; j < n_; ++j) state.moved[j] = get(correction_[j], lane);
+        for (int j = 0; j < n_; ++j) state.moved[j] = get(near_.correction[j], lane);
         correct(lane, sigma, length);
     }
 
@@ -339,7 +240,7 @@ class NearestWalk {
         const std::int64_t row = state.start;
         for (int j = 0; j < n_; ++j) {
             double q = set_.centre[j] + (state.has_base ? state.base[j] : get(x_[j], lane)) * scale(j);
-            if (set_.lower) q = std::fmin(std::fmax(q, set_.lower[j]), set_.upper[j]);
+            if (!set_.lower.empty()) q = std::fmin(std::fmax(q, set_.lower[j]), set_.upper[j]);
             out.q[row * n_ + j] = q;
         }
         const double length = state.has_base ? std::sqrt(state.distance2) : HUGE_VAL;
@@ -353,17 +254,13 @@ class NearestWalk {
     static constexpr int kShortenings = 12;   // by four, in a row
     static constexpr double kStill = 1e-9;    // |way| / distance at which a point is the nearest
     static constexpr int kPolish = 6;         // corrections at the end
-    static constexpr double kCut = 1e-2;      // values of D below this times the root of sigma are zero
     static constexpr double kNoise = 1e-11;   // of a squared distance, relative
     static constexpr double kLongest = 50.0;  // first estimate of an inverse curvature
 
-    const Chain& chain_;
-    const View& view_;
     const NearestSettings& set_;
-    const int n_, entries_, values_;
-    Workspace ws_;
-    Pack *scratch_, *x_, *q_, *slope_, *correction_, *tangent_, *free_, *w_, *basis_, *size_;
-    Pack smallest_;  // singular value of A that is not zero
+    const int n_;
+    Tangent near_;
+    Pack* x_;
     Lane lanes_[W];
 };
 

@@ -3,75 +3,26 @@
 #pragma once
 
 #include "block.hpp"
+#include "damped.hpp"
 #include "settings.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 
-// Solves (N + mu I) x = b by Cholesky, N symmetric (n x n), in lanes. `l` has room for n * n packs.
-inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack* l, Pack* x) {
-    const Pack tiny = fill(1e-300);
-    for (int j = 0; j < n; ++j) {
-        Pack pivot = normal[j * n + j] + mu;
-        for (int k = 0; k < j; ++k) pivot = pivot - l[j * n + k] * l[j * n + k];
-        // rounding may eat the pivot of a direction that D does not see; the damping alone is left then
-        const Pack root = sqrt(max(pivot, max(mu * fill(1e-3), tiny)));
-        const Pack inverse = fill(1.0) / root;
-        l[j * n + j] = inverse;  // the pivot is only ever divided by
-        for (int i = j + 1; i < n; ++i) {
-            Pack sum = normal[i * n + j];
-            for (int k = 0; k < j; ++k) sum = sum - l[i * n + k] * l[j * n + k];
-            l[i * n + j] = sum * inverse;
-        }
-    }
-    for (int i = 0; i < n; ++i) {
-        Pack sum = b[i];
-        for (int k = 0; k < i; ++k) sum = sum - l[i * n + k] * x[k];
-        x[i] = sum * l[i * n + i];
-    }
-    for (int i = n - 1; i >= 0; --i) {
-        Pack sum = x[i];
-        for (int k = i + 1; k < n; ++k) sum = sum - l[k * n + i] * x[k];
-        x[i] = sum * l[i * n + i];
-    }
-}
-
-inline Pack dot(const Pack* a, const Pack* b, int n) {
-    Pack sum = fill(0.0);
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
-}
-
-// The quadratic model of |F|^2 / 2 at one point: gradient g = D^T F, normal matrix N = D^T D (angles and scaled
-// lengths), with variables pressed against a limit taken out.
-struct Model {
-    Pack *g, *normal;
-    Pack size2;  // |F|^2
-    Pack trace;  // of N
-};
-
 class BlockNewton {
   public:
-    static std::size_t size(const Chain& chain, int m) {
-        const std::size_t n = chain.variables;
-        return Workspace::size(chain, m) + n * m + 2 * (n + n * n) + n * n + 6 * n + 2 * (m < (int)n ? m : n);
-    }
-
-    BlockNewton(const Chain& chain, const View& view, const SearchSettings& settings, Pack* memory)
+    BlockNewton(const Chain& chain, const View& view, const SearchSettings& settings, Arena& arena)
         : chain_(chain), view_(view), set_(settings), n_(chain.variables),
-          s_(view.m < chain.variables ? view.m : chain.variables), ws_(chain, view.m, memory) {
-        Pack* next = memory + Workspace::size(chain, view.m);
-        const auto take = [&](std::size_t count) { Pack* here = next; next += count; return here; };
-        scratch_ = take(n_ * view.m);
-        here_.g = take(n_), here_.normal = take(n_ * n_);
-        trial_.g = take(n_), trial_.normal = take(n_ * n_);
-        factor_ = take(n_ * n_);
-        q_ = take(n_), tried_ = take(n_), step_ = take(n_), minus_g_ = take(n_), best_q_ = take(n_), solution_ = take(n_);
-        sigma_ = take(s_), best_sigma_ = take(s_);
+          s_(view.m < chain.variables ? view.m : chain.variables), ws_(chain, view.m, arena),
+          block_(chain, view.m, settings.rank, arena), here_(n_, arena), trial_(n_, arena) {
+        const std::size_t n = static_cast<std::size_t>(n_), s = static_cast<std::size_t>(s_);
+        factor_ = arena.take<Pack>(n * n);
+        for (Pack** vector : {&q_, &tried_, &step_, &minus_g_, &best_q_, &solution_}) *vector = arena.take<Pack>(n);
+        sigma_ = arena.take<Pack>(s), best_sigma_ = arena.take<Pack>(s);
     }
 
     // Runs starts begin … end - 1; `stop` is polled once per pack iteration.
     void run(const double* starts, std::int64_t begin, std::int64_t end, std::int64_t first, const SearchOutput& out,
-             const volatile bool* stop) {
+             const std::atomic<bool>& stop) {
         std::int64_t next = begin;
         for (int lane = 0; lane < W; ++lane) lanes_[lane].start = -1;
         mu_ = fill(0.0);
@@ -86,7 +37,7 @@ class BlockNewton {
                 }
                 alive = alive || lanes_[lane].start >= 0;
             }
-            if (!alive || *stop) return;
+            if (!alive || stop.load(std::memory_order_relaxed)) return;
             if (!fresh || !all_fresh()) propose();
             for (int lane = 0; lane < W; ++lane)
                 if (lanes_[lane].fresh)
@@ -124,7 +75,7 @@ class BlockNewton {
     // |F|^2, g and N at q; also leaves sigma in ws_
     void evaluate(const Pack* q, Model& model) {
         decompose_fast(chain_, view_, q, set_.rank, ws_);
-        block(chain_, view_, set_.rank, ws_, scratch_);
+        fill_block(chain_, view_, set_.rank, ws_, block_);
         const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
         for (int j = 0; j < n_; ++j) {
             model.g[j] = fill(0.0);
@@ -132,8 +83,8 @@ class BlockNewton {
         }
         model.size2 = fill(0.0);
         for (int e = 0; e < entries; ++e) {
-            Pack* d = ws_.d + e * n_;
-            const Pack f = ws_.f[e];
+            Pack* d = block_.d + e * n_;
+            const Pack f = block_.f[e];
             model.size2 = model.size2 + f * f;
             for (int j = 0; j < n_; ++j) d[j] = d[j] * scale(j);
             for (int j = 0; j < n_; ++j) {
@@ -141,7 +92,7 @@ class BlockNewton {
                 for (int k = 0; k <= j; ++k) model.normal[j * n_ + k] = model.normal[j * n_ + k] + d[j] * d[k];
             }
         }
-        if (set_.lower) hold_at_limits(q, model);
+        if (!set_.lower.empty()) hold_at_limits(q, model);
         model.trace = fill(0.0);
         for (int j = 0; j < n_; ++j) {
             model.trace = model.trace + model.normal[j * n_ + j];
@@ -163,7 +114,7 @@ class BlockNewton {
         }
     }
 
-    double scale(int j) const { return set_.variable_scale ? set_.variable_scale[j] : 1.0; }
+    double scale(int j) const { return set_.scale[j]; }
 
     void propose() {
         const Pack size = sqrt(here_.size2);
@@ -173,7 +124,7 @@ class BlockNewton {
         const Pack cap = min(fill(1.0), fill(set_.step) / max(length, fill(1e-300)));
         for (int j = 0; j < n_; ++j) {
             tried_[j] = q_[j] + step_[j] * cap * scale(j);
-            if (set_.lower) tried_[j] = min(max(tried_[j], fill(set_.lower[j])), fill(set_.upper[j]));
+            if (!set_.lower.empty()) tried_[j] = min(max(tried_[j], fill(set_.lower[j])), fill(set_.upper[j]));
             step_[j] = (tried_[j] - q_[j]) / fill(scale(j));
         }
     }
@@ -251,7 +202,7 @@ class BlockNewton {
         if (state.kicks++ >= set_.kicks || state.iterations >= set_.iterations) return leave(lane, kNearMiss, out);
         for (int j = 0; j < n_; ++j) {
             double value = get(q_[j], lane) + scale(j) * noise(set_.seed, first + state.start, state.kicks, j);
-            if (set_.lower) value = std::fmin(std::fmax(value, set_.lower[j]), set_.upper[j]);
+            if (!set_.lower.empty()) value = std::fmin(std::fmax(value, set_.lower[j]), set_.upper[j]);
             set(q_[j], lane, value);
         }
         state.fresh = true;
@@ -274,8 +225,9 @@ class BlockNewton {
     const SearchSettings& set_;
     const int n_, s_;
     Workspace ws_;
+    Block block_;
     Model here_, trial_;
-    Pack *scratch_, *factor_, *q_, *tried_, *step_, *minus_g_, *best_q_, *solution_, *sigma_, *best_sigma_;
+    Pack *factor_, *q_, *tried_, *step_, *minus_g_, *best_q_, *solution_, *sigma_, *best_sigma_;
     Pack mu_, reachable2_;
     Lane lanes_[W];
 };

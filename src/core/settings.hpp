@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace rankdrop {
 
 enum Outcome : std::int8_t { kConverged = 0, kNearMiss = 1, kSlow = 2, kNotRun = 3 };
 
+// Block Levenberg-Marquardt; steepest descent, plain and with AM's rotation (eqs 12-14).
+enum class Method { newton, descent, rotated };
+
 struct SearchSettings {
+    Method method = Method::newton;
     int rank = 0;                  // the rank to be reached; the block is what lies beyond it
     int iterations = 200;
     double singular = 1e-9;        // sigma[rank] at or below: converged
@@ -16,13 +21,10 @@ struct SearchSettings {
     double step = 1.0;             // largest step [rad, or length scale]
     int kicks = 2;                 // restarts from beside a local minimum before it is called a near miss
     std::uint64_t seed = 0;
-    const double* lower = nullptr;           // (n) limits, or null for none
-    const double* upper = nullptr;
-    const double* variable_scale = nullptr;  // (n) 1 for angles, the length scale for lengths
-    // descent only
-    bool rotate = false;           // AM eqs 12-14
-    double tie = 1e-2;             // relative gap below which singular values count as equal
-    double share = 0.0;            // of the step at whose end sigma would be zero, were it linear; 0 for a line search
+    std::vector<double> scale;     // (n) 1 for angles, the length scale for lengths
+    std::vector<double> lower, upper;  // (n) limits, or empty for none
+    double tie = 1e-2;             // descent: relative gap below which singular values count as equal
+    double share = 0.0;            // descent: of the step at whose end sigma would be zero, were it linear; 0: line search
 };
 
 // Where results go; rows are starts. `history` may be null; else (starts, iterations + 1, s), and `turning`
@@ -38,17 +40,22 @@ struct SearchOutput {
 
 inline constexpr int kMostJoints = 32;  // of a chain whose regions are certified
 
-// Where the Jacobian is looked at for an enclosure: the view has axes and point of `link`, rows of translation, of
-// rotation, or both.
+// What an enclosure is told besides the view, whose axes and point are those of one link.
 struct EnclosureSettings {
-    int rank = 6;                   // the rank to be kept
-    int link = 0;                   // joints before it are 0 … link - 1
-    double inverse_length = 1.0;    // of the translation rows
-    double turns = 1.0, slides = 1.0;  // 1 where the view has rotation rows, translation rows
-    double radius = 3.2;            // largest ball
-    double repeats = 1.0;           // sqrt of the largest number of joints that one variable drives
-    const double* scale = nullptr;  // (n) one unit of each variable in its own unit
-    const double* arm = nullptr;    // (joints) reach from each axis to the point of the link, without travel of slides
+    int rank = 6;               // the rank to be kept
+    double length = 1.0;        // scale of the translation rows
+    double radius = 3.2;        // largest ball
+    double repeats = 1.0;       // sqrt of the largest number of joints that one variable drives
+    std::vector<double> scale;  // (n) one unit of each variable in its own unit
+    std::vector<double> arm;    // (joints) reach from each axis to the point of the link, without travel of slides
+};
+
+// One ball by branch and bound: up to `radius` of its EnclosureSettings.
+struct BallSettings {
+    double inner;         // a ball that is known to be free
+    double smallest;      // boxes are not divided below this
+    std::int64_t budget;  // enclosures, at most
+    bool keep;            // the boxes that were proven free
 };
 
 // Rows are boxes (free, split) or balls (radius); the rest, where bound is not null, is what the bound speaks of.
@@ -82,10 +89,9 @@ struct NearestSettings {
     double singular = 1e-9;                  // sigma[rank] at or below: singular
     double target = 1e-13;                   // sigma[rank] at or below: on the set
     double step = 0.5;                       // longest step [rad, or length scale]
-    const double* centre = nullptr;          // (n) the configuration whose distance is asked for
-    const double* variable_scale = nullptr;  // (n) 1 for angles, the length scale for lengths
-    const double* lower = nullptr;           // (n) limits, or null for none
-    const double* upper = nullptr;
+    std::vector<double> centre;              // (n) the configuration whose distance is asked for
+    std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
+    std::vector<double> lower, upper;        // (n) limits, or empty for none
 };
 
 // Rows are starts; distance and stationarity are infinite where a start did not stay on the set.

@@ -17,6 +17,7 @@ class View:
     def m(self) -> int: ...
 
 def make_chain(
+    *,
     screws: _A,
     turns: list[int],
     frames: _A,
@@ -25,58 +26,73 @@ def make_chain(
     offset: _A,
     variables: int,
 ) -> Chain: ...
-def make_view(axes: int, origin: int, point: list[float], rows: list[int], factors: list[float]) -> View: ...
-def pose(chain: Chain, q: _A, threads: int = 0) -> _A: ...
-def jacobian(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
+def make_view(
+    chain: Chain, *, axes: int, origin: int, point: list[float], rows: list[int], factors: list[float]
+) -> View: ...
+def pose(chain: Chain, q: _A, out: _A | None = None, *, threads: int = 0) -> _A: ...
+def jacobian(chain: Chain, view: View, q: _A, out: _A | None = None, *, threads: int = 0) -> _A: ...
 def jacobian_one(chain: Chain, view: View, q: _A, out: _A) -> bool: ...
-def derivative(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
-def singular_values(chain: Chain, view: View, q: _A, threads: int = 0) -> _A: ...
+def derivative(chain: Chain, view: View, q: _A, out: _A | None = None, *, threads: int = 0) -> _A: ...
+def singular_values(chain: Chain, view: View, q: _A, out: _A | None = None, *, threads: int = 0) -> _A: ...
 def decompose(chain: Chain, view: View, q: _A, threads: int = 0) -> tuple[_A, _A, _A]: ...
 def block(chain: Chain, view: View, q: _A, rank: int, threads: int = 0) -> tuple[_A, _A, _A, _A, _A]: ...
 @overload
 def svd(a: _A, vectors: Literal[True] = True, threads: int = 0) -> tuple[_A, _A, _A]: ...
 @overload
 def svd(a: _A, vectors: Literal[False], threads: int = 0) -> _A: ...
+
+class SearchSettings:
+    def __init__(
+        self,
+        *,
+        method: int,
+        rank: int,
+        iterations: int,
+        singular: float,
+        target: float,
+        stationary: float,
+        seed: int,
+        scale: _A,
+        limits: _A | None,
+        tie: float,
+        share: float = 0.0,
+    ) -> None: ...
+
+class NearestSettings:
+    def __init__(
+        self,
+        *,
+        rank: int,
+        evaluations: int,
+        singular: float,
+        target: float,
+        centre: _A,
+        scale: _A,
+        limits: _A | None,
+    ) -> None: ...
+
 def search(
     chain: Chain,
     view: View,
     starts: _A,
-    rank: int,
-    method: int,
-    iterations: int,
-    singular: float,
-    target: float,
-    stationary: float,
-    seed: int,
-    first: int,
-    scale: _A,
-    limits: _A | None,
-    tie: float,
-    history: bool,
-    threads: int,
-    share: float = 0.0,
+    settings: SearchSettings,
+    *,
+    first: int = 0,
+    history: bool = False,
+    threads: int = 0,
 ) -> tuple[_A, _A, NDArray[np.int8], NDArray[np.int32], _A | None, _A | None, bool]: ...
 def nearest(
-    chain: Chain,
-    view: View,
-    starts: _A,
-    centre: _A,
-    rank: int,
-    evaluations: int,
-    singular: float,
-    target: float,
-    scale: _A,
-    limits: _A | None,
-    threads: int,
+    chain: Chain, view: View, starts: _A, settings: NearestSettings, *, threads: int = 0
 ) -> tuple[_A, _A, _A, NDArray[np.int32]]: ...
 
 class Families:
     @property
     def variables(self) -> int: ...
 
-def links(chain: Chain, q: _A, threads: int = 0) -> _A: ...
+def links(chain: Chain, q: _A, out: _A | None = None, *, threads: int = 0) -> _A: ...
 def readable(bases: _A) -> _A: ...
 def make_families(
+    *,
     variables: int,
     m: list[float],
     shift: list[float],
@@ -88,48 +104,35 @@ def make_families(
     corank: list[int],
     scale: list[float],
 ) -> Families: ...
+
+class MonitorSettings:
+    def __init__(self, *, generic: int, singular: float, on: float, loose: float) -> None: ...
+
 def monitor(
-    chain: Chain,
-    view: View,
-    families: Families,
-    q: _A,
-    generic: int,
-    singular: float,
-    on: float,
-    loose: float,
-    threads: int = 0,
+    chain: Chain, view: View, families: Families, q: _A, settings: MonitorSettings, *, threads: int = 0
 ) -> tuple[_A, _I, _I, _I, _A, _A, _A, _A]: ...
 def monitor_one(
-    chain: Chain, view: View, families: Families, q: _A, generic: int, singular: float, on: float, loose: float
+    chain: Chain, view: View, families: Families, q: _A, settings: MonitorSettings
 ) -> tuple[_A, int, int, int, float, _A, float] | None: ...
+def threads_kept() -> int: ...
 def instruction_sets() -> list[str]: ...
 def instruction_set() -> str: ...
 def choose_instruction_set(name: str) -> bool: ...
+
+class EnclosureSettings:
+    def __init__(self, *, rank: int, length: float, radius: float, repeats: float, scale: _A, arm: _A) -> None: ...
+
 def enclose(
-    chain: Chain,
-    view: View,
-    q: _A,
-    half: _A | None,
-    rank: int,
-    length: float,
-    scale: _A,
-    arm: _A,
-    radius: float,
-    repeats: float,
-    threads: int = 0,
+    chain: Chain, view: View, q: _A, half: _A | None, settings: EnclosureSettings, *, threads: int = 0
 ) -> tuple[NDArray[np.int8], _A, _A, _A, _A, _A, _A]: ...
 def ball(
     chain: Chain,
     view: View,
     q: _A,
     matters: NDArray[np.bool_],
-    rank: int,
-    length: float,
-    scale: _A,
-    arm: _A,
-    radius: float,
+    settings: EnclosureSettings,
+    *,
     inner: float,
-    repeats: float,
     smallest: float,
     budget: int,
     keep: bool,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.errors import ConfigurationError, RobotError
+from rankdrop.errors import ConfigurationError, OptionError, RobotError
 from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
@@ -29,7 +29,7 @@ class Handles:
         self.shape = (robot.n,)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
-        self.world = _make_view(robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
+        self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
 
 
 _handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
@@ -92,6 +92,25 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
 
 
+def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[int, ...]) -> Array | None:
+    """The caller's array as the core writes it, (B, *entry); None for none.
+
+    Raises:
+        OptionError: not a writable C-contiguous float64 array of shape (*batch, *entry), or sharing memory with q.
+    """
+    if out is None:
+        return None
+    shape = (*batch, *entry)
+    if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != shape:
+        got = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else f"a {type(out).__name__}"
+        raise OptionError("out does not fit the result", got=got, allowed=f"a float64 array of shape {shape}")
+    if not out.flags.c_contiguous or not out.flags.writeable:
+        raise OptionError("out cannot be written to row by row", allowed="a C-contiguous, writable array")
+    if np.may_share_memory(out, q):
+        raise OptionError("out and q share memory", allowed="an array of its own")
+    return out.reshape(-1, *entry)
+
+
 def _make_chain(robot: Robot) -> _core.Chain:
     index = {joint.name: i for i, joint in enumerate(robot.variables)}
     driver = [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
@@ -107,17 +126,17 @@ def _make_chain(robot: Robot) -> _core.Chain:
 
 
 def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
-    views = handles_of(robot).views
+    handles = handles_of(robot)
     key = (frame, rows, length)
-    view = views.get(key)
+    view = handles.views.get(key)
     if view is None:
-        view = views[key] = _make_view(robot, frame, rows, length)
+        view = handles.views[key] = _make_view(handles.chain, robot, frame, rows, length)
     return view
 
 
-def _make_view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+def _make_view(chain: _core.Chain, robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
     joints = len(robot.joints)
     return _core.make_view(
-        link_index(frame.axes, joints, "axes"), link_index(frame.origin, joints, "origin"), list(frame.point),
-        list(rows), [1.0 / length if row < 3 else 1.0 for row in rows],
+        chain, axes=link_index(frame.axes, joints, "axes"), origin=link_index(frame.origin, joints, "origin"),
+        point=list(frame.point), rows=list(rows), factors=[1.0 / length if row < 3 else 1.0 for row in rows],
     )

@@ -15,27 +15,30 @@ from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop._core import jacobian_one
-from rankdrop._handles import chain_of, configurations, frame_view, handles_of, task_view
+from rankdrop._handles import chain_of, configurations, frame_view, handles_of, rows_of, task_view
 from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
 
-def pose(robot: Robot, q: ArrayLike) -> Array:
+def pose(robot: Robot, q: ArrayLike, *, out: Array | None = None) -> Array:
     """Pose of the tip in the base frame, T(q) = exp(S_1 q_1) … exp(S_N q_N) · home.
 
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
 
     Returns:
         (..., 4, 4).
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: out has another shape or type, or shares memory with q.
     """
     rows, batch = configurations(robot, q)
-    return _core.pose(chain_of(robot), rows).reshape(*batch, 4, 4)
+    found = _core.pose(chain_of(robot), rows, rows_of(out, rows, batch, (4, 4)))
+    return found.reshape(*batch, 4, 4) if out is None else out
 
 
 def link_poses(robot: Robot, q: ArrayLike) -> Array:
@@ -64,7 +67,7 @@ def link_poses(robot: Robot, q: ArrayLike) -> Array:
     return _core.links(chain_of(robot), rows).reshape(*batch, len(robot.joints) + 2, 4, 4)
 
 
-def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
+def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: Array | None = None) -> Array:
     """Geometric Jacobian: column i is the twist (v; ω) that unit speed of joint i gives the tip.
 
     J_i = (Rᵀ(v_i + ω_i × p) ; Rᵀω_i), with R the axes and p the reference point of `frame` (AM eq. 1; for a revolute
@@ -74,12 +77,14 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
         robot: the arm.
         q: (..., n) configurations [rad or m].
         frame: SPACE, BODY, WORLD_ALIGNED (default), or any `Frame` of the chain.
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
 
     Returns:
         (..., 6, n): rows 0–2 in m per rad or m, rows 3–5 in rad per rad or m.
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: out has another shape or type, or shares memory with q.
         TaskError: the frame names a link that does not exist.
 
     Example:
@@ -89,15 +94,16 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
     """
     handles = handles_of(robot)
     view = handles.world if frame is WORLD_ALIGNED else frame_view(robot, frame)
-    if type(q) is np.ndarray and q.shape == handles.shape and q.dtype == np.float64:
+    if out is None and type(q) is np.ndarray and q.shape == handles.shape and q.dtype == np.float64:
         single = np.empty((6, handles.n))
         if jacobian_one(handles.chain, view, q, single):
             return single
     rows, batch = configurations(robot, q)
-    return _core.jacobian(handles.chain, view, rows).reshape(*batch, 6, robot.n)
+    found = _core.jacobian(handles.chain, view, rows, rows_of(out, rows, batch, (6, robot.n)))
+    return found.reshape(*batch, 6, robot.n) if out is None else out
 
 
-def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED) -> Array:
+def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: Array | None = None) -> Array:
     """Derivative of the Jacobian by every joint, from the bracket.
 
     In SPACE, ∂J_i/∂q_k = [J_k, J_i] for k < i, else 0. In another frame the reference point and the axes move too:
@@ -107,17 +113,20 @@ def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED
         robot: the arm.
         q: (..., n) configurations [rad or m].
         frame: as for `jacobian`.
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
 
     Returns:
         (..., 6, n, n): [..., :, i, k] = ∂J[:, i]/∂q_k.
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: out has another shape or type, or shares memory with q.
         TaskError: the frame names a link that does not exist.
     """
     rows, batch = configurations(robot, q)
-    derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows)
-    return derivative.reshape(*batch, 6, robot.n, robot.n)
+    into = rows_of(out, rows, batch, (6, robot.n, robot.n))
+    derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows, into)
+    return derivative.reshape(*batch, 6, robot.n, robot.n) if out is None else out
 
 
 def task_jacobian(robot: Robot, q: ArrayLike, task: Task) -> Array:

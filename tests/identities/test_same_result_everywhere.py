@@ -62,10 +62,16 @@ def walked(kinds: str, rank: int, threads: int, limits: bool = False) -> tuple[A
     scale, box = joint_scale(robot, task), np.stack([np.full(robot.n, -2.0), np.full(robot.n, 2.0)])
     starts, centre = np.random.default_rng(6).uniform(-2, 2, (150, robot.n)), np.full(robot.n, 0.4)
     chain, view = chain_of(robot), task_view(robot, task)
-    starts = _core.search(
-        chain, view, starts, rank, 0, 60, 1e-9, 1e-9, 1e-5, 0, 0, scale, box if limits else None, 1e-2, False, threads
-    )[0]
-    return _core.nearest(chain, view, starts, centre, rank, 200, 1e-9, 1e-13, scale, box if limits else None, threads)
+    within = box if limits else None
+    onto = _core.SearchSettings(
+        method=0, rank=rank, iterations=60, singular=1e-9, target=1e-9, stationary=1e-5, seed=0, scale=scale,
+        limits=within, tie=1e-2,
+    )  # fmt: skip
+    along = _core.NearestSettings(
+        rank=rank, evaluations=200, singular=1e-9, target=1e-13, centre=centre, scale=scale, limits=within
+    )
+    starts = _core.search(chain, view, starts, onto, threads=threads)[0]
+    return _core.nearest(chain, view, starts, along, threads=threads)
 
 
 WALKS = [("rrrrrrr", 5, False), ("rrprrr", 5, True), ("mrrhpmr", 4, False), ("rrrrrrrr", 5, True), ("pa10", 3, True)]

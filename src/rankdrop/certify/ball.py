@@ -133,8 +133,8 @@ def certified_radius(
         inner = 0.0 if keep_boxes else single
         smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
         radius, count, stopped, middle, half = _core.ball(
-            chain_of(robot), setting.view(), centre, setting.matters, setting.rank, setting.length, setting.scale,
-            setting.arm, at_most, inner, setting.repeats, smallest, int(evaluations), keep_boxes,
+            chain_of(robot), setting.view(robot), centre, setting.matters, setting.told(at_most),
+            inner=inner, smallest=smallest, budget=int(evaluations), keep=keep_boxes,
         )  # fmt: skip
         used, complete = used + count, not stopped
         boxes = (middle, half) if keep_boxes else None

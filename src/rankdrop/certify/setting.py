@@ -54,10 +54,19 @@ class Setting:
     matters: NDArray[np.bool_]
     repeats: float
 
-    def view(self) -> _core.View:
+    def view(self, robot: Robot) -> _core.View:
         """The view the core works in."""
         factors = [1.0 / self.length if row < 3 else 1.0 for row in self.rows]
-        return _core.make_view(self.link, self.link, list(self.point), list(self.rows), factors)
+        return _core.make_view(
+            chain_of(robot), axes=self.link, origin=self.link, point=list(self.point), rows=list(self.rows),
+            factors=factors,
+        )  # fmt: skip
+
+    def told(self, radius: float) -> _core.EnclosureSettings:
+        """What the core is told besides, balls up to `radius` (scaled)."""
+        return _core.EnclosureSettings(
+            rank=self.rank, length=self.length, radius=radius, repeats=self.repeats, scale=self.scale, arm=self.arm
+        )
 
 
 def settings_for(robot: Robot, task: Task) -> tuple[Setting, ...]:
@@ -227,7 +236,4 @@ def enclose(
     Returns:
         free (B,), radius (B,), bound B (B, r, r), Σ (B, r), U₁ (B, m, r), V₁ (B, n, r), M (B, N); see enclosure.hpp.
     """
-    return _core.enclose(
-        chain_of(robot), setting.view(), q, half, setting.rank, setting.length, setting.scale, setting.arm, radius,
-        setting.repeats, threads,
-    )  # fmt: skip
+    return _core.enclose(chain_of(robot), setting.view(robot), q, half, setting.told(radius), threads=threads)

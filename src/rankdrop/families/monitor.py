@@ -101,7 +101,10 @@ class Monitor:
         self._order = np.array(self._numbers, dtype=np.int32)
         self._table = compiled([self.families[i] for i in order], robot, task)
         self._chain, self._view = chain_of(robot), task_view(robot, task)
-        self._limits = tolerances.singular, tolerances.explained, cbrt(tolerances.singular)
+        self._settings = _core.MonitorSettings(
+            generic=self.generic_rank, singular=tolerances.singular, on=tolerances.explained,
+            loose=cbrt(tolerances.singular),
+        )  # fmt: skip
 
     def look(self, Q: ArrayLike, threads: int = 0) -> Sightings:
         """All of it for configurations Q.
@@ -115,7 +118,7 @@ class Monitor:
         """
         rows, _ = configurations(self.robot, Q)
         sigma, rank, family, nearest, residual, u, v, distance = _core.monitor(
-            self._chain, self._view, self._table, rows, self.generic_rank, *self._limits, threads
+            self._chain, self._view, self._table, rows, self._settings, threads=threads
         )
         return Sightings(
             sigma, rank, self.generic_rank - rank, self._order[family], self._order[nearest], residual, u, v, distance
@@ -129,7 +132,7 @@ class Monitor:
         """
         if not (type(q) is np.ndarray and q.shape == (self.robot.n,) and q.dtype == np.float64):
             q = one_configuration(self.robot, q)
-        seen = _core.monitor_one(self._chain, self._view, self._table, q, self.generic_rank, *self._limits)
+        seen = _core.monitor_one(self._chain, self._view, self._table, q, self._settings)
         if seen is None:
             one_configuration(self.robot, q)  # says which value is not finite
             raise AssertionError("the core and the check disagree")
@@ -164,7 +167,10 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
         equations.append(len(terms) - 1)
     corank = [family.corank for family in families]
     scale = joint_scale(robot, task).tolist()
-    return _core.make_families(robot.n, m, shift, a, b, powers, terms, equations, corank, scale)
+    return _core.make_families(
+        variables=robot.n, m=m, shift=shift, a=a, b=b, powers=powers, terms=terms, equations=equations, corank=corank,
+        scale=scale,
+    )  # fmt: skip
 
 
 def _check(equation: Equation, family: Family, robot: Robot) -> None:

@@ -287,11 +287,16 @@ def refine(
     scale = joint_scale(robot, resolved)
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
+    settings = _core.SearchSettings(
+        method=METHODS.index(method), rank=rank, iterations=most, singular=singular, target=tolerances.target,
+        stationary=tolerances.stationary, seed=seed, scale=scale, limits=box, tie=tie,
+        share=0.0 if step is None else step,
+    )  # fmt: skip
+
     def run(part: Array, done: int) -> _Part:
         return _core.search(
-            chain_of(robot), task_view(robot, resolved), part, rank, METHODS.index(method), most, singular,
-            tolerances.target, tolerances.stationary, seed, first + done, scale, box, tie, history, threads,
-            0.0 if step is None else step,
+            chain_of(robot), task_view(robot, resolved), part, settings, first=first + done, history=history,
+            threads=threads,
         )  # fmt: skip
 
     parts = _in_parts(run, rows, progress)

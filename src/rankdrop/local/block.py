@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, handles_of, task_view
+from rankdrop._handles import chain_of, configurations, handles_of, rows_of, task_view
 from rankdrop.errors import OptionError
 from rankdrop.reach import reach, travel_limits
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -62,23 +62,26 @@ class Block:
     sigma: Array
 
 
-def singular_values(robot: Robot, q: ArrayLike, task: Task) -> Array:
+def singular_values(robot: Robot, q: ArrayLike, task: Task, *, out: Array | None = None) -> Array:
     """Singular values of the task Jacobian, descending, by one-sided Jacobi; error at most 4 · eps · ‖J‖.
 
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
         task: from `resolve_task`.
+        out: where to write the result, an array of its shape and float64.
 
     Returns:
         (..., min(m, n)) [1, with the translation rows divided by the length scale].
 
     Raises:
         ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: out has another shape or type, or shares memory with q.
     """
     rows, batch = configurations(robot, q)
-    sigma = _core.singular_values(chain_of(robot), task_view(robot, task), rows)
-    return sigma.reshape(*batch, sigma.shape[1])
+    into = rows_of(out, rows, batch, (min(task.m, robot.n),))
+    sigma = _core.singular_values(chain_of(robot), task_view(robot, task), rows, into)
+    return sigma.reshape(*batch, sigma.shape[1]) if out is None else out
 
 
 def decompose(robot: Robot, q: ArrayLike, task: Task) -> Decomposition:

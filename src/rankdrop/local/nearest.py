@@ -229,14 +229,17 @@ class _Walk:
         if self.box is not None:
             rows = np.clip(rows, *self.box)
         chain, view, limit = chain_of(self.robot), task_view(self.robot, self.task), self.tolerances.singular
-        q, _, outcome, *_ = _core.search(
-            chain, view, rows, self.rank, 0, _LM_ITERATIONS, limit, limit, self.tolerances.stationary, 0, 0, self.scale,
-            self.box, TIE, False, 1,
+        onto = _core.SearchSettings(
+            method=0, rank=self.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
+            stationary=self.tolerances.stationary, seed=0, scale=self.scale, limits=self.box, tie=TIE,
         )  # fmt: skip
-        q, distance, stationarity, _ = _core.nearest(
-            chain, view, self._brought_near(q[outcome == 0]), self.centre, self.rank, _EVALUATIONS, limit,
-            self.tolerances.target, self.scale, self.box, 1,
+        along = _core.NearestSettings(
+            rank=self.rank, evaluations=_EVALUATIONS, singular=limit, target=self.tolerances.target, centre=self.centre,
+            scale=self.scale, limits=self.box,
         )  # fmt: skip
+        q, _, outcome, *_ = _core.search(chain, view, rows, onto, threads=1)
+        near = self._brought_near(q[outcome == 0])
+        q, distance, stationarity, _ = _core.nearest(chain, view, near, along, threads=1)
         singular = singular_values(self.robot, q, self.task)[:, self.rank] <= limit
         kept = singular & np.isfinite(distance)
         return _Found(q[kept], np.linalg.norm((q[kept] - self.centre) / self.scale, axis=1), stationarity[kept])

@@ -1,0 +1,78 @@
+"""Results written into the caller's own array: the same bits, and nothing but the array that was given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import arms
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
+from rankdrop.errors import OptionError
+from rankdrop.kinematics import jacobian, jacobian_derivative, pose
+from rankdrop.local.block import singular_values
+from rankdrop.robot.model import Array
+from rankdrop.task import resolve_task
+
+ROBOT = arms.pa10()
+TASK = resolve_task("pose", ROBOT)
+Function = Callable[..., Array]
+
+
+def values(q: Array, *, out: Array | None = None) -> Array:
+    return singular_values(ROBOT, q, TASK, out=out)
+
+
+def of(function: Function) -> Function:
+    return lambda q, *, out=None: function(ROBOT, q, out=out)
+
+
+CASES = [(of(pose), (4, 4)), (of(jacobian), (6, 7)), (of(jacobian_derivative), (6, 7, 7)), (values, (6,))]
+NAMES = ["pose", "jacobian", "jacobian_derivative", "singular_values"]
+
+
+@pytest.mark.parametrize(("function", "entry"), CASES, ids=NAMES)
+@pytest.mark.parametrize("batch", [(), (1,), (3, 5), (700,), (0,)], ids=str)
+def test_the_given_array_is_filled_and_returned(
+    function: Function, entry: tuple[int, ...], batch: tuple[int, ...], rng: np.random.Generator
+) -> None:
+    q = rng.uniform(-3, 3, (*batch, 7))
+    out = np.full((*batch, *entry), np.nan)
+    assert function(q, out=out) is out
+    np.testing.assert_array_equal(out, function(q))
+
+
+@pytest.mark.parametrize(("function", "entry"), CASES, ids=NAMES)
+def test_an_array_that_does_not_fit_is_refused(function: Function, entry: tuple[int, ...]) -> None:
+    q = np.zeros((4, 7))
+    locked = np.zeros((4, *entry))
+    locked.flags.writeable = False
+    wrong: list[tuple[Any, str]] = [
+        (np.zeros((3, *entry)), "does not fit"), (np.zeros((4, *entry), np.float32), "does not fit"),
+        ([0.0] * 4, "does not fit"), (np.zeros((8, *entry))[::2], "row by row"), (locked, "row by row"),
+    ]  # fmt: skip
+    for out, words in wrong:
+        with pytest.raises(OptionError, match=words):
+            function(q, out=out)
+
+
+def test_memory_of_the_configurations_is_refused() -> None:
+    memory = np.zeros(4 * 42)
+    q, out = memory[:28].reshape(4, 7), memory.reshape(4, 6, 7)
+    with pytest.raises(OptionError, match="share memory"):
+        jacobian(ROBOT, q, out=out)
+    with pytest.raises(ValueError, match="share memory"):
+        _core.jacobian(chain_of(ROBOT), task_view(ROBOT, TASK), q, out)
+
+
+def test_the_core_never_writes_to_a_copy() -> None:
+    """What would have to be converted is refused: the result would be lost."""
+    q = np.zeros((4, 7))
+    for out in (np.zeros((4, 6, 7), np.float32), np.zeros((8, 6, 7))[::2], np.zeros((4, 6, 7), ">f8")):
+        with pytest.raises(TypeError, match="out is"):
+            _core.jacobian(chain_of(ROBOT), task_view(ROBOT, TASK), q, out)
+    with pytest.raises(TypeError):
+        _core.jacobian_one(chain_of(ROBOT), task_view(ROBOT, TASK), q[0], np.zeros((6, 7), np.float32))

@@ -10,7 +10,6 @@ starts with all of them in view. What is found are local maxima; of the relative
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop._handles import check_robot
 from rankdrop.errors import OptionError
-from rankdrop.families.searching import check_numbers
+from rankdrop.families.searching import Progress, check_numbers
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box, structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
@@ -30,8 +29,6 @@ from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, out_of_units, task_in_units
 
 Mask = NDArray[np.bool_]
-Progress = Callable[[int, int], None]
-"""Called with (starts done, starts in all)."""
 STARTS = 300
 _PART = 50  # starts climbed from at once: progress moves, Ctrl-C is heard
 _FIRST, _QUICK = 30, 2  # steps from every start, and the effort spent on each

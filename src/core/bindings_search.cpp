@@ -25,11 +25,11 @@ SearchSettings make_settings(const Chain& chain, const View& view, int rank, int
 // search in parts is the same as in one go. Rows not begun when Ctrl-C came keep outcome 3 and their start.
 nb::object search(const Chain& chain, const View& view, const In2& starts, int rank, int method, int iterations,
                   double singular, double target, double stationary, std::uint64_t seed, std::int64_t first,
-                  const In1& scale, const nb::object& limits, double tie, bool history, int threads) {
+                  const In1& scale, const nb::object& limits, double tie, bool history, int threads, double share) {
     fit(chain, starts);
     SearchSettings settings =
         make_settings(chain, view, rank, iterations, singular, target, stationary, seed, scale, limits, tie);
-    settings.rotate = method == 2;
+    settings.rotate = method == 2, settings.share = share;
     const std::size_t rows = starts.shape(0), n = chain.variables, s = std::min<std::size_t>(view.m, n), steps = iterations + 1;
     double *q = make<double>(rows * n), *sigma = make<double>(rows * s);
     auto* outcome = make<std::int8_t>(rows);
@@ -116,7 +116,7 @@ void bind_search(nb::module_& module) {
     module.def("search", &search, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("rank"), nb::arg("method"),
                nb::arg("iterations"), nb::arg("singular"), nb::arg("target"), nb::arg("stationary"), nb::arg("seed"),
                nb::arg("first"), nb::arg("scale"), nb::arg("limits").none(), nb::arg("tie"), nb::arg("history"),
-               nb::arg("threads"));
+               nb::arg("threads"), nb::arg("share") = 0.0);
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("centre"),
                nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"), nb::arg("target"),
                nb::arg("scale"), nb::arg("limits").none(), nb::arg("threads"));

@@ -41,6 +41,8 @@ class Descent {
   private:
     // refinements of the line search: the step is then right to a thousandth
     static constexpr int kRounds = 5;
+    // a gradient shorter than this points nowhere: a step of a given share stays finite
+    static constexpr double kFlat = 1e-6;
 
     void one(const double* starts, std::int64_t start, const SearchOutput& out) {
         for (int j = 0; j < n_; ++j) q_[j] = starts[start * n_ + j];
@@ -52,12 +54,16 @@ class Descent {
             record(start, iteration, out);
             if (value <= set_.singular) outcome = kConverged;
             if (outcome == kConverged || iteration >= set_.iterations) break;
-            for (int k = 0; k < n_; ++k) previous_[k] = gradients_[k], direction_[k] = gradients_[k];
+            std::copy(gradients_, gradients_ + n_, direction_);
             const int tied = set_.rotate ? ties() : 1;
             if (tied > 1) combine(tied);
+            if (out.turning && iteration > 0)
+                out.turning[start * (set_.iterations + 1) + iteration] = angle(previous_, direction_);
+            std::copy(direction_, direction_ + n_, previous_);
             double length = 0.0;
-            const double reached = line_search(direction_, kRounds, length);
-            if (value - reached < 1e-12) {
+            if (set_.share > 0.0) {
+                length = set_.share * value / std::max(aim(direction_), kFlat);
+            } else if (value - line_search(direction_, kRounds, length) < 1e-12) {
                 outcome = kNearMiss;
                 break;
             }
@@ -95,7 +101,6 @@ class Descent {
         if (!out.history) return;
         const std::int64_t row = start * (set_.iterations + 1) + iteration;
         for (int i = 0; i < s_; ++i) out.history[row * s_ + i] = sigma_[i];
-        if (out.turning && iteration > 0) out.turning[row] = angle(previous_, gradients_);
     }
 
     // How many singular values from the driven one on are nearly equal.
@@ -178,16 +183,21 @@ class Descent {
         return size > 0.0 ? std::acos(std::min(1.0, std::max(-1.0, xy / size))) : 0.0;
     }
 
-    // Least sigma[rank] along -gradient: a logarithmic grid, then `rounds` refinements of the best bracket.
-    // Leaves the unit step in unit_ (in the joints' own units) and its length in `length`.
-    double line_search(const double* gradient, int rounds, double& length) {
-        constexpr int kGrid = 16, kRefine = 8;
+    // Leaves the unit step along a gradient in unit_ (in the joints' own units); the gradient's length.
+    double aim(const double* gradient) {
         double norm = 0.0;
         for (int k = 0; k < n_; ++k) norm += gradient[k] * gradient[k];
         norm = std::sqrt(norm);
+        for (int k = 0; k < n_; ++k) unit_[k] = norm < 1e-300 ? 0.0 : scale(k) * gradient[k] / norm;
+        return norm;
+    }
+
+    // Least sigma[rank] along -gradient: a logarithmic grid, then `rounds` refinements of the best bracket.
+    // Leaves its length in `length`.
+    double line_search(const double* gradient, int rounds, double& length) {
+        constexpr int kGrid = 16, kRefine = 8;
         length = 0.0;
-        if (norm < 1e-300) return sigma_[set_.rank];
-        for (int k = 0; k < n_; ++k) unit_[k] = scale(k) * gradient[k] / norm;
+        if (aim(gradient) < 1e-300) return sigma_[set_.rank];
         double lengths[kGrid], values[kGrid];
         for (int i = 0; i < kGrid; ++i) lengths[i] = 1e-7 * std::exp(i * std::log(1.5e7) / (kGrid - 1));
         values_along(lengths, kGrid, values);

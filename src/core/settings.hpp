@@ -22,10 +22,11 @@ struct SearchSettings {
     // descent only
     bool rotate = false;           // AM eqs 12-14
     double tie = 1e-2;             // relative gap below which singular values count as equal
+    double share = 0.0;            // of the step at whose end sigma would be zero, were it linear; 0 for a line search
 };
 
 // Where results go; rows are starts. `history` may be null; else (starts, iterations + 1, s), and `turning`
-// (starts, iterations + 1) the angle between successive gradients [rad].
+// (starts, iterations + 1) the angle between the gradients followed in successive iterations [rad].
 struct SearchOutput {
     double* q;
     double* sigma;

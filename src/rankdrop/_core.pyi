@@ -54,6 +54,7 @@ def search(
     tie: float,
     history: bool,
     threads: int,
+    share: float = 0.0,
 ) -> tuple[_A, _A, NDArray[np.int8], NDArray[np.int32], _A | None, _A | None, bool]: ...
 def nearest(
     chain: Chain,

@@ -52,6 +52,9 @@ ALIGNED = DEFAULT.value
 ENTRY = 1e-6
 """Entries of unit vectors below this do not count as entries [1]: a thousand times what `singular` leaves in them."""
 
+TIE = 1e-2
+"""Relative gap below which AM's method takes two singular values for equal; AM do not print theirs."""
+
 # What a file of an arm leaves open.
 
 SQUARE = 2e-5

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+import rankdrop
 from rankdrop.cli import exits
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import robot_names
@@ -68,7 +69,7 @@ def test_json_in_a_file_is_the_same_for_any_number_of_threads(run, tmp_path: Pat
 
 
 def test_unexplained_points_end_with_three(run, shapes: Analysis, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", lambda *args, **options: shapes)
+    monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: shapes)
     ended = run("analyze", "pa10")
     assert ended.code == exits.UNEXPLAINED
     assert ended.out.startswith("Incomplete: ")
@@ -111,6 +112,12 @@ def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
         (("find", "pa10", "--corank", "1", "--method", "magic"), "almarkhi"),
         (("find", "pa10", "--corank", "1", "--out", "a.xls"), ".csv, .json, .npz"),
         (("find", "pa10", "--corank", "1", "--history", "a.json"), ".csv, .npz"),
+        (("find", "pa10", "--corank", "1", "--step", "0.5"), "gradient and almarkhi"),
+        (("find", "pa10", "--corank", "1", "--method", "gradient", "--step", "long"), "line, or a number up to 2"),
+        (("find", "pa10", "--corank", "1", "--start", "1,2"), "7 joint values are needed"),
+        (("find", "pa10", "--corank", "1", "--start", "0"), "no random start has this number"),
+        (("find", "pa10", "--corank", "1", "--tie", "2"), "0 … 1"),
+        (("find", "pa10", "--corank", "1", "--iterations", "0"), "1 … 1000000"),
         (("fly",), "robots, analyze, conditions, find"),
     ],
 )
@@ -127,7 +134,7 @@ def test_a_bug_ends_with_one_and_a_traceback(run, monkeypatch: pytest.MonkeyPatc
     def broken(*args: object, **options: object) -> None:
         raise ZeroDivisionError("this test's own")
 
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", broken)
+    monkeypatch.setattr(rankdrop, "analyze", broken)
     ended = run("analyze", "pa10")
     assert ended.code == exits.INTERNAL
     assert "Traceback" in ended.err
@@ -257,3 +264,75 @@ def test_a_reader_that_has_gone_is_no_error() -> None:
     os.close(writer)
     assert done.returncode == exits.BROKEN_PIPE
     assert done.stderr == b""
+
+
+def test_a_descent_is_told_its_start_its_steps_and_its_ties(run, tmp_path: Path) -> None:
+    path = tmp_path / "one.json"
+    common = ("find", "pa10", "--corank", "3", "--length-scale", "1", "--seed", "2", "--start", "269", "--quiet")
+    plain = run(*common, "--method", "gradient", "--json", str(path))
+    assert "random start 269" in plain.out
+    assert "method gradient, line search, at most 300 iterations" in " ".join(plain.out.split())
+    assert "It ended at σ4 … = 0.13" in " ".join(plain.out.split())
+    record = json.loads(path.read_text(encoding="utf-8"))
+    Draft202012Validator(load_schema("find")).validate(record)
+    assert record["configurations"][0]["outcome"] == "slow"
+    treated = run(*common, "--method", "almarkhi", "--tie", "0.01", "--json", str(path))
+    assert "1 of 1 starts converged" in treated.out
+    assert json.loads(path.read_text(encoding="utf-8"))["configurations"][0]["iterations"] == 34
+    run(*common, "--method", "almarkhi", "--tie", "0", "--step", "0.5", "--iterations", "7", "--json", str(path))
+    record = json.loads(path.read_text(encoding="utf-8"))
+    assert [record["settings"][key] for key in ("step", "tie", "iterations")] == [0.5, 0.0, 7]
+    assert record["configurations"][0]["iterations"] == 7
+
+
+def test_a_start_can_be_given_in_degrees(run, tmp_path: Path) -> None:
+    path = tmp_path / "one.csv"
+    ended = run("find", "planar2r", "--corank", "1", "--deg", "--start", "-10, 170", "--out", str(path), "--quiet")
+    assert ended.code == exits.FINE
+    q = path.read_text(encoding="utf-8").splitlines()[1].split(",")[3:5]
+    assert [float(value) for value in q] == pytest.approx([np.radians(-10), np.pi], abs=1e-6)
+
+
+def test_stuck_on_a_crease_is_not_a_near_miss(run) -> None:
+    ended = run("find", "pa10", "--corank", "2", "--length-scale", "1", "--seed", "2", "--start", "106", "--method",
+                "gradient", "--quiet")  # fmt: skip
+    assert "0 near misses, 1 stuck on a crease (a tie, no minimum), 0 slow." in " ".join(ended.out.split())
+
+
+def test_tolerant_prints_the_known_optimum_and_saves_it(run, tmp_path: Path) -> None:
+    path = tmp_path / "tolerant.json"
+    ended = run("tolerant", "almarkhi4", "--relative", "--length-scale", "1", "--starts", "40", "--json", str(path),
+                "--quiet")  # fmt: skip
+    assert ended.code == exits.FINE
+    assert "Best worst case: σ3 left / σ1 = 0.5" in ended.out
+    assert "none is better" in " ".join(ended.out.split())
+    record = json.loads(path.read_text(encoding="utf-8"))
+    Draft202012Validator(load_schema("tolerant")).validate(record)
+    assert record["optimal"] is True
+
+
+def test_tolerant_ends_with_3_where_a_joint_is_always_needed(run) -> None:
+    ended = run("tolerant", "pa10", "--quiet")
+    assert ended.code == exits.UNEXPLAINED
+    assert "without joint 4 the rank is below 6 at every configuration" in " ".join(ended.out.split())
+
+
+def test_explain_tells_what_each_failure_leaves(run) -> None:
+    ended = run("explain", "pa10", "--q", "0.3,-0.4,1.1,0.9,-0.7,1.3,0.5", "--evaluations", "0")
+    told = " ".join(ended.out.split())
+    assert "If one joint fails" in told
+    assert "4 joint4 0 0 5 of 6 cannot translate" in told
+    assert "If one joint fails" not in run("explain", "ur5", "--q", "0,-2.3,0.8,1.5,-1.5,0.3", "--evaluations", "0").out
+
+
+def test_analyze_within_limits_tells_values_inside_and_shares(run) -> None:
+    ended = run("analyze", "panda", "--limits", "--starts", "1500", "--exact", "off", "--quiet")
+    told = " ".join(ended.out.split())
+    assert "3.3614" in told
+    assert "2.9218" not in told
+    assert "Within 5° of singularities share of the joint space inside the limits" in told
+    off = run("analyze", "planar2r", "--limits", "--within", "0", "--starts", "100", "--exact", "off", "--quiet")
+    assert "Within" not in off.out
+    wide = run("analyze", "planar2r", "--within", "0.1", "--starts", "100", "--exact", "off", "--quiet")
+    assert "Within 5.73° of singularities share of the joint space, distance over all" in " ".join(wide.out.split())
+    assert run("analyze", "planar2r", "--within", "2").code == exits.BAD_INPUT

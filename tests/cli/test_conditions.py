@@ -387,7 +387,7 @@ def test_a_disagreement_is_shown_and_ends_with_three(
     run, puma: Conditions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wrong = replace(puma, disagreements=("the rank tree has θ5 = 0, decoupling has not",))
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", lambda *args, **options: wrong)
+    monkeypatch.setattr(rankdrop, "conditions", lambda *args, **options: wrong)
     ended = run("conditions", "puma560", "--quiet")
     assert ended.code == exits.UNEXPLAINED
     assert "DISAGREEMENT: the rank tree has θ5 = 0, decoupling has not" in ended.out

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import replace
 
 import pytest
 
+import rankdrop
 from rankdrop.cli import exits
 from rankdrop.compare.joined import DIFFERS, NOT_DERIVED
 from rankdrop.exact.check import Check
@@ -64,7 +64,7 @@ def not_derived(found: Analysis) -> Analysis:
 def test_analyze_calls_nothing_verified_where_it_ends_with_three(
     run, sampled: Analysis, monkeypatch: pytest.MonkeyPatch, change, word: str, begins: str
 ) -> None:
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", lambda *args, **options: change(sampled))
+    monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: change(sampled))
     ended = run("analyze", "scara", "--quiet")
     first, last = first_and_last(ended.out)
     assert first == last
@@ -78,7 +78,7 @@ def test_analyze_says_what_was_done(run, sampled: Analysis, monkeypatch: pytest.
     shown = {"both": sampled, "alone": replace(sampled, exact=None)}
     claims = {"both": ["sampled", "derived exactly"], "alone": ["sampled"]}
     for name, analysis in shown.items():
-        monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "analyze", lambda *args, **options: analysis)  # noqa: B023
+        monkeypatch.setattr(rankdrop, "analyze", lambda *args, **options: analysis)  # noqa: B023
         ended = run("analyze", "scara", "--quiet")
         first, last = first_and_last(ended.out)
         assert first == last
@@ -107,7 +107,7 @@ def test_conditions_calls_nothing_verified_where_it_ends_with_three(
     run, derived, monkeypatch: pytest.MonkeyPatch, change, word: str, begins: str
 ) -> None:
     wrong = replace(derived, **change)
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", lambda *args, **options: wrong)
+    monkeypatch.setattr(rankdrop, "conditions", lambda *args, **options: wrong)
     ended = run("conditions", "scara", "--quiet")
     first, last = first_and_last(ended.out)
     assert first == last

@@ -11,7 +11,7 @@ from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import METHODS, Outcome, refine, search
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.block import singular_values
+from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -50,12 +50,64 @@ def test_a_corank_that_does_not_exist_ends_in_near_misses_never_in_a_find(name, 
     assert found.smallest_near_miss > least
 
 
-def test_almarkhi4_smallest_second_singular_value_is_am_s_with_lengths_in_metres():
+def test_the_smallest_sigma_met_is_that_of_sigma_not_of_the_sum_of_squares():
     robot = open_robot("almarkhi4")
     task = resolve_task("position", robot, length_scale=1.0)
     missed = search(robot, 2, task=task, starts=1000, seed=1)
-    # smallest local minimum of (σ2² + σ3²)/2 over the torus: σ2 = 0.7177 (recomputed for AM section 3.2)
-    assert missed.smallest_near_miss == pytest.approx(0.7177, abs=2e-4)
+    at_block_minima = missed.sigma[missed.outcome == Outcome.NEAR_MISS, 1].min()
+    assert at_block_minima == pytest.approx(0.7177, abs=2e-4)  # where (σ2² + σ3²)/2 is least
+    assert missed.smallest_near_miss == pytest.approx(0.70833, abs=1e-5)
+
+
+def test_steps_to_linearised_zero_reach_rank_1_quickly():
+    robot = open_robot("pa10")
+    found = search(robot, 1, starts=50, seed=1, method="gradient", step=1.0, history=True)
+    assert found.count(Outcome.CONVERGED) == 50
+    assert np.median(found.iterations) < 10
+    small = search(robot, 1, starts=1, seed=1, method="gradient", step=0.01, iterations=50, history=True)
+    sigma = small.history.sigma[0, :, 5]
+    assert sigma[1:] / sigma[:-1] == pytest.approx(0.99 * np.ones(50), abs=2e-3)
+    assert small.outcome[0] == Outcome.SLOW
+    assert (small.step, small.most) == (0.01, 50)
+
+
+def test_ties_are_treated_below_the_gap_that_is_asked_for():
+    robot = open_robot("pa10")
+    task = resolve_task("pose", robot, length_scale=1.0)
+    q = sample(robot, task, 106, 2)[-1:]
+    never = refine(robot, q, 2, task=task, method="almarkhi", tie=0.0)
+    plain = refine(robot, q, 2, task=task, method="gradient")
+    assert np.array_equal(never.q, plain.q)
+    assert plain.outcome[0] == Outcome.CREASE
+    treated = refine(robot, q, 2, task=task, method="almarkhi")
+    assert treated.outcome[0] == Outcome.CONVERGED
+    assert treated.iterations[0] == 20
+    assert not np.array_equal(refine(robot, q, 2, task=task, method="almarkhi", tie=0.5).q, treated.q)
+
+
+def test_a_start_on_its_own_ends_as_in_the_search_it_belongs_to():
+    robot = open_robot("puma560")
+    whole = search(robot, 3, starts=8, seed=5)
+    q = sample(robot, resolve_task(None, robot), 8, 5)
+    alone = refine(robot, q[6:7], 3, seed=5, first=6)
+    assert np.array_equal(alone.q[0], whole.q[6])
+
+
+def test_plain_descents_of_rank_2_end_on_creases_not_at_minima():
+    found = search(open_robot("pa10"), 2, starts=500, seed=2, method="gradient")
+    assert found.count(Outcome.CREASE) > 20
+    assert found.count(Outcome.NEAR_MISS) == 0
+    tied = found.sigma[found.outcome == Outcome.CREASE, 4:]
+    assert (tied[:, 0] - tied[:, 1] < 1e-3 * tied[:, 0]).all()
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"step": 0.5}, {"method": "gradient", "step": 0.0}, {"method": "gradient", "step": 2.5}, {"tie": -0.1},
+              {"tie": float("nan")}, {"iterations": 0}, {"iterations": 1.5}]
+)  # fmt: skip
+def test_rules_of_steps_that_cannot_be_are_refused(wrong):
+    with pytest.raises(OptionError):
+        search(open_robot("pa10"), 1, starts=1, **wrong)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -197,3 +249,11 @@ def test_numbers_out_of_range_are_refused(options: dict[str, Any], words: str) -
 
 def test_the_largest_seed_and_numbers_of_numpy_are_taken() -> None:
     assert search(open_robot("scara"), 1, starts=np.int64(10), seed=2**63 - 1).seed == 2**63 - 1  # type: ignore[arg-type]
+
+
+def test_near_misses_of_the_sum_of_squares_that_lead_on_to_zero_are_no_smallest_sigma():
+    found = search(open_robot("dobot_cr5"), 3, starts=10_000, seed=0)
+    assert found.count(Outcome.NEAR_MISS) > 0
+    assert found.sigma[found.outcome == Outcome.NEAR_MISS, found.rank].min() > 0.1
+    assert len(found.converged) > 9000
+    assert found.smallest_near_miss is None

@@ -7,11 +7,15 @@ from functools import cache
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 
 pytest.importorskip("flint")
 
 from rankdrop.errors import OptionError
+from rankdrop.local.directions import lost_directions
+from rankdrop.reproduce.am_method import pa10
+from rankdrop.reproduce.am_robots import angle_between, printed_null_directions, row_configuration
 from rankdrop.reproduce.page import markdown
 from rankdrop.reproduce.run import DOCUMENTS, Reproduction, names, reproduce
 from rankdrop.schema import load_schema
@@ -108,9 +112,15 @@ def test_errata_of_the_lectures():
 
 @pytest.mark.slow
 def test_errata_of_am():
-    for arm in ("almarkhi4", "pa10"):
-        assert row("AM", "eq. 9", f"k < i, {arm}").verdict == "erratum"
-        assert row("AM", "eq. 9", f"k ≥ i, {arm}").verdict == "agrees"
+    assert [item.verdict for item in found("AM").items if item.item == "eq. 9"] == ["erratum", "agrees"]
+    drawn = [item for item in found("AM").items if re.fullmatch(r"Figure [78]\([a-d]\)", item.item)]
+    assert [item.verdict for item in drawn] == ["agrees"] * 8
+    assert all(" 0° from the span" in item.ours for item in drawn)
+    assert row("AM", "section 3.2", "optimally fault tolerant").verdict == "agrees"
+    for corank, words in ((2, "57 converge with it only, 4 without"), (3, "56 converge with it only, 10 without")):
+        assert words in row("AM", "section 2.2.3", f"gains, rank {corank}").ours
+    left = {item.item for item in found("AM").items if item.verdict == "unreproducible"}
+    assert left == {"Figure 1", "Figure 2", "Figure 3(b)", "section 2.2.3"}
     assert {row("AM", f"Figure 6({part})", "singular direction").verdict for part in "ab"} == {"erratum"}
     assert "14.4°" in row("AM", "Figure 6(a)", "singular direction").reason
     assert "9.2°" in row("AM", "Figure 6(b)", "singular direction").reason
@@ -150,3 +160,17 @@ def test_ctrl_c_keeps_what_is_done():
             raise KeyboardInterrupt
 
     assert not reproduce("GR", progress=stop).complete
+
+
+def test_a_direction_that_is_wrong_would_not_agree():
+    """Figures 7 and 8 compare directions: one that is turned by a degree, or belongs to another row, is found out."""
+    robot, task = pa10()
+    for corank in (1, 2):
+        q = row_configuration(corank, 1)
+        ours = lost_directions(robot, q, task, corank)
+        assert angle_between(ours, printed_null_directions(q, corank)) < 1e-6
+        turned = ours.copy()
+        other = np.linalg.svd(ours)[2][-1]
+        turned[0] = np.cos(np.radians(1.0)) * ours[0] + np.sin(np.radians(1.0)) * other
+        assert angle_between(turned, printed_null_directions(q, corank)) == pytest.approx(1.0, abs=1e-6)
+        assert angle_between(ours, printed_null_directions(row_configuration(corank, 3), corank)) > 5.0

@@ -10,37 +10,43 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.families.searching import Outcome
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, figures, other_pictures
-from rankdrop.reproduce.am_descent import plain_3, run
+from rankdrop.reproduce.am_descent import run
 from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 
-def test_figure_1_ties_and_turns_back():
+def test_figure_1_ties_and_is_stuck():
     picture = am_pictures.descent(1)
     values, angles = picture.panels
     assert [line.label for line in values.lines] == ["σ5", "σ6"]
     assert values.level == 1e-6
     five, six = (line.points for line in values.lines)
-    assert five[-1, 1] <= 1e-6 < five[-2, 1]
+    assert run(1).first_tie() == 6
+    assert five[-1, 1] == pytest.approx(5.1e-4, rel=0.02)
+    assert six[-1, 1] == pytest.approx(five[-1, 1], rel=1e-3)
     assert np.all(five[:, 1] >= six[:, 1])
-    assert np.nanmax(angles.lines[0].points[:, 1]) > 170.0
+    assert len(angles.lines[0].points) == run(1).iterations
+    treated = run(1, "almarkhi")
+    assert treated.outcome is Outcome.CONVERGED
+    assert treated.iterations == 20
+    assert "stuck on the crease" in picture.caption
 
 
-def test_figures_2_and_3_start_together_and_end_apart():
+def test_figures_2_and_3_start_together_meet_a_tie_and_end_apart():
     stuck, through = run(2), run(3)
     assert np.array_equal(stuck.sigma[0], through.sigma[0])
-    assert not stuck.converged
-    assert through.converged
-    assert 110 < np.degrees(np.nanmean(through.angles)) < 130
-
-
-def test_figure_3_owes_nothing_to_the_treatment_of_ties_and_says_so():
-    assert np.array_equal(run(3).sigma, plain_3().sigma)
-    assert "meets no tie" in am_pictures.descent(3).caption
+    assert stuck.first_tie() == through.first_tie() == 3
+    assert np.array_equal(stuck.sigma[:4], through.sigma[:4]), "the treatment begins at the tie"
+    assert not np.array_equal(stuck.sigma[4], through.sigma[4])
+    assert stuck.outcome is not Outcome.CONVERGED
+    assert stuck.sigma[-1, 3] == pytest.approx(0.13, abs=0.005)
+    assert through.outcome is Outcome.CONVERGED
+    assert through.iterations == 34
 
 
 def test_figure_5_is_singular_and_stays_in_the_box():

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised, Nearby
 
+_WITHIN = "5deg"
+
 
 def analyze(
     robot: str,
@@ -26,6 +28,7 @@ def analyze(
     arm: ArmOptions = NO_OPTIONS,
     ideal: IDEAL = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    within: str | None = None,
     exact: Literal["auto", "on", "off"] = "auto",
     fresh: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
@@ -54,6 +57,8 @@ def analyze(
         ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
             What the arm itself does on the families of the ideal one is told.
         limits: Look within the joint limits only; otherwise in the whole joint space.
+        within: Tell the share of the joint space within this distance of each family, such as 5deg or 0.1 (rad); 5deg
+            with --limits; 0 for none.
         exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
         fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).
         starts: Random starts for each corank.
@@ -75,7 +80,7 @@ def analyze(
     with reporter(quiet=quiet) as report:
         analysis = run(
             model, task, starts=starts, seed=seed, limits=limits, exact=exact, fresh=fresh, threads=threads,
-            progress=report,
+            within=_within(within, limits), progress=report,
         )
     there = () if made is None else nearby(made, analysis.task, analysis.families, seed=seed)
     seconds = monotonic() - begun
@@ -102,7 +107,7 @@ def _print(
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import results, show, verdict_line
-    from rankdrop.families import legend
+    from rankdrop.families import legend, near_overview
     from rankdrop.results import sampled, unseen
     from rankdrop.verbs import moved_section, there_section
 
@@ -122,8 +127,18 @@ def _print(
         print_sections([there_section(there)], first=False)
     key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
+    if analysis.near is not None and analysis.families:
+        print_sections([near_overview(analysis.near, analysis.families)], first=False)
     checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))
     show(console, [*key, *([""] if told else []), *told, "", checked, "", verdict])
+
+
+def _within(text: str | None, limits: bool) -> float | None:
+    """The distance asked for [rad]; None for none."""
+    from rankdrop.robot import quantity
+
+    distance = quantity(text or (_WITHIN if limits else "0"), "angle", where="--within")
+    return distance or None
 
 
 def _exit_code(analysis: Analysis) -> int:

@@ -17,8 +17,8 @@ MEANING = {
     INTERNAL: "internal error, with a traceback",
     BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
     UNEXPLAINED: "analyze: some point is not explained, some row not sound, or exact conditions differ; conditions: "
-    "not complete, not verified, or the condition tested is not exact; explain: near a singularity; escape, nearest: "
-    "none found; reproduce: some item differs without a reason",
+    "not complete, not verified, or the condition tested is not exact; explain: near a singularity; escape, nearest, "
+    "tolerant: none found; reproduce: some item differs without a reason",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

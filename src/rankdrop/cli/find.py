@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
 from rankdrop.cli.whole import Whole
+from rankdrop.errors import OptionError
+from rankdrop.tolerances import TIE
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
     from rankdrop.families import Search
+    from rankdrop.robot import Robot
     from rankdrop.task import Task
 
 _SHOWN = 5
+_LINE = "line"
 
 
 def find(
@@ -32,6 +36,11 @@ def find(
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
     seed: Whole = 0,
+    start: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    step: str = _LINE,
+    tie: float = TIE,
+    iterations: Whole | None = None,
     threads: Whole = 0,
     out: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -44,6 +53,7 @@ def find(
         rankdrop find pa10 --corank 3
         rankdrop find ur5 --corank 2 --starts 1000 --out corank2.csv
         rankdrop find pa10 --corank 2 --method almarkhi --history figure.csv
+        rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -52,6 +62,13 @@ def find(
         limits: Look within the joint limits only; otherwise in the whole joint space.
         starts: Random starts.
         seed: Of every random choice; the same seed gives the same result.
+        start: One start in place of the random ones: a configuration (numbers as for explain --q) or, of the random
+            ones, the number that --out and --json give it.
+        deg: Angles of --start without a unit are in degrees.
+        step: Of gradient and almarkhi: line, the length that brings σ lowest, or a number f up to 2: the share f of
+            the step at whose end σ would be zero, were it linear.
+        tie: Of almarkhi: relative gap below which singular values count as equal; 0 for no treatment of ties.
+        iterations: Most iterations per start; else 200, with gradient and almarkhi 300.
         threads: Processors to use; 0 means all. The result does not depend on it.
         out: Write every start's outcome, configuration and singular values to this file: .csv, .json or .npz.
         json: Write the same as JSON to this file; - writes it to stdout in place of the summary.
@@ -61,7 +78,7 @@ def find(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.families import search
+    from rankdrop.families import refine, search
     from rankdrop.results import find_to_dict
 
     check_target(json, "--json")
@@ -71,14 +88,20 @@ def find(
     begun = monotonic()
     model, task = open_arm(robot, arm)
     with reporter(quiet=quiet) as report:
-        found = search(
-            model, corank, task=task, starts=starts, seed=seed, limits=limits, method=method, threads=threads,
-            history=history is not None, progress=lambda done, total: report(f"corank {corank}: search", done, total),
-        )  # fmt: skip
+        options: _Options = {
+            "task": task, "seed": seed, "limits": limits, "method": method, "iterations": iterations,
+            "step": _rule(step), "tie": tie, "history": history is not None, "threads": threads,
+            "progress": lambda done, total: report(f"corank {corank}: search", done, total),
+        }  # fmt: skip
+        if start is None:
+            found = search(model, corank, starts=starts, **options)
+        else:
+            q0, number = _one_start(start, model, task, seed, deg=deg, limits=limits)
+            found = refine(model, [q0], corank, first=number, **options)
     seconds = monotonic() - begun
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: _print(found, task, seconds=seconds))
+        steps.append(lambda: _print(found, task, start, seconds=seconds))
     if json is not None:
         steps.append(lambda: write_json(find_to_dict(found), json))
     if out is not None:
@@ -87,6 +110,53 @@ def find(
         steps.append(lambda: _save_history(found, history))
     do_all(steps)
     return exits.FINE if found.complete else exits.INTERRUPTED
+
+
+class _Options(TypedDict):
+    task: Task
+    seed: int
+    limits: bool
+    method: str
+    iterations: int | None
+    step: float | None
+    tie: float
+    history: bool
+    threads: int
+    progress: Callable[[int, int], None]
+
+
+def _rule(step: str) -> float | None:
+    """The rule of the steps: None for a line search, else a share; what shares there are, the search says."""
+    if step.strip().lower() == _LINE:
+        return None
+    try:
+        return float(step)
+    except ValueError as error:
+        raise OptionError(
+            "this is no rule of the steps", where="--step", got=repr(step), allowed="line, or a number up to 2"
+        ) from error
+
+
+def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, limits: bool) -> tuple[list[float], int]:
+    """A configuration, and its number from 0 among the random starts (0 for one that is given).
+
+    Raises:
+        ConfigurationError: neither one number per joint nor the number of a random start.
+        OptionError: no random start has this number.
+    """
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.families import MOST_STARTS
+    from rankdrop.local import sample
+    from rankdrop.units import in_units, out_of_units, task_in_units
+
+    if robot.n == 1 or not text.strip().isdecimal():
+        return parse_configuration(text, robot, deg=deg, option="--start"), 0
+    number = int(text) if len(text) < 12 else 0
+    if not 1 <= number <= MOST_STARTS:
+        raise OptionError("no random start has this number", where="--start", got=number, allowed=f"1 … {MOST_STARTS}")
+    drawn = sample(in_units(robot), task_in_units(task, robot), number, seed, limits=limits)[-1]
+    values: list[float] = out_of_units(robot, drawn).tolist()
+    return values, number - 1
 
 
 def _save(found: Search, out: str) -> None:
@@ -110,14 +180,27 @@ def _save_history(found: Search, history: str) -> None:
         write_bytes(history_to_csv(steps).encode() if csv else history_to_npz(steps), history)
 
 
-def _print(found: Search, task: Task, *, seconds: float) -> None:
+def _print(found: Search, task: Task, start: str | None, *, seconds: float) -> None:
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.terminal import results, show
 
     where = "within the joint limits" if found.limits else "in the whole joint space (limits ignored)"
-    lines = {"starts": f"{len(found.q):,} {where}, seed {found.seed}", "method": found.method}
+    starts = f"{len(found.q):,} {where}, seed {found.seed}"
+    if start is not None:
+        starts = f"random start {start} {where}, seed {found.seed}" if start.strip().isdecimal() else f"one, {start}"
+    lines = {"starts": starts, "method": _how(found)}
     show(results(), arm_section(found.robot, task, found.rank + found.corank, lines))
     show(results(), _outcome(found, seconds))
+
+
+def _how(found: Search) -> str:
+    """The method with what it was told."""
+    words = [found.method]
+    if found.method != "lm":
+        words.append("line search" if found.step is None else f"steps of {found.step:g} of that to linearised zero")
+    if found.method == "almarkhi":
+        words.append(f"ties below {found.tie:g}" if found.tie else "ties not treated")
+    return ", ".join([*words, f"at most {found.most:,} iterations"])
 
 
 def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
@@ -136,7 +219,11 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
         steps = found.iterations[found.outcome == Outcome.CONVERGED]
         largest = f"Largest σ{found.rank + 1} of a converged start: {found.residual():.2g}"
         yield f"{largest}; median {np.median(steps):.0f} iterations."
-    rest = f"{counts[Outcome.NEAR_MISS]:,} near misses, {counts[Outcome.SLOW]:,} slow."
+    elif len(found.q) == 1 and found.complete:
+        left = ", ".join(f"{value:.4g}" for value in found.sigma[0, found.rank :])
+        yield f"It ended at σ{found.rank + 1} … = {left} after {found.iterations[0]:,} iterations."
+    stuck = f", {counts[Outcome.CREASE]:,} stuck on a crease (a tie, no minimum)" if counts[Outcome.CREASE] else ""
+    rest = f"{counts[Outcome.NEAR_MISS]:,} near misses{stuck}, {counts[Outcome.SLOW]:,} slow."
     if found.smallest_near_miss is not None:
         rest += f" Smallest near miss: σ{found.rank + 1} = {found.smallest_near_miss:.4g}, not singular."
     if not counts[Outcome.CONVERGED]:

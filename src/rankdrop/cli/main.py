@@ -24,6 +24,7 @@ try:
     from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.cli.tolerant import tolerant
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
@@ -62,6 +63,7 @@ app.command(find)
 app.command(explain)
 app.command(escape)
 app.command(nearest)
+app.command(tolerant)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -17,8 +17,10 @@ from rich.text import Text
 
 from rankdrop.compare import conditions_of
 from rankdrop.families import (
+    inside_limits,
     joint_cell,
     joint_symbol,
+    outside_text,
     rounded_share,
     share_text,
     values_text,
@@ -55,11 +57,21 @@ def corank_section(
     yield ""
     yield _title(analysis, summary, len(rows))
     if rows:
-        yield from _rows(console, analysis.robot, shown, analysis.exact, lost=len(shown) == len(rows))
+        kept, outside = _inside(analysis, shown)
+        yield from _rows(console, analysis.robot, kept, analysis.exact, outside, lost=len(shown) == len(rows))
     if len(shown) < len(rows):
         others = [row for number, row in enumerate(rows, start=1) if number not in shown]
         yield Text(_folded(analysis.robot, others), style="dim")
     yield Text(_starts_line(summary), style="dim")
+
+
+def _inside(analysis: Analysis, shown: Mapping[int, Family]) -> tuple[dict[int, Family], dict[int, str]]:
+    """The rows with their values inside the limits, where these were asked for, and what of them lies outside."""
+    if not analysis.settings.limits:
+        return dict(shown), {}
+    inside = {number: inside_limits(row, analysis.robot) for number, row in shown.items()}
+    outside = {number: outside_text(one, analysis.robot) for number, one in inside.items() if one.outside}
+    return {number: inside[number].shown(row) for number, row in shown.items()}, outside
 
 
 def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
@@ -109,19 +121,20 @@ def _kind(robot: Robot, row: Family) -> str:
 
 
 def _rows(
-    console: Console, robot: Robot, shown: Mapping[int, Family], exact: Joined | None, *, lost: bool
+    console: Console, robot: Robot, shown: Mapping[int, Family], exact: Joined | None, outside: Mapping[int, str], *,
+    lost: bool,
 ) -> Iterator[RenderableType]:
     roomy, tight = _family_table(robot, shown, gap=1), _family_table(robot, shown, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
     if lost and console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN:
         yield _family_table(robot, shown, gap=1, lost=True)
-        yield from _footnotes(shown, exact, lost=False)
+        yield from _footnotes(shown, exact, outside, lost=False)
         return
     fitting = [
         table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width
     ]
     yield fitting[0] if fitting else _family_list(robot, shown)
-    yield from _footnotes(shown, exact, lost=lost)
+    yield from _footnotes(shown, exact, outside, lost=lost)
 
 
 def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
@@ -181,13 +194,15 @@ def _unbroken(cell: str) -> int:
     return len(cell) if len(cell) <= _LONGEST_UNBROKEN else max(map(len, cell.split()))
 
 
-def _footnotes(shown: Mapping[int, Family], exact: Joined | None, *, lost: bool) -> Iterator[RenderableType]:
+def _footnotes(
+    shown: Mapping[int, Family], exact: Joined | None, outside: Mapping[int, str], *, lost: bool
+) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column(no_wrap=True)
     grid.add_column()
     for index, row in shown.items():
-        notes = conditions_of(row, exact)
+        notes = [*(("limits", text) for text in (outside.get(index),) if text), *conditions_of(row, exact)]
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):

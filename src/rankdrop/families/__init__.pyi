@@ -12,9 +12,14 @@ from .cells import values_text as values_text
 from .curves import Curve as Curve
 from .curves import singular_curves as singular_curves
 from .distance import family_distances as family_distances
+from .inside import Inside as Inside
+from .inside import inside_limits as inside_limits
+from .inside import outside_text as outside_text
 from .linear import wrap as wrap
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
+from .overview import near_overview as near_overview
+from .searching import MOST_STARTS as MOST_STARTS
 from .searching import Outcome as Outcome
 from .searching import Search as Search
 from .searching import refine as refine
@@ -24,6 +29,7 @@ from .slices import telling_slices as telling_slices
 from .slicing import in_slice as in_slice
 from .solid import Solid as Solid
 from .solid import solids as solids
+from .tolerant import most_tolerant as most_tolerant
 from .walk import Walk as Walk
 from .workspaces import Workspace as Workspace
 from .workspaces import workspace as workspace

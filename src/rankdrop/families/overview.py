@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import degrees
 
 from rankdrop.families.cells import (
     COUPLED,
@@ -12,9 +13,13 @@ from rankdrop.families.cells import (
     rounded_share,
     share_text,
 )
+from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+
+AT_LEAST = "≥"
+_MANY, _LARGEST = 24, 8  # of more rows, those of calibrated arms, so many are told
 
 
 def overview(
@@ -52,6 +57,34 @@ def _under(family: Family) -> Iterator[str]:
     if family.coupled or not family.named:
         yield from (f"{family.id} {COUPLED}: {text}" for text in coupled_conditions(family))
     yield from (f"{family.id} lost: {text}" for text in family.lost_words)
+
+
+def near_overview(near: Near, families: Sequence[Family]) -> Section:
+    """Shares of the joint space near the families."""
+    names = {family.id: family.name for family in families}
+    where = "the joint space inside the limits" if near.limits else "the joint space"
+    told = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
+    rows = [*((one.id, names.get(one.id, ""), one) for one in told), ("any", "", near.any)]
+    notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
+    if len(told) < len(near.families):
+        notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")
+    if near.any.bound:
+        notes.append(f"{AT_LEAST}: coupled joints, whose nearest point may be missed, or a row without conditions")
+    return Section(
+        f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
+        columns=("", "family", "share", "±", "95 %"),
+        rows=tuple((id, name, _percent(one), f"{100 * one.error:.2g} %", _between(one)) for id, name, one in rows),
+        texts=(0, 1), notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _percent(one: NearShare) -> str:
+    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
+
+
+def _between(one: NearShare) -> str:
+    low, high = (100 * end for end in one.interval)
+    return f"{low:.2g} … {high:.2g} %"
 
 
 def search_overview(

@@ -3,6 +3,13 @@
 The block F = U₂ᵀJV₂ is driven to zero by Levenberg–Marquardt with D as its derivative (`method="lm"`). Steepest descent
 of a single singular value (AM eq. 11, `"gradient"`) and AM's own method, which turns the singular subspaces where
 singular values tie (AM eqs 12–14, `"almarkhi"`), are there for comparison.
+
+AM do not print their rule for the length of a step, α_k. There are two here: an exact line search, and
+
+    α = f σ/‖∇σ‖       a share f of the step at whose end σ would be zero, were it linear (f = 1: Polyak's step)
+
+With the line search successive gradients are at right angles where σ is smooth, so that the angles of 120° to 180° in
+AM's figures come from steps that go beyond the minimum, as those of the other rule do.
 """
 
 from __future__ import annotations
@@ -11,6 +18,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -21,10 +29,11 @@ from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.overview import search_overview
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, singular_values
+from rankdrop.local.tied import brought_down, stays_up
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import html
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
 
 Progress = Callable[[int, int], None]
@@ -39,7 +48,10 @@ MOST_THREADS = 1024
 _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
 """What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
 _ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
-_TIE = 1e-2  # relative gap below which AM's method takes two singular values for equal
+MOST_ITERATIONS = 1_000_000
+MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
+_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
+_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
 
 
 class Outcome(IntEnum):
@@ -53,6 +65,8 @@ class Outcome(IntEnum):
     """The iterations ran out on the way."""
     NOT_RUN = 3
     """Stopped before this start was done."""
+    CREASE = 4
+    """Stuck, and at no local minimum: σ ties with the next one, and another direction leads on down; descent only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +75,8 @@ class History:
 
     Attributes:
         sigma: (N, iterations + 1, min(m, n)) singular values.
-        turning: (N, iterations + 1) angle between the gradients of two successive iterations [rad]; descent only.
+        turning: (N, iterations + 1) angle between the gradients followed in this iteration and the one before [rad];
+            NaN in the first, and where a start ended; descent only.
     """
 
     sigma: Array
@@ -77,6 +92,7 @@ class Search:
         corank: k, task freedoms lost.
         rank: the kept rank, generic rank − k.
         method, seed, limits, tolerances: how.
+        step, tie, most: rule of the steps (None: line search), gap that counts as a tie, most iterations.
         q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
         sigma: (N, min(m, n)) singular values there.
         outcome: (N,) `Outcome`.
@@ -97,6 +113,9 @@ class Search:
     outcome: NDArray[np.int8]
     iterations: NDArray[np.int32]
     history: History | None = None
+    step: float | None = None
+    tie: float = TIE
+    most: int = _ITERATIONS["lm"]
 
     @property
     def converged(self) -> Array:
@@ -109,11 +128,33 @@ class Search:
         """Whether every start was run to its end."""
         return not bool((self.outcome == Outcome.NOT_RUN).any())
 
-    @property
+    @cached_property
     def smallest_near_miss(self) -> float | None:
-        """Smallest σ at a nonzero local minimum, or None where there was none."""
-        missed = self.sigma[self.outcome == Outcome.NEAR_MISS, self.rank]
-        return float(missed.min()) if len(missed) else None
+        """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
+
+        Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
+        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
+        go down to zero as well, there is none.
+        """
+        missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
+        if not len(missed):
+            return None
+        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
+        if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
+            return float(self.sigma[lowest[0], self.rank])
+        robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
+        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
+        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
+        best = quick.q[np.argsort(quick.value, kind="stable")]
+        for first in range(0, len(best), _FINISHED):
+            some = best[first : first + _FINISHED]
+            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
+            least = found.value
+            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
+                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+            if len(least):
+                return float(f"{least.min():.{_DIGITS}g}")
+        return None
 
     def count(self, outcome: Outcome) -> int:
         """Number of starts that ended so."""
@@ -121,7 +162,7 @@ class Search:
 
     def _repr_html_(self) -> str:
         """For notebooks: what became of the starts."""
-        counts = [(outcome.name.lower().replace("_", " "), self.count(outcome)) for outcome in Outcome]
+        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
         smallest = self.smallest_near_miss
         return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
 
@@ -131,6 +172,11 @@ class Search:
         if not len(found):
             return 0.0
         return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
+
+
+def outcome_word(outcome: Outcome) -> str:
+    """For people: "near miss", "stuck on a crease"."""
+    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
 
 
 def search(
@@ -143,6 +189,8 @@ def search(
     limits: bool = False,
     method: str = "lm",
     iterations: int | None = None,
+    step: float | None = None,
+    tie: float = TIE,
     history: bool = False,
     threads: int = 0,
     progress: Progress | None = None,
@@ -158,7 +206,9 @@ def search(
         seed: of the starts and of every random choice; same seed, same result, on any number of threads.
         limits: start and stay inside the joint limits.
         method: "lm", "gradient" or "almarkhi".
-        iterations: most iterations per start; None for the method's own.
+        iterations: most iterations per start; None for the method's own (200, of descents 300).
+        step: of descents: None for a line search, else the share f of the step to linearised zero, up to 2.
+        tie: of "almarkhi": relative gap below which singular values count as equal; 0 for no treatment of ties.
         history: keep singular values per iteration.
         threads: 0 for all cores.
         progress: called now and then with (done, total).
@@ -168,7 +218,7 @@ def search(
         A `Search`. On Ctrl-C the starts already done are kept, the rest are `Outcome.NOT_RUN`.
 
     Raises:
-        OptionError: corank, starts, seed, threads or method outside what is allowed.
+        OptionError: corank, starts, seed, threads, method, iterations, step or tie outside what is allowed.
         RobotError: not a Robot.
         TaskError: no such task.
 
@@ -184,7 +234,8 @@ def search(
     q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
     found = refine(
         in_units(robot), q0, corank, task=task_in_units(resolved, robot), seed=seed, limits=limits, method=method,
-        iterations=iterations, history=history, threads=threads, progress=progress, tolerances=tolerances,
+        iterations=iterations, step=step, tie=tie, history=history, threads=threads, progress=progress,
+        tolerances=tolerances,
     )
     return _out_of_units(found, robot, resolved)
 
@@ -199,6 +250,9 @@ def refine(
     limits: bool = False,
     method: str = "lm",
     iterations: int | None = None,
+    step: float | None = None,
+    tie: float = TIE,
+    first: int = 0,
     history: bool = False,
     threads: int = 0,
     progress: Progress | None = None,
@@ -208,6 +262,7 @@ def refine(
 
     Args:
         q0: (N, n) starts [rad or m]; outside the limits they are moved to the nearest limit if `limits`.
+        first: number of the first of them, from 0: as start `first` of a search it ends where it ended there.
 
     Other arguments, result and errors as for `search`; and
         ConfigurationError: q0 has the wrong shape or is not finite.
@@ -217,29 +272,42 @@ def refine(
     resolved = resolve_task(task, robot)
     rank = generic_rank(robot, resolved) - corank
     _check(method, corank, rank + corank)
+    most, step, tie = _check_steps(method, iterations, step, tie)
     rows, _ = configurations(robot, q0)
     if not isinstance(robot, UnitRobot):
         found = refine(
             in_units(robot), into_units(robot, rows), corank, task=task_in_units(resolved, robot), seed=seed,
-            limits=limits, method=method, iterations=iterations, history=history, threads=threads, progress=progress,
-            tolerances=tolerances,
+            limits=limits, method=method, iterations=iterations, step=step, tie=tie, first=first, history=history,
+            threads=threads, progress=progress, tolerances=tolerances,
         )
         return _out_of_units(found, robot, resolved)
     box = np.stack(limit_box(robot, resolved)) if limits else None
     if box is not None:
         rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
     scale = joint_scale(robot, resolved)
-    most = _ITERATIONS[method] if iterations is None else iterations
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
-    def run(part: Array, first: int) -> _Part:
+    def run(part: Array, done: int) -> _Part:
         return _core.search(
             chain_of(robot), task_view(robot, resolved), part, rank, METHODS.index(method), most, singular,
-            tolerances.target, tolerances.stationary, seed, first, scale, box, _TIE, history, threads,
+            tolerances.target, tolerances.stationary, seed, first + done, scale, box, tie, history, threads,
+            0.0 if step is None else step,
         )  # fmt: skip
 
     parts = _in_parts(run, rows, progress)
-    return _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+    found = _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+    return replace(_creases_told(found), step=step, tie=tie, most=most)
+
+
+def _creases_told(found: Search) -> Search:
+    """Descents that ended for want of a fall: at a local minimum, or on a crease where another direction leads on."""
+    stuck = np.flatnonzero(found.outcome == Outcome.NEAR_MISS)
+    if found.method == "lm" or not len(stuck):
+        return found
+    least = stays_up(found.robot, found.task, found.rank, found.q[stuck], limits=found.limits)
+    outcome = found.outcome.copy()
+    outcome[stuck[~least]] = Outcome.CREASE
+    return replace(found, outcome=_frozen(outcome))
 
 
 def _out_of_units(found: Search, robot: Robot, task: Task) -> Search:
@@ -292,6 +360,28 @@ def _check(method: str, corank: int, full: int) -> None:
         raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
     if not 1 <= corank <= full:
         raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
+
+
+def _check_steps(
+    method: str, iterations: int | None, step: float | None, tie: float
+) -> tuple[int, float | None, float]:
+    most = _ITERATIONS[method] if iterations is None else _whole("iterations", iterations, 1, MOST_ITERATIONS)
+    if step is not None:
+        if method == "lm":
+            raise OptionError(
+                "block Levenberg-Marquardt chooses its own steps", where="step", got=step,
+                allowed="a rule of the steps with the methods gradient and almarkhi",
+            )  # fmt: skip
+        step = _real("step", step, 0.0, MOST_SHARE, above=True)
+    return most, step, _real("tie", tie, 0.0, 1.0)
+
+
+def _real(name: str, value: object, least: float, most: float, *, above: bool = False) -> float:
+    number = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else np.nan
+    if not least <= number <= most or (above and number == least):
+        allowed = f"{'above ' if above else ''}{least:g} … {most:g}"
+        raise OptionError(f"{name} is outside the range", got=repr(value), allowed=allowed)
+    return number
 
 
 def _assemble(

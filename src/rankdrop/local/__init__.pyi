@@ -11,14 +11,9 @@ from .circuits import circuits_at as circuits_at
 from .circuits import make_all as make_all
 from .cofactors import Hunt as Hunt
 from .cofactors import hunt as hunt
-from .descent import Descent as Descent
-from .descent import descend as descend
-from .descent import gradient_tensor as gradient_tensor
-from .descent import plane_rotation as plane_rotation
-from .descent import spread as spread
-from .descent import tied_gradients as tied_gradients
 from .directions import lost_directions as lost_directions
 from .directions import lost_in_sparsest_frame as lost_in_sparsest_frame
+from .failures import failures_at as failures_at
 from .lie import lie_product as lie_product
 from .lie import motion as motion
 from .nearest import nearest_singularity as nearest_singularity
@@ -39,6 +34,10 @@ from .relations import relations_at as relations_at
 from .representation import representation_at as representation_at
 from .sentences import words as words
 from .systems import systems_at as systems_at
+from .tie_gradients import gradient_tensor as gradient_tensor
+from .tie_gradients import plane_rotation as plane_rotation
+from .tie_gradients import spread as spread
+from .tie_gradients import tied_gradients as tied_gradients
 from .ways_out import Direction as Direction
 from .ways_out import Escape as Escape
 from .ways_out import JointEscape as JointEscape

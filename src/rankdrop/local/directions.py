@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import link_poses
+from rankdrop.kinematics import link_poses, task_jacobian
 from rankdrop.local.block import decompose, generic_rank
 from rankdrop.local.readable import readable_bases
 from rankdrop.local.screws import rewrite_wrench
@@ -75,17 +76,20 @@ def lost_directions(robot: Robot, q: ArrayLike, task: Task, corank: int) -> Arra
     return np.asarray(_readable(blocked[None], always[None], corank)[0])
 
 
-def lost_in_sparsest_frame(robot: Robot, q: ArrayLike, task: Task, corank: int) -> FramedDirections:
+def lost_in_sparsest_frame(
+    robot: Robot, q: ArrayLike, task: Task, corank: int, *, without: int | None = None
+) -> FramedDirections:
     """`lost_directions` in the frame in which they have the fewest non-zero entries.
 
     Tried in this order, a later one only if it is strictly sparser: the task's frame; base, end effector and each
     link's axes (`Joint.frame`) at the task's point; each link's axes at its own origin. Change of frame is that of a
     wrench.
 
-    Args, Raises: as `lost_directions`.
+    Args, Raises: as `lost_directions`; and
+        without: a joint (from 0) that stands still: what the others cannot make; k counts from the whole arm's rank.
     """
     configuration = one_configuration(robot, q)
-    blocked, always = _blocked(robot, configuration, task, corank)
+    blocked, always = _blocked(robot, configuration, task, corank, without)
     frames = _candidates(task.frame, len(robot.joints))
     see = Sight(link_poses(robot, configuration), task.frame, frames, counted(robot))
     found = _readable(see(blocked), see(always), corank)
@@ -175,19 +179,28 @@ def frame_name(frame: Frame, power: int = 0) -> str:
     return f"{axes} at {where} of {carrier}"
 
 
-def _blocked(robot: Robot, q: Array, task: Task, corank: int) -> tuple[Array, Array]:
+def _blocked(
+    robot: Robot, q: Array, task: Task, corank: int, without: int | None = None
+) -> tuple[Array, Array]:
     """(p, 6) all blocked wrenches at q, and (N, 6) those of regular configurations around it, one after the other."""
     robot, task, q = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    blocked = _wrenches(decompose(robot, q, task).u[:, generic - corank :], robot, task)
+    u = decompose(robot, q, task).u if without is None else _without(robot, q, task, without)
+    blocked = _wrenches(u[:, generic - corank :], robot, task)
     if generic == task.m:
         return blocked, np.zeros((0, 6))
     steps = np.random.default_rng(0).uniform(-_STEP, _STEP, (_NEIGHBOURS, robot.n))
     steps *= [reach(robot) if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables]
     around = decompose(robot, q + steps, task).u[..., generic:]
     return blocked, np.concatenate([_wrenches(u, robot, task) for u in around])
+
+
+def _without(robot: Robot, q: Array, task: Task, joint: int) -> Array:
+    """(m, m) left singular vectors of the task Jacobian without one column."""
+    left = np.delete(task_jacobian(robot, q, task), joint, axis=1)
+    return np.eye(task.m) if not left.shape[1] else np.asarray(_core.svd(np.ascontiguousarray(left)[None])[0][0])
 
 
 def _wrenches(u: Array, robot: Robot, task: Task) -> Array:

@@ -29,7 +29,7 @@ from rankdrop.local.notebook import nearest_html
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
 STARTS = (128, 512)  # for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
@@ -39,7 +39,6 @@ _RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
 _WIDER = 1.25  # the balls after that, as a multiple of the best distance so far
 _LM_ITERATIONS = 60
 _EVALUATIONS = 200
-_TIE = 1e-2
 _MOST_CONDITIONS = 16  # what the core's singular value decomposition takes on its narrow side
 
 
@@ -232,7 +231,7 @@ class _Walk:
         chain, view, limit = chain_of(self.robot), task_view(self.robot, self.task), self.tolerances.singular
         q, _, outcome, *_ = _core.search(
             chain, view, rows, self.rank, 0, _LM_ITERATIONS, limit, limit, self.tolerances.stationary, 0, 0, self.scale,
-            self.box, _TIE, False, 1,
+            self.box, TIE, False, 1,
         )  # fmt: skip
         q, distance, stationarity, _ = _core.nearest(
             chain, view, self._brought_near(q[outcome == 0]), self.centre, self.rank, _EVALUATIONS, limit,

@@ -10,21 +10,31 @@ from rankdrop.families import (
     COUPLED,
     FREE,
     NOTHING,
+    Inside,
+    inside_limits,
     joint_cell,
     joint_symbol,
     legend,
+    near_overview,
+    outside_text,
     rounded_share,
     share_text,
 )
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis
 from rankdrop.robot import Robot
+from rankdrop.sections import html
 
 
 def corank_tables(analysis: Analysis) -> str:
     """All tables, each with its title and what its starts did."""
     key = f'<p class="small">{escape(legend(analysis.robot))}</p>' if analysis.families else ""
-    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key
+    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key + _near(analysis)
+
+
+def _near(analysis: Analysis) -> str:
+    """Shares of the joint space near families, where they were asked for."""
+    return "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
 
 
 def _corank(analysis: Analysis, summary: CorankSummary) -> str:
@@ -48,7 +58,7 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
         f'<p>{count}, <span class="{css}">completeness {share_text(share.explained, share.tested)}</span> '
         f"({share.explained:,} of {share.tested:,} fresh points).</p>"
     )
-    body = "".join(_rows(analysis.robot, row, analysis.exact) for row in rows)
+    body = "".join(_rows(analysis.robot, row, analysis.exact, limits=analysis.settings.limits) for row in rows)
     return (
         f'<h3>{heading}</h3>{complete}<div class="scroll"><table><thead>{_head(analysis.robot, summary)}</thead>'
         f'<tbody>{body}</tbody></table></div><p class="small">{starts}</p>'
@@ -67,7 +77,9 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
     )
 
 
-def _rows(robot: Robot, row: Family, exact: Joined | None) -> str:
+def _rows(robot: Robot, row: Family, exact: Joined | None, *, limits: bool) -> str:
+    inside = inside_limits(row, robot) if limits else None
+    row = row if inside is None else inside.shown(row)
     cells = "".join(_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
     lost = "<br>".join(escape(words) for words in row.lost_words)
     sound, share = share_text(row.soundness.singular, row.soundness.tested), rounded_share(row.explained)
@@ -80,9 +92,15 @@ def _rows(robot: Robot, row: Family, exact: Joined | None) -> str:
     )
     span = robot.n + 5
     notes = "".join(
-        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>' for text in _notes(row, exact)
+        f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>'
+        for text in (*_limits(inside, robot), *_notes(row, exact))
     )
     return first + notes
+
+
+def _limits(inside: Inside | None, robot: Robot) -> Iterator[str]:
+    if inside is not None and inside.outside:
+        yield f'<i class="bad">limits</i>&ensp;{escape(outside_text(inside, robot))}'
 
 
 def _notes(row: Family, exact: Joined | None) -> Iterator[str]:

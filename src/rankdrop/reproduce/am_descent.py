@@ -1,80 +1,150 @@
 """AM Figures 1 to 3: steepest descent where singular values tie, and AM's treatment of ties.
 
-AM print neither their starts nor the rule of their steps, so the figures themselves cannot be reproduced. What is drawn
-is an illustration: its start and share were picked, out of 14 starts with five shares (Figure 1) and 160 to 200 starts
-with four (Figure 2), because the run looks like AM's. No verdict rests on it. Verdicts rest on all of a fixed set of
-starts that nobody picked (`counts`), and on the two methods of the core from the same starts.
+AM print neither their starts nor the rule of their steps, so the figures themselves cannot be reproduced. What is
+drawn are runs with an exact line search that meet a tie: their starts were picked, out of 2,000, because the treatment
+of ties decides how they end. No verdict rests on them alone: `paired` counts what it does for all of the 2,000, and
+`counts` what plain descents do with another rule of the steps, from starts that nobody picked.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from math import degrees
+from math import comb, degrees
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rankdrop.families import Outcome, search
-from rankdrop.local import Descent, descend, sample
+from rankdrop.families import Outcome, Search, refine, search
+from rankdrop.local import sample
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet
+from rankdrop.robot import Array
 
 SEED = 11
 """Of the starts that counts are made of."""
+PAIRED = 2000
+"""Starts that are descended from with and without treatment of ties."""
+PAIRED_SEED = 2
+TIED = 0.01
+"""Relative gap below which two singular values are nearly equal here."""
 TIME = "A time depends on the machine; benchmarks/almarkhi.py measures the methods beside each other."
-STARTS = 300
-"""Random starts that tell what is typical of AM's method."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Which run stands for a figure.
+    """Which run stands for a figure: a line search from one of the 2,000 starts.
 
     Attributes:
-        corank, share, rotate, iterations: as in `descend`.
-        seed, index: the start is sample(…, index + 1, seed)[index].
+        corank: task freedoms to lose.
+        method: "gradient", or "almarkhi" with treatment of ties.
+        start: the start's number, from 1.
     """
 
     corank: int
-    share: float
-    rotate: bool
-    iterations: int
-    seed: int
-    index: int
+    method: str
+    start: int
 
 
-RUNS = {
-    1: Run(corank=2, share=0.1, rotate=False, iterations=5000, seed=1, index=1),
-    2: Run(corank=3, share=0.1, rotate=False, iterations=300, seed=2, index=121),
-    3: Run(corank=3, share=1.0, rotate=True, iterations=300, seed=2, index=121),
-}
+RUNS = {1: Run(2, "gradient", 106), 2: Run(3, "gradient", 269), 3: Run(3, "almarkhi", 269)}
 """By figure."""
 
 
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """One run.
+
+    Attributes:
+        sigma: (K + 1, 6) singular values before each iteration and at the end.
+        angles: (K,) between the gradients followed in an iteration and the one before [rad]; the first has none: NaN.
+        rank: the singular value driven is σ[rank], counted from 0.
+        outcome: how it ended.
+    """
+
+    sigma: Array
+    angles: Array
+    rank: int
+    outcome: Outcome
+
+    @property
+    def iterations(self) -> int:
+        """Steps made."""
+        return len(self.sigma) - 1
+
+    def first_tie(self, values: int = 2, gap: float = TIED) -> int | None:
+        """First iteration at which σ[rank] and the next ones, `values` in all, are nearly equal; None if never."""
+        near = self.sigma[:, self.rank] - self.sigma[:, self.rank + values - 1] < gap * self.sigma[:, self.rank]
+        return int(np.flatnonzero(near)[0]) if near.any() else None
+
+
 @cache
-def run(figure: int) -> Descent:
-    """The descent that stands for Figure 1, 2 or 3."""
+def run(figure: int, method: str = "") -> Descent:
+    """The descent that stands for Figure 1, 2 or 3, or one from the same start by another method."""
     robot, task = pa10()
     how = RUNS[figure]
-    start = sample(robot, task, how.index + 1, how.seed)[how.index]
-    return descend(
-        robot, start, how.corank, task=task, share=how.share, rotate=how.rotate, iterations=how.iterations
+    start = sample(robot, task, how.start, PAIRED_SEED)[-1]
+    found = refine(robot, [start], how.corank, task=task, method=method or how.method, history=True)
+    assert found.history is not None
+    used = int(found.iterations[0])
+    return Descent(
+        found.history.sigma[0, : used + 1], found.history.turning[0, :used], found.rank, Outcome(found.outcome[0])
     )
 
 
-def largest(found: Descent) -> float:
-    """Largest angle between the gradients of two successive iterations [deg]."""
-    return degrees(float(np.nanmax(found.angles)))
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """What the treatment of ties does from the same starts.
+
+    Attributes:
+        starts: how many.
+        both, treated, plain: converge either way, with the treatment only, without it only.
+        steps: medians of the iterations of those that converge either way: with, without.
+        tied: of the plain descents, those that come to a tie while the driven value is above 1e-3.
+        crease, near_miss: of the plain descents, those stuck on a crease, and at a local minimum.
+    """
+
+    starts: int
+    both: int
+    treated: int
+    plain: int
+    steps: tuple[float, float]
+    tied: int
+    crease: int
+    near_miss: int
+
+    @property
+    def chance(self) -> float:
+        """How often a fair coin would fall at least so unevenly: the sign test on those where the two differ."""
+        differ = self.treated + self.plain
+        return float(sum(comb(differ, k) for k in range(self.treated, differ + 1)) / 2**differ)
 
 
-def mean(found: Descent) -> float:
-    """Their average [deg]."""
-    return degrees(float(np.nanmean(found.angles)))
+@cache
+def paired(corank: int) -> Pairs:
+    """2,000 starts, line search, at most 300 iterations, with and without treatment of ties."""
+    robot, task = pa10()
+    plain = search(robot, corank, task=task, starts=PAIRED, seed=PAIRED_SEED, method="gradient", history=True)
+    treated = search(robot, corank, task=task, starts=PAIRED, seed=PAIRED_SEED, method="almarkhi")
+    one, other = plain.outcome == Outcome.CONVERGED, treated.outcome == Outcome.CONVERGED
+    both = one & other
+    return Pairs(
+        PAIRED, int(both.sum()), int((other & ~one).sum()), int((one & ~other).sum()),
+        (float(np.median(treated.iterations[both])), float(np.median(plain.iterations[both]))),
+        int(_tied(plain).sum()), plain.count(Outcome.CREASE), plain.count(Outcome.NEAR_MISS),
+    )  # fmt: skip
+
+
+def _tied(found: Search, values: int = 2, gap: float = TIED, above: float = 1e-3) -> NDArray[np.bool_]:
+    """(N,) whether starts came to a tie of so many values while the driven one was above a bound."""
+    assert found.history is not None
+    sigma = found.history.sigma[:, :, found.rank :]
+    near = (sigma[..., 0] - sigma[..., values - 1] < gap * sigma[..., 0]) & (sigma[..., 0] > above)
+    return np.asarray(near.any(axis=1))
 
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """What descents from random starts do, none of them picked.
+    """What plain descents from random starts do, none of them picked.
 
     Attributes:
         starts: how many.
@@ -84,6 +154,7 @@ class Counts:
         turned: turn by more than 170° between two iterations.
         risen: σ[rank] goes up at some iteration.
         stuck: σ[rank] above 1e-3 at the end.
+        angle: median over the converged of their mean angle between successive gradients [deg].
     """
 
     starts: int
@@ -93,48 +164,56 @@ class Counts:
     turned: int
     risen: int
     stuck: int
+    angle: float
 
 
 @cache
-def counts(corank: int, starts: int, iterations: int) -> Counts:
-    """Plain descents with the share of Figures 1 and 2 from the starts of seed 11."""
+def counts(corank: int, iterations: int, share: float) -> Counts:
+    """Plain descents from 200 starts of seed 11 with a share of the step to linearised zero."""
     robot, task = pa10()
-    found = [
-        descend(robot, q, corank, task=task, share=0.1, iterations=iterations)
-        for q in sample(robot, task, starts, SEED)
-    ]
-    ties = [one.first_tie() for one in found]
+    found = search(robot, corank, task=task, starts=200, seed=SEED, method="gradient", step=share,
+                   iterations=iterations, history=True)  # fmt: skip
+    assert found.history is not None
+    sigma, turning = found.history.sigma[:, :, found.rank], found.history.turning
+    turned = np.isfinite(turning).any(axis=1)
+    mean = np.nanmean(turning[turned & (found.outcome == Outcome.CONVERGED)], axis=1)
     return Counts(
-        starts,
-        sum(one.converged for one in found),
-        sum(k is not None and one.sigma[k, one.rank] > 1e-3 for k, one in zip(ties, found, strict=True)),
-        sum(one.first_tie(corank, 0.1) is not None for one in found),
-        sum(largest(one) > 170.0 for one in found),
-        sum(bool((np.diff(one.sigma[:, one.rank]) > 0.0).any()) for one in found),
-        sum(bool(one.sigma[-1, one.rank] > 1e-3) for one in found),
-    )
+        len(sigma), found.count(Outcome.CONVERGED), int(_tied(found).sum()),
+        int(_tied(found, corank, 0.1, 0.0).sum()), int((np.nanmax(turning[turned], axis=1) > np.radians(170.0)).sum()),
+        int((np.diff(sigma, axis=1) > 0.0).any(axis=1).sum()), int((found.sigma[:, found.rank] > 1e-3).sum()),
+        degrees(float(np.median(mean))),
+    )  # fmt: skip
 
 
-PICKED = "The start and the rule of the steps are not printed. The run drawn was picked because it looks like AM's."
+PICKED = "The start and the rule of the steps are not printed. The run drawn was picked because it meets a tie."
 OURS = "Descents with a share 0.1 of the step to linearised zero, from starts nobody picked; AM print no rule."
 
 
 def figure_1(sheet: Sheet) -> None:
     """Plain descent into a rank-2 singularity."""
-    found, all_of = run(1), counts(2, 20, 3000)
+    found, treated, all_of, pairs = run(1), run(1, "almarkhi"), counts(2, 3000, 0.1), paired(2)
+    tie = found.first_tie()
+    assert tie is not None
     sheet.claim("Figure 1(a)", "σ5 ≈ σ6 before they reach zero", "happens; not uncommon",
-                f"in {all_of.tied} of {all_of.starts} random starts", all_of.tied > 0, reason=OURS)
+                f"in {pairs.tied} of {pairs.starts} plain descents with a line search",
+                pairs.tied > 0.05 * pairs.starts)
     sheet.claim("Figure 1(b)", "gradients of successive iterations almost opposite", "up to 180°",
                 f"more than 170° in {all_of.turned} of {all_of.starts} random starts", all_of.turned > 0, reason=OURS)
+    sheet.claim(
+        "Figure 1", "a tie holds up the plain descent, and not the treated one", "the convergence requires a long time",
+        f"start {RUNS[1].start}: tie at iteration {tie}, σ5 = {found.sigma[tie, 4]:.2g}; plain it is stuck on the "
+        f"crease at {found.sigma[-1, 4]:.1e} after {found.iterations} iterations, treated it converges in "
+        f"{treated.iterations}",
+        found.outcome is Outcome.CREASE and treated.outcome is Outcome.CONVERGED and tie < found.iterations,
+    )  # fmt: skip
     sheet.cannot("Figure 1", "iterations: of the tie, to σ5 ≤ 1e-6; largest angle", "about 600; about 3000; 180°",
-                 f"the run drawn: {found.first_tie()}; {found.iterations}; {largest(found):.0f}°; of {all_of.starts} "
-                 f"random starts {all_of.converged} converge within 3000", PICKED)
+                 f"of {all_of.starts} random starts {all_of.converged} converge within 3000", PICKED)
     sheet.cannot("Figure 1", "convergence time", "approximately 40 seconds", "not timed here", TIME)
 
 
 def figure_2(sheet: Sheet) -> None:
     """Plain descent towards a rank-3 singularity that gets stuck."""
-    found, all_of = run(2), counts(3, 40, 300)
+    found, all_of, pairs = run(2), counts(3, 300, 0.1), paired(3)
     sheet.claim("Figure 2(a)", "descents of σ4 that do not come near zero", "happens: never converge to zero",
                 f"{all_of.stuck} of {all_of.starts} random starts have σ4 > 1e-3 after 300 iterations",
                 all_of.stuck > 0, reason=OURS)
@@ -142,53 +221,46 @@ def figure_2(sheet: Sheet) -> None:
                 f"σ4 goes up somewhere in {all_of.risen} of {all_of.starts}", all_of.risen > 0, reason=OURS)
     sheet.claim("Figure 2(b)", "gradients of successive iterations almost opposite", "170°",
                 f"more than 170° in {all_of.turned} of {all_of.starts}", all_of.turned > 0, reason=OURS)
+    sheet.claim(
+        "section 2.2.2", "plain descents that end at no minimum, stuck where values tie", "not uncommon",
+        f"rank 2: {paired(2).crease} on a crease, {paired(2).near_miss} at a local minimum; rank 3: {pairs.crease} and "
+        f"{pairs.near_miss}, of {pairs.starts} each",
+        paired(2).crease > 0.05 * pairs.starts and pairs.crease > 0.05 * pairs.starts,
+        reason="Told apart by the shortest mixture of the gradients of the tied values: at a minimum it is zero.",
+    )  # fmt: skip
     sheet.cannot("Figure 2", "iterations: σ4 ≈ σ5, all three nearly equal", "106; 135 and 186",
-                 f"the run drawn: {found.first_tie(2, 0.1)}; {found.first_tie(3, 0.1)}; of {all_of.starts} random "
-                 f"starts {all_of.all_tied} meet all three within 10 %", PICKED)
+                 f"the run drawn: σ4 ≈ σ5 at {found.first_tie()}; of {all_of.starts} random starts {all_of.all_tied} "
+                 "meet all three within 10 %", PICKED)
 
 
 def figure_3(sheet: Sheet) -> None:
     """AM's own method."""
-    found = run(3)
+    found, plain, whole = run(3), run(2), counts(3, 300, 1.0)
+    sheet.claim(
+        "Figure 3(a)", "the treatment of ties makes a run converge that does not without it",
+        "converges in 16 iterations; without it never (Figure 2, the same robot)",
+        f"start {RUNS[3].start}: converges in {found.iterations} iterations; without, σ4 = {plain.sigma[-1, 3]:.2g} "
+        f"after {plain.iterations}",
+        found.outcome is Outcome.CONVERGED and plain.outcome is not Outcome.CONVERGED and plain.sigma[-1, 3] > 0.05,
+        reason="AM do not say that the two figures have the same start; these two have.",
+    )  # fmt: skip
     sheet.cannot(
         "Figure 3(b)", "average angle between successive gradients", "around 120°",
-        f"{mean(found):.0f}° in the run drawn",
-        "It depends on the rule of the steps, which is not printed: an exact line search averages 90°. The rule drawn "
-        "was kept, of four kinds tried with several settings, because it averages 120°; steps 1.5 times those of a "
-        "line search averaged 124°.",
+        f"{whole.angle:.0f}° (median of {whole.converged} runs) with the step to linearised zero",
+        "It depends on the rule of the steps, which is not printed: an exact line search averages 90°.",
     )
-    other = plain_3()
-    sheet.cannot(
-        "Figure 3(a)", "from the start of Figure 2", "converges because ties are treated",
-        f"the run drawn converges in {found.iterations} iterations, in {other.iterations} without the treatment",
-        "It converges by its longer steps: it meets no tie. The start and AM's rule are not printed.",
-    )
-    robot, task = pa10()
     for corank in (2, 3):
-        ended = {}
-        for method in ("gradient", "almarkhi"):
-            many = search(robot, corank, task=task, starts=STARTS, seed=0, method=method)
-            ended[method] = many.iterations[many.outcome == Outcome.CONVERGED]
-        own, base = ended["almarkhi"], ended["gradient"]
-        sheet.cannot(
-            "section 2.2.3", f"what the treatment of ties gains, rank {corank}",
-            "faster convergence; 16 iterations",
-            f"{len(own)} of {STARTS} starts converge with it, {len(base)} without; half of them in {np.median(own):.0f}"
-            f" and {np.median(base):.0f} iterations, the fastest in {own.min()} and {base.min()}",
-            "Same starts, exact line search, at most 300 iterations. No gain to speak of with these steps; AM's may "
-            "differ, and are not printed.",
-        )
+        pairs = paired(corank)
+        sheet.claim(
+            "section 2.2.3", f"what the treatment of ties gains, rank {corank}", "faster convergence",
+            f"of {pairs.starts} starts {pairs.treated} converge with it only, {pairs.plain} without it only, "
+            f"{pairs.both} either way, half of these in {pairs.steps[0]:.0f} and {pairs.steps[1]:.0f} iterations",
+            pairs.chance < 1e-3,
+            reason="Same starts, exact line search, at most 300 iterations. The gain is in runs that would be held up "
+            f"by a tie; a coin would fall so unevenly with a chance of {pairs.chance:.0e}.",
+        )  # fmt: skip
     sheet.cannot("section 2.2.3", "average convergence time", "from 40 seconds to less than 2 seconds",
                  "not timed here", TIME)
-
-
-@cache
-def plain_3() -> Descent:
-    """The run of Figure 3 without treatment of ties."""
-    robot, task = pa10()
-    how = RUNS[3]
-    start = sample(robot, task, how.index + 1, how.seed)[how.index]
-    return descend(robot, start, how.corank, task=task, share=how.share, iterations=how.iterations)
 
 
 def rank_1(sheet: Sheet) -> None:
@@ -202,13 +274,6 @@ def rank_1(sheet: Sheet) -> None:
     rises = float(np.nanmax(np.diff(found.history.sigma[:, :, 5], axis=1)))
     sheet.claim("section 2.2.1", "the step is chosen for the greatest decrease of σ_m", "a decrease at each iteration",
                 "σ6 never goes up", rises <= 1e-12)  # fmt: skip
-    pair = search(robot, 2, task=task, starts=200, seed=0, method="gradient")
-    missed = 200 - pair.count(Outcome.CONVERGED)
-    sheet.claim(
-        "section 2.2.2", "plain descents towards rank 2 that are held up", "not uncommon",
-        f"{missed} of 200 starts do not reach rank 2 within 300 iterations", 10 < missed < 190,
-        reason="How many of them by ties, and how many by local minima, is not told apart.",
-    )  # fmt: skip
 
 
 SECTIONS = (("rank 1", rank_1), ("Figure 1", figure_1), ("Figure 2", figure_2), ("Figure 3", figure_3))

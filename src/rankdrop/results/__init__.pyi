@@ -11,6 +11,8 @@ from .conditions.text import steps_text as steps_text
 from .explanation.explanation import Explanation as Explanation
 from .explanation.record import far_to_dict as far_to_dict
 from .explanation.record import way_out_to_dict as way_out_to_dict
+from .explanation.tolerant import tolerant_sections as tolerant_sections
+from .explanation.tolerant import tolerant_to_dict as tolerant_to_dict
 from .explanation.verdict import first_verdict as first_verdict
 from .explanation.which import known_families as known_families
 from .explanation.words import angle as angle

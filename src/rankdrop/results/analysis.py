@@ -11,7 +11,9 @@ import numpy as np
 
 from rankdrop.compare.joined import Joined, joined_from_dict
 from rankdrop.errors import RankdropError, ResultFileError
+from rankdrop.families.inside import inside_limits
 from rankdrop.families.overview import overview
+from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import (
@@ -20,6 +22,8 @@ from rankdrop.results.codec import (
     family_to_dict,
     json_text,
     known,
+    near_from_dict,
+    near_to_dict,
     plain,
     robot_from_dict,
     robot_to_dict,
@@ -113,6 +117,7 @@ class Analysis:
         unfinished: the corank that was being worked on then.
         notes: what the reader should be told.
         exact: the conditions derived exactly, held against the families; None where they were not asked for.
+        near: share of the joint space near each family; None where it was not asked for.
     """
 
     robot: Robot
@@ -125,6 +130,7 @@ class Analysis:
     unfinished: int | None = None
     notes: tuple[str, ...] = ()
     exact: Joined | None = None
+    near: Near | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -186,9 +192,22 @@ class Analysis:
             "unfinished": self.unfinished,
             "notes": list(self.notes),
             "coranks": [summary_to_dict(summary) for summary in self.coranks],
-            "families": [family_to_dict(family) for family in self.families],
+            "families": [self._row(family) for family in self.families],
             **({} if self.exact is None else {"exact": plain(self.exact)}),
+            **({} if self.near is None else {"near": near_to_dict(self.near)}),
         }
+
+    def _row(self, family: Family) -> Record:
+        """A family; within limits also what they leave of the values of its pinned joints."""
+        record = family_to_dict(family)
+        if self.settings.limits:
+            inside = inside_limits(family, self.robot)
+            record["inside"] = {
+                "holds": inside.holds,
+                "pinned": [{"number": one.number, "values": list(one.values)} for one in inside.pinned],
+                "outside": [{"number": one.number, "values": list(one.values)} for one in inside.outside],
+            }
+        return record
 
     @classmethod
     def from_dict(cls, record: Record) -> Analysis:
@@ -221,11 +240,15 @@ class Analysis:
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
             exact=joined_from_dict(record["exact"]) if "exact" in record else None,
+            near=near_from_dict(record["near"]) if "near" in record else None,
         )
 
     def _repr_html_(self) -> str:
         """For notebooks: one table per corank."""
-        return html(overview(self.robot, self.generic_rank, self.coranks, self.families))
+        rows = self.families
+        if self.settings.limits:
+            rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
+        return html(overview(self.robot, self.generic_rank, self.coranks, rows))
 
     def save(self, path: str | Path) -> None:
         """Write the analysis to a JSON file.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import ResultFileError
+from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
 from rankdrop.frames import Frame
@@ -234,3 +235,30 @@ def family_from_dict(record: Record) -> Family:
         evidence=record["evidence"],
         named=record["named"],
     )
+
+
+def near_to_dict(near: Near) -> Record:
+    """Shares of the joint space near families, with standard errors and 95 % intervals."""
+    return {
+        "within": near.within,
+        "samples": near.samples,
+        "seed": near.seed,
+        "limits": near.limits,
+        "families": [_near_row(one) for one in near.families],
+        "any": _near_row(near.any),
+    }
+
+
+def _near_row(one: NearShare) -> Record:
+    low, high = one.interval
+    return {
+        "id": one.id, "near": one.near, "samples": one.samples, "bound": one.bound, "share": one.share,
+        "error": one.error, "low": low, "high": high,
+    }  # fmt: skip
+
+
+def near_from_dict(record: Record) -> Near:
+    """The shares of a record made by `near_to_dict`."""
+    rows = tuple(NearShare(**known(NearShare, row)) for row in record["families"])
+    every = NearShare(**known(NearShare, record["any"]))
+    return Near(record["within"], record["samples"], record["seed"], record["limits"], rows, every)

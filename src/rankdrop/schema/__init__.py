@@ -8,7 +8,7 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find", "explanation", "escape", "nearest", "conditions", "jacobian", "reproduced")
+NAMES = ("analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "reproduced")
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
 
 
@@ -17,7 +17,7 @@ def load_schema(name: str) -> dict[str, Any]:
 
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
-            "nearest", "conditions", "jacobian" or "reproduced".
+            "nearest", "tolerant", "conditions", "jacobian" or "reproduced".
 
     Raises:
         OptionError: there is no such schema.

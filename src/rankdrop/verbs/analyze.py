@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rankdrop._handles import check_robot
 from rankdrop.families.searching import check_numbers, search
+from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families
 from rankdrop.family.record import CorankFamilies
 from rankdrop.family.unit import family_out_of_units
@@ -34,6 +35,7 @@ def analyze(
     fresh: bool = False,
     threads: int = 0,
     length_scale: float | None = None,
+    within: float | None = None,
     progress: Progress | None = None,
     tolerances: Tolerances = DEFAULT,
 ) -> Analysis:
@@ -58,6 +60,8 @@ def analyze(
         fresh: derive them even where the exact conditions of this arm are shipped with rankdrop.
         threads: of the core; 0 uses every processor.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
+        within: share of the joint space (inside the limits with `limits`) at most so far from each family [rad]:
+            `Analysis.near`; None: not asked for.
         progress: called as progress(label, done, total).
         tolerances: thresholds, recorded in the result.
 
@@ -78,6 +82,8 @@ def analyze(
     """
     check_robot(robot)
     check_exact(exact)
+    if within is not None:
+        check_within(within)
     starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot, length_scale=length_scale)
     own, task_here = in_units(robot), task_in_units(resolved, robot)  # in the unit of length that is the arm's own
@@ -104,23 +110,28 @@ def analyze(
         if found[-1].summary.converged == 0:
             break
     here = tuple(family for one in found for family in one.families)
-    joined = None
+    joined = near = None
     if unfinished is None:
         here, joined = join(
             robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
+    rows = tuple(family_out_of_units(family, robot) for family in here)
+    if unfinished is None and within is not None:
+        near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
+                           progress=_labelled(progress, "shares"))  # fmt: skip
     return Analysis(
         robot=robot,
         task=replace(resolved, length_scale=resolved.scale(robot)),
         generic_rank=rank,
         settings=Settings(seed, starts, limits, float(resolved.scale(robot)), tolerances, VERSION),
         coranks=tuple(one.summary for one in found),
-        families=tuple(family_out_of_units(family, robot) for family in here),
+        families=rows,
         complete=unfinished is None,
         unfinished=unfinished,
         notes=_rank_notes(robot, resolved, rank),
         exact=joined,
+        near=near,
     )
 
 

@@ -14,6 +14,7 @@ from rankdrop.families.distance import agreement
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.cofactors import hunt
 from rankdrop.local.ellipsoids import ellipsoids
+from rankdrop.local.failures import failures_at
 from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.redundant import redundancy
@@ -135,6 +136,7 @@ def _explained(asked: Asked) -> Explanation:
         escape=way_out,
         rates=joint_rates(robot, q, task),
         far=far,
+        failures=failures_at(robot, q, task, tolerances=settings.tolerances),
         ellipsoids=ellipsoids(robot, q, task),
         redundancy=redundancy(robot, q, task),
         representations=representation_at(robot, q, tolerances=settings.tolerances),

@@ -15,6 +15,7 @@ from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
 from rankdrop.local.ellipsoids import Ellipsoids
+from rankdrop.local.failures import Failures
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
 from rankdrop.local.rates import Rates
@@ -171,6 +172,7 @@ class ExplanationData:
         source: where the families come from.
         relations: what the axes have in common at the focus.
         lost, blame, escape, rates, far: the parts.
+        failures: what the failure of each single joint leaves at q.
         ellipsoids, redundancy, representations: further parts.
         disagreements: where two methods disagree; empty when all is well.
     """
@@ -191,6 +193,7 @@ class ExplanationData:
     escape: Escape
     rates: Rates
     far: Far
+    failures: Failures
     ellipsoids: Ellipsoids
     redundancy: Redundancy
     representations: Representations

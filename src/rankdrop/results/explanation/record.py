@@ -8,6 +8,7 @@ from rankdrop.certify.ball import Certificate
 from rankdrop.family.which import Met
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.explanation.data import ExplanationData, Lost
+from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.verdict import of_explanation
 
 SCHEMA = "rankdrop/explanation/1"
@@ -51,6 +52,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         "certificate": None if found.far.certificate is None else certificate_to_dict(found.far.certificate),
         "uncertified": found.far.uncertified,
         "near_miss": plain(found.far.near_miss),
+        **failures_to_dict(found.failures),
         "ellipsoids": plain(found.ellipsoids),
         "redundancy": plain(found.redundancy),
         "representations": plain(found.representations),

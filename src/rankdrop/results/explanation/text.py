@@ -13,6 +13,7 @@ from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.details import DETAIL_PARTS
+from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import escape_part, far_part, rates_part
 from rankdrop.results.explanation.words import (
     fixed,
@@ -229,6 +230,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "escape": escape_part,
     "far": far_part,
     "rates": rates_part,
+    "failures": failures_part,
     **DETAIL_PARTS,
     "closing": _closing,
     "more": _more,

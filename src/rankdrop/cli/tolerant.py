@@ -1,0 +1,82 @@
+"""`rankdrop tolerant`: the configurations that bear the failure of any one joint best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+
+def tolerant(
+    robot: str,
+    /,
+    *,
+    arm: ArmOptions = NO_OPTIONS,
+    relative: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    starts: Whole = 300,
+    seed: Whole = 0,
+    show: Whole = 5,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Find the configurations in which the worst single joint failure leaves most.
+
+    A joint that fails stands still: its column is gone from the Jacobian. What
+    is left is measured by σ_r, r the rank of the whole arm; the worst case over
+    all joints is made as large as it gets. Local maxima of many starts.
+
+    For example:
+        rankdrop tolerant panda --limits
+        rankdrop tolerant almarkhi4 --relative --length-scale 1
+
+    Exit code 0: a configuration bears every single failure; 3: none was found,
+    or there is none; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        relative: Measure σ_r left by σ1 of the whole arm: it is at most √((n − r)/n), wherever the arm stands.
+        limits: Within the joint limits only.
+        starts: Random starts.
+        seed: Of every random choice; the same seed gives the same result.
+        show: How many local maxima to show.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress.
+    """
+    from rankdrop.cli.arm import arm_section, open_arm
+    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import results
+    from rankdrop.cli.terminal import show as show_parts
+    from rankdrop.families import most_tolerant
+    from rankdrop.results import tolerant_sections, tolerant_to_dict
+
+    check_target(json, "--json")
+    model, task = open_arm(robot, arm)
+    with reporter(quiet=quiet) as report:
+        found = most_tolerant(
+            model, task, relative=relative, limits=limits, starts=starts, seed=seed, show=show,
+            progress=lambda done, total: report("climb", done, total),
+        )  # fmt: skip
+    where = "within the joint limits" if limits else "in the whole joint space (limits ignored)"
+    lines = {"starts": f"{starts:,} {where}, seed {seed}"}
+
+    def to_stdout() -> None:
+        show_parts(results(), arm_section(model, task, found.generic_rank, lines))
+        print_sections(tolerant_sections(found), first=False)
+
+    steps: list[Callable[[], None]] = []
+    if json != STDOUT:
+        steps.append(to_stdout)
+    if json is not None:
+        steps.append(lambda: write_json(tolerant_to_dict(found), json))
+    do_all(steps)
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if found.places else exits.UNEXPLAINED

@@ -1,0 +1,203 @@
+"""How much of the joint space lies near each family: random configurations, and how far each is from the family.
+
+    share = (configurations within δ of the family) / (all),      standard error √(p (1 − p)/N)
+
+Configurations are uniform in the joint space, or inside the limits. Distance is Euclidean in joint space, slides
+divided by the length scale, to the family itself, which may go on beyond the limits: a configuration beside a
+singularity that is just out of reach is beside it all the same. For coupled joints the nearest point is walked to from
+each configuration and from others around it; a nearer one may be missed, so that a share of such a row is a lower
+bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.errors import OptionError
+from rankdrop.family.record import Family
+from rankdrop.family.system import REACHED, System, shortest
+from rankdrop.family.unit import family_in_units
+from rankdrop.local.block import joint_scale, sample
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.units import in_units, task_in_units
+
+Mask = NDArray[np.bool_]
+Progress = Callable[[int, int], None]
+SAMPLES = 10_000
+WIDEST = 1.5
+"""Distances from here on say nothing: families are everywhere [rad]."""
+_STEPS = 12  # of the walk to the nearest point: distances of some degrees are right to 1e-4 of themselves after that
+_AROUND = 2  # further starts of the walk, within the distance of each configuration
+_Z = 1.959963984540054  # two-sided 95 %
+
+
+@dataclass(frozen=True, slots=True)
+class NearShare:
+    """Of `samples` configurations, `near` lie within the distance of a family.
+
+    Attributes:
+        id: of the family; "" for all of them together.
+        near, samples: counts.
+        bound: True where a share may be larger: coupled joints, or a family without conditions among all.
+    """
+
+    id: str
+    near: int
+    samples: int
+    bound: bool
+
+    @property
+    def share(self) -> float:
+        """Of the joint space, from 0 to 1."""
+        return self.near / self.samples
+
+    @property
+    def error(self) -> float:
+        """Its standard error."""
+        return sqrt(self.share * (1.0 - self.share) / self.samples)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % confidence by Wilson's rule, which holds for shares near 0 and 1 too."""
+        n, p = self.samples, self.share
+        middle, half = p + _Z**2 / (2 * n), _Z * sqrt(p * (1 - p) / n + _Z**2 / (4 * n**2))
+        whole = 1 + _Z**2 / n
+        low = max(0.0, (middle - half) / whole) if self.near else 0.0
+        return low, min(1.0, (middle + half) / whole) if self.near < n else 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Near:
+    """Shares of the joint space.
+
+    Attributes:
+        within: the distance δ [rad].
+        samples, seed, limits: of the random configurations.
+        families: one record for each family that has conditions, in their order.
+        any: within δ of at least one of them.
+    """
+
+    within: float
+    samples: int
+    seed: int
+    limits: bool
+    families: tuple[NearShare, ...]
+    any: NearShare
+
+
+def near_shares(
+    families: Sequence[Family],
+    robot: Robot,
+    task: Task,
+    within: float,
+    *,
+    limits: bool = False,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Near:
+    """Share of the joint space within a distance of each family.
+
+    Args:
+        families: of this arm and task, as `analyze` returns them.
+        robot: the arm.
+        task: from `resolve_task`.
+        within: the distance [rad; slides divided by the length scale].
+        limits: configurations inside the joint limits only.
+        samples: how many configurations.
+        seed: of them.
+        progress: called with (families done, families in all).
+
+    Raises:
+        OptionError: the distance or the number of samples is outside what is allowed.
+    """
+    check_within(within)
+    if not 1 <= samples <= 10_000_000:
+        raise OptionError("samples is outside the range", got=samples, allowed="1 … 10000000")
+    own, inside = in_units(robot), task_in_units(task, robot)
+    q = sample(own, inside, samples, seed, limits=limits)
+    scale, rng = joint_scale(own, inside), np.random.default_rng([seed, 1])
+    met, every = [], np.zeros(samples, dtype=np.bool_)
+    named = [family for family in families if family.named and family.equations]
+    for done, family in enumerate(named):
+        if progress is not None:
+            progress(done, len(named))
+        here = _near(family_in_units(family, robot), own, q, scale, within, rng)
+        every |= here
+        met.append(NearShare(family.id, int(here.sum()), samples, bool(family.coupled)))
+    if progress is not None:
+        progress(len(named), len(named))
+    unsure = len(named) < len(families) or any(one.bound for one in met)
+    return Near(within, samples, seed, limits, tuple(met), NearShare("", int(every.sum()), samples, unsure))
+
+
+def check_within(within: float) -> None:
+    """
+    Raises:
+        OptionError: this is no distance to look within.
+    """
+    if not (isinstance(within, int | float | np.number) and 0.0 < within <= WIDEST):
+        raise OptionError("this is no distance to look within", where="within", got=within,
+                          allowed=f"above 0, up to {WIDEST} rad (86°)")  # fmt: skip
+
+
+def _near(
+    family: Family, robot: Robot, q: Array, scale: Array, within: float, rng: np.random.Generator
+) -> Mask:
+    """(N,) which configurations are within the distance of the family."""
+    numbers = [one.number - 1 for one in family.pinned]
+    near = np.zeros(len(q), dtype=np.bool_)
+    for values in product(*(one.values for one in family.pinned)):
+        gap = q[:, numbers] - np.array(values)
+        turn = 2 * np.pi * robot.periodic[numbers]
+        gap -= turn * np.round(gap / np.where(turn > 0.0, turn, 1.0))
+        left = within**2 - ((gap / scale[numbers]) ** 2).sum(axis=1)
+        open_rows = np.flatnonzero((left >= 0.0) & ~near)
+        if not family.coupled:
+            near[open_rows] = True
+        elif len(open_rows):
+            at = q[open_rows]
+            at[:, numbers] -= gap[open_rows]
+            near[open_rows] = _walked(family, at, scale, np.sqrt(left[open_rows]), rng)
+    return near
+
+
+def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.random.Generator) -> Mask:
+    """(N,) whether a zero of the equations was found so near, pinned joints held."""
+    system = System(family.equations)
+    moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
+    found = np.zeros(len(q), dtype=np.bool_)
+    for attempt in range(1 + _AROUND):
+        rows = np.flatnonzero(~found)
+        if not len(rows):
+            break
+        centre, reach = q[rows], within[rows]
+        x = centre.copy()
+        if attempt:
+            away = rng.normal(size=(len(rows), len(moves)))
+            away *= (reach / np.maximum(np.linalg.norm(away, axis=1), 1e-300))[:, None]
+            x[:, moves] += away * rng.random((len(rows), 1)) * scale[moves]
+        for _ in range(_STEPS):
+            f, slope = system.linear(x)
+            back = (centre - x)[:, moves] / scale[moves]
+            a = slope[:, :, moves] * scale[moves]
+            step = back - shortest(a, f + np.einsum("bei,bi->be", a, back))
+            length = np.linalg.norm(step, axis=1, keepdims=True)
+            x[:, moves] += step * np.minimum(1.0, 0.5 / np.maximum(length, 1e-300)) * scale[moves]
+        x, _ = _onto(system, x, moves)
+        there = np.abs(system.values(x)).max(axis=1) <= REACHED
+        distance = np.linalg.norm((x - centre) / scale, axis=1)
+        found[rows] = there & (distance <= reach)
+    return found
+
+
+def _onto(system: System, x: Array, moves: NDArray[np.intp]) -> tuple[Array, Mask]:
+    """The last steps, onto the set itself, pinned joints held."""
+    return system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)

@@ -1,0 +1,271 @@
+"""Where an arm with joints to spare bears the failure of any one of them best.
+
+    maximise over q    min_j σ_r(J₋j(q)),      or, relative,      min_j σ_r(J₋j(q)) / σ_1(J(q))
+
+J₋j is the task Jacobian without the column of a joint that stands still, r the generic rank of the whole arm. At the
+best place several failures are equally bad, so that the worst case has creases there: `local.minimax` climbs from many
+starts with all of them in view. What is found are local maxima; of the relative measure none is above √((n − r)/n)
+(`local.failures`), and one that reaches it is the best there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop._handles import check_robot
+from rankdrop.errors import OptionError
+from rankdrop.families.searching import check_numbers
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box, structural_sample
+from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
+from rankdrop.local.minimax import descend
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_units, out_of_units, task_in_units
+
+Mask = NDArray[np.bool_]
+Progress = Callable[[int, int], None]
+"""Called with (starts done, starts in all)."""
+STARTS = 300
+_PART = 50  # starts climbed from at once: progress moves, Ctrl-C is heard
+_FIRST, _QUICK = 30, 2  # steps from every start, and the effort spent on each
+_LAST = 400  # steps from the best of them
+_CHOSEN = 3  # times as many as are asked for are climbed to the end
+_SAME = 1e-6  # two maxima closer than this in value and in joints are one [1, rad]
+_REACHED = 1e-6  # of the bound
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """One local maximum of the worst case.
+
+    Attributes:
+        q: (n,) configuration [rad or m]; joints that do not matter stand at 0, or in the middle of their limits.
+        value: the measure: the least σ_r over all failures [1], divided by σ_1 where it is relative.
+        slope: how much it can still grow to first order [1/rad]: near 0.
+        failures: what each failure leaves there.
+    """
+
+    q: Array
+    value: float
+    slope: float
+    failures: Failures
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerant:
+    """What was found.
+
+    Attributes:
+        robot, task: what was asked about.
+        generic_rank: r.
+        relative, limits, seed, starts, tolerances: how.
+        done: starts that were climbed from; fewer than `starts` after Ctrl-C, 0 where nothing can be found.
+        places: the best local maxima that differ, best first; empty where every one loses a freedom.
+        free: numbers of the joints that change no σ of any J₋j.
+        crucial: numbers of the joints whose failure costs a freedom at every configuration.
+    """
+
+    robot: Robot
+    task: Task
+    generic_rank: int
+    relative: bool
+    limits: bool
+    seed: int
+    starts: int
+    tolerances: Tolerances
+    done: int
+    places: tuple[Place, ...]
+    free: tuple[int, ...]
+    crucial: tuple[int, ...]
+
+    @property
+    def spare(self) -> int:
+        """n − r: how many joints the arm has to spare."""
+        return self.robot.n - self.generic_rank
+
+    @property
+    def bound(self) -> float:
+        """√((n − r)/n): no relative worst case is above it, at any configuration."""
+        return float(np.sqrt(self.spare / self.robot.n))
+
+    @property
+    def optimal(self) -> bool:
+        """Whether the best place reaches the bound, so that no configuration does better by the relative measure."""
+        return bool(self.relative and self.places and self.places[0].value >= self.bound * (1.0 - _REACHED))
+
+    @property
+    def complete(self) -> bool:
+        """Whether every start was climbed from, or none had to be."""
+        return bool(self.done == self.starts or self.crucial)
+
+
+def most_tolerant(
+    robot: Robot,
+    task: Task | str | None = None,
+    *,
+    relative: bool = False,
+    limits: bool = False,
+    starts: int = STARTS,
+    seed: int = 0,
+    show: int = 5,
+    progress: Progress | None = None,
+    tolerances: Tolerances = DEFAULT,
+) -> Tolerant:
+    """Find the configurations whose worst single joint failure leaves most.
+
+    Args:
+        robot: the arm.
+        task: name, `Task`, or None for the task the arm is made for.
+        relative: measure σ_r(J₋j) by σ_1(J): how even the arm is, whatever its size; else σ_r(J₋j) itself.
+        limits: only configurations within the joint limits.
+        starts: random starts.
+        seed: of the starts; the same seed gives the same result.
+        show: how many local maxima to keep, at most.
+        progress: called now and then with (done, total).
+        tolerances: σ ≤ `singular` is zero.
+
+    Raises:
+        OptionError: starts, seed or show outside what is allowed.
+        RobotError: not a Robot.
+        TaskError: there is no such task.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("almarkhi4")
+        >>> found = most_tolerant(arm, resolve_task("position", arm, length_scale=1.0), relative=True, starts=50)
+        >>> round(found.places[0].value, 6), found.bound, found.optimal, found.free
+        (0.5, 0.5, True, (1,))
+    """
+    check_robot(robot)
+    starts, seed, _ = check_numbers(starts, seed, 0)
+    if not isinstance(show, int) or not 1 <= show <= 1000:
+        raise OptionError("show is outside the range", got=repr(show), allowed="1 … 1000")
+    resolved = resolve_task(task, robot)
+    own, inside, full = in_units(robot), task_in_units(resolved, robot), generic_rank(robot, resolved)
+    crucial, free = _crucial(own, inside, full, tolerances), _free(own, inside)
+    done = 0
+    places: tuple[Place, ...] = ()
+    if not crucial:
+        q0 = sample(own, inside, starts, seed, limits=limits)
+        scale, box = joint_scale(own, inside), _box(own, inside, limits)
+        done, climbed = _climbed(own, inside, q0 / scale, box, relative, progress)
+        q = _polished(own, inside, climbed, box, relative, show, free)
+        places = tuple(
+            Place(out_of_units(robot, at), value, slope, failures_at(robot, out_of_units(robot, at), resolved,
+                  tolerances=tolerances))
+            for at, value, slope in q if value > tolerances.singular
+        )  # fmt: skip
+    numbers = tuple(int(j) + 1 for j in np.flatnonzero(free))
+    return Tolerant(
+        robot, resolved, full, relative, limits, seed, starts, tolerances, done, places, numbers, crucial
+    )
+
+
+def _crucial(robot: Robot, task: Task, full: int, tolerances: Tolerances) -> tuple[int, ...]:
+    """Joints without which the rank is below r at random configurations, and so at all of them."""
+    if robot.n <= full:
+        return tuple(range(1, robot.n + 1))
+    jacobian = task_jacobian(robot, structural_sample(robot, task, 16), task) * joint_scale(robot, task)
+    found = []
+    for j in range(robot.n):
+        sigma = _core.svd(np.ascontiguousarray(np.delete(jacobian, j, axis=2)), False)
+        if float(sigma[:, full - 1].max()) <= tolerances.singular:
+            found.append(j + 1)
+    return tuple(found)
+
+
+def _free(robot: Robot, task: Task) -> Mask:
+    """(n,) joints on which no worst case depends, absolute or relative."""
+    base, other = structural_sample(robot, task, 32)[:16], structural_sample(robot, task, 32)[16:]
+    free = np.zeros(robot.n, dtype=np.bool_)
+    for j in range(robot.n):
+        moved = base.copy()
+        moved[:, j] = other[:, j]
+        differ = [np.abs(worst_case(robot, moved, task, relative=one) - worst_case(robot, base, task, relative=one))
+                  for one in (False, True)]  # fmt: skip
+        free[j] = max(float(one.max()) for one in differ) < 1e-10
+    return free
+
+
+def _box(robot: Robot, task: Task, limits: bool) -> tuple[Array, Array]:
+    """Corners in scaled joints: the limits; else turning joints go round, and slides keep their ends."""
+    scale, turns = joint_scale(robot, task), robot.periodic
+    low, high = limit_box(robot, task) if limits else sampling_box(robot, task, limits=False)
+    if not limits:
+        low, high = np.where(turns, -np.inf, low), np.where(turns, np.inf, high)
+    return low / scale, high / scale
+
+
+def _climbed(
+    robot: Robot, task: Task, starts: Array, box: tuple[Array, Array], relative: bool, progress: Progress | None
+) -> tuple[int, Array]:
+    """How many starts were climbed from, and (done, n) where they came to, best first."""
+    model = failure_model(robot, task, relative=relative)
+    q, values, done = [], [], 0
+    try:
+        while done < len(starts):
+            found = descend(model, starts[done : done + _PART], box, iterations=_FIRST, effort=_QUICK)
+            q.append(found.q)
+            values.append(found.value)
+            done += len(found.q)
+            if progress is not None:
+                progress(done, len(starts))
+    except KeyboardInterrupt:
+        pass
+    if not q:
+        return 0, np.zeros((0, robot.n))
+    return done, np.concatenate(q)[np.argsort(np.concatenate(values), kind="stable")]
+
+
+def _polished(
+    robot: Robot, task: Task, q: Array, box: tuple[Array, Array], relative: bool, show: int,
+    free: Mask,
+) -> list[tuple[Array, float, float]]:  # fmt: skip
+    """(configuration, value, slope) of the best maxima that differ, climbed to the end."""
+    scale = joint_scale(robot, task)
+    chosen = _different(robot, q * scale, free, 0.05)[: _CHOSEN * show]
+    if not len(chosen):
+        return []
+    found = descend(failure_model(robot, task, relative=relative), chosen / scale, box, iterations=_LAST)
+    order = np.argsort(found.value, kind="stable")
+    turned = _settled(robot, found.q[order] * scale, box, scale, free)
+    kept: list[tuple[Array, float, float]] = []
+    for at, value, slope in zip(turned, -found.value[order], found.slope[order], strict=True):
+        near = (_apart(robot, at, other[0]).max() < 1e-3 and abs(value - other[1]) < _SAME for other in kept)
+        if not any(near):
+            kept.append((at, float(value), float(slope)))
+    return kept[:show]
+
+
+def _different(robot: Robot, q: Array, free: Mask, near: float) -> Array:
+    """Rows of q, in order, that are not within `near` of one before in the joints that matter."""
+    kept: list[Array] = []
+    for row in q:
+        apart = (np.where(free, 0.0, _apart(robot, row, other)).max() > near for other in kept)
+        if all(apart):
+            kept.append(row)
+    return np.array(kept).reshape(-1, q.shape[1])
+
+
+def _apart(robot: Robot, q: Array, other: Array) -> Array:
+    """|q − other|, angles modulo whole turns."""
+    gap = np.abs(q - other)
+    turn = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi)))
+    return np.where(robot.periodic, turn, gap)
+
+
+def _settled(robot: Robot, q: Array, box: tuple[Array, Array], scale: Array, free: Mask) -> Array:
+    """Joints that do not matter at 0, or in the middle of where they may go; angles in (−π, π] where no limit binds."""
+    low, high = box[0] * scale, box[1] * scale
+    bounded = np.isfinite(low) & np.isfinite(high)
+    middle = np.where(bounded, 0.5 * (np.where(bounded, low, 0.0) + np.where(bounded, high, 0.0)), 0.0)
+    wrapped = q - 2 * np.pi * np.ceil((q - np.pi - _SAME) / (2 * np.pi))
+    turned = np.where(~bounded & robot.periodic, wrapped, q)
+    return np.where(free, middle, turned)

@@ -1,0 +1,145 @@
+"""Share of the joint space near families: closed forms, distances walked one by one, and what is said of bounds."""
+
+from __future__ import annotations
+
+import json
+from math import pi, radians
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.errors import OptionError
+from rankdrop.families.distance import family_distances
+from rankdrop.families.inside import inside_limits, outside_text
+from rankdrop.families.share import _near, near_shares
+from rankdrop.local.block import joint_scale, sample
+from rankdrop.report.tables import corank_tables
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import json_text
+from rankdrop.results.known import shipped
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+from rankdrop.verbs.analyze import analyze
+
+
+def test_a_pinned_joint_takes_the_share_of_its_range():
+    """Elbow of the PA-10: θ4 within δ of 0 or π is 4δ/2π; shoulder and wrist: a disc around each pair of values."""
+    found, robot = shipped("pa10"), open_robot("pa10")
+    near = near_shares(found.families, robot, found.task, radians(8), samples=40_000)
+    shares = {family.name: one for family, one in zip(found.families, near.families, strict=True)}
+    elbow = next(one for family, one in zip(found.families, near.families, strict=True)
+                 if family.corank == 1 and [pin.number for pin in family.pinned] == [4])  # fmt: skip
+    assert abs(elbow.share - 32 / 360) < 4 * elbow.error
+    pairs = [one for family, one in zip(found.families, near.families, strict=True)
+             if family.corank == 1 and len(family.pinned) == 2]  # fmt: skip
+    assert len(pairs) == 3
+    for one in pairs:
+        assert abs(one.share - 4 * pi * radians(8) ** 2 / (2 * pi) ** 2) < 4 * one.error
+        assert not one.bound
+    assert near.any.share >= max(one.share for one in shares.values())
+
+
+@pytest.mark.parametrize("name", ["puma560", "panda", "ur5", "stanford"])
+def test_being_near_is_what_walking_there_says(name):
+    robot, found = open_robot(name), shipped(name)
+    rows = found.of_corank(1)
+    q, delta = sample(robot, found.task, 40, 3), 0.6
+    scale = joint_scale(robot, found.task)
+    walked = np.zeros((len(rows), len(q)), dtype=bool)
+    for i, at in enumerate(q):
+        distances = {one.family.id: one.distance for one in family_distances(rows, robot, at, found.task)}
+        walked[:, i] = [distances[row.id] <= delta for row in rows]
+    ours = np.array([_near(row, robot, q, scale, delta, np.random.default_rng(0)) for row in rows])
+    assert np.array_equal(ours, walked)
+    assert walked.any()
+
+
+def test_limits_count_the_range_alone():
+    """θ5 of the PUMA within 5° of 0, inside ±100°: 10° of 200°; π is outside and too far to be near."""
+    robot, found = open_robot("puma560"), shipped("puma560")
+    wrist = [row for row in found.of_corank(1) if [pin.number for pin in row.pinned] == [5]]
+    lower, upper = robot.lower[4], robot.upper[4]
+    (one,) = near_shares(wrist, robot, found.task, radians(5), limits=True, samples=20_000).families
+    assert abs(one.share - 2 * radians(5) / (upper - lower)) < 4 * one.error
+
+
+def test_the_interval_holds_the_share_and_never_leaves_0_to_1():
+    robot, found = open_robot("pa10"), shipped("pa10")
+    near = near_shares(found.families, robot, found.task, 0.05, samples=200)
+    for one in (*near.families, near.any):
+        low, high = one.interval
+        assert 0.0 <= low <= one.share <= high <= 1.0
+        assert high > 0.0
+
+
+@pytest.mark.parametrize("wrong", [0.0, -0.1, 2.0, float("nan")])
+def test_no_distance_is_refused(wrong):
+    with pytest.raises(OptionError):
+        analyze(open_robot("planar2r"), starts=10, within=wrong)
+
+
+@pytest.fixture(scope="module")
+def panda() -> Analysis:
+    return analyze(open_robot("panda"), starts=1500, limits=True, exact="off", within=radians(5))
+
+
+def test_an_analysis_keeps_its_shares_through_json_and_the_report(panda):
+    record = json.loads(json_text(panda.to_dict()))
+    Draft202012Validator(load_schema("analysis")).validate(record)
+    assert Analysis.from_dict(record) == panda
+    assert Analysis.from_dict(record).near == panda.near
+    assert "of singularities" in corank_tables(panda)
+    assert not Draft202012Validator(load_schema("analysis")).is_valid(record | {"near": {"within": 0.1}})
+
+
+def test_values_are_told_inside_the_range(panda):
+    robot = panda.robot
+    (row,) = panda.of_corank(2)
+    inside = inside_limits(row, robot)
+    assert inside.holds
+    shown = {one.number: one.values for one in inside.shown(row).pinned}
+    for number, values in shown.items():
+        assert all(robot.lower[number - 1] <= value <= robot.upper[number - 1] for value in values)
+    assert shown[6] == pytest.approx([3.3614], abs=1e-3)
+    (record,) = [one for one in panda.to_dict()["families"] if one["corank"] == 2]
+    assert next(one["values"] for one in record["inside"]["pinned"] if one["number"] == 6) == list(shown[6])
+    assert "3.3614" in panda._repr_html_()
+    assert "2.9218" not in panda._repr_html_()
+
+
+def test_a_row_outside_the_limits_says_so():
+    """θ4 = 0 of a Panda is outside −3.07 … −0.07; of θ5 = 0 or π the latter is."""
+    robot, found = open_robot("panda"), shipped("panda")
+    told = []
+    for row in found.families:
+        inside = inside_limits(row, robot)
+        for one in inside.outside:
+            j = one.number - 1
+            assert all(not robot.lower[j] <= value + 2 * pi * turn <= robot.upper[j]
+                       for value in one.values for turn in (-1, 0, 1))  # fmt: skip
+        if inside.outside:
+            told.append(outside_text(inside, robot))
+        assert inside.holds == all(one.values for one in inside.pinned)
+    assert any("is outside" in text or "are outside" in text for text in told)
+    assert any(text.startswith("the row lies outside the joint limits: ") for text in told)
+
+
+def test_slides_do_not_turn():
+    robot, found = open_robot("stanford"), shipped("stanford")
+    slides = [row for row in found.families if any(pin.number == 3 for pin in row.pinned)]
+    assert slides
+    for row in slides:
+        values = next(pin.values for pin in row.pinned if pin.number == 3)
+        inside = inside_limits(row, robot)
+        kept = next(pin.values for pin in inside.pinned if pin.number == 3)
+        assert kept == tuple(value for value in values if robot.lower[2] <= value <= robot.upper[2])
+
+
+def test_the_task_decides_as_ever():
+    robot = open_robot("scara")
+    found = analyze(robot, "position", starts=200, exact="off", within=0.1)
+    assert found.near is not None
+    assert found.near.families
+    assert resolve_task("position", robot).m == 3

@@ -12,6 +12,7 @@ pytest.importorskip("flint")
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import half_evaluator
+from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
@@ -243,3 +244,16 @@ def test_a_condition_on_top_is_free_where_a_joint_of_its_coefficients_stands_at_
                            + 1264 * (t[1] * t[2] ** 2 + t[1])) + 660 * t[3] * t[2] * (t[1] ** 2 + 1)  # fmt: skip
     found = cut_half(base, h, Work())
     assert {one.pins.get(2) for one in found} == {"0", "pi", None}
+
+
+def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone(ring: Ring) -> None:
+    """Cobotta: a condition kept in mind, with a joint in it that the set pins, bound that joint once more in a cut."""
+    t = ring.t
+    f = t[3] ** 2 * 3 + 2 * t[3] * 5 - 3
+    g = t[2] ** 2 * f - 2 * t[2] * (t[3] ** 2 * 4 + 7) - f
+    system = [form(h, ring) for h in (f, g)]
+    sets = decompose(ring, {}, system, 3, Work())
+    assert any(one.pins for one in sets)
+    for one in sets:
+        bound = {ring.index[f"t{joint}"] for joint in one.pins}
+        assert not any(bound & set(used(h)) for h in (*one.equations, *one.known))

@@ -170,9 +170,15 @@ def _solved_on(piece: Variety, f: Polynomial, place: int, others: list[Polynomia
             piece,
             solved=(Solved(place, -parts[0], parts[1]), *piece.solved),
             equations=(*(primitive(h) for h, _ in f.factor()[1] if place in used(h)), *piece.equations),
-            known=(*piece.known, *(others if used(parts[1]) else ())),
+            known=(*piece.known, *(_there(piece, others) if used(parts[1]) else ())),
         )
     ]
+
+
+def _there(piece: Variety, conditions: list[Polynomial]) -> list[Polynomial]:
+    """Conditions with the joints that a set pins at their angles; those that say nothing there are left out."""
+    here = [piece.ring.half_at(f, piece.pins) for f in conditions]
+    return [f for f in here if f != 0]
 
 
 def _reduced(
@@ -183,7 +189,7 @@ def _reduced(
         work.check()
         others = [form(h, ring) for h in system if h is not g]
         pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
-        return [replace(piece, known=(*piece.known, g)) for piece in pieces]
+        return [replace(piece, known=(*piece.known, *_there(piece, [g]))) for piece in pieces]
     known = {str(f) for f in system}
     for f, g, k in pairs(ring, system):
         work.check()

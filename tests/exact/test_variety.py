@@ -246,14 +246,15 @@ def test_a_condition_on_top_is_free_where_a_joint_of_its_coefficients_stands_at_
     assert {one.pins.get(2) for one in found} == {"0", "pi", None}
 
 
-def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone(ring: Ring) -> None:
+def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone() -> None:
     """Cobotta: a condition kept in mind, with a joint in it that the set pins, bound that joint once more in a cut."""
-    t = ring.t
-    f = t[3] ** 2 * 3 + 2 * t[3] * 5 - 3
-    g = t[2] ** 2 * f - 2 * t[2] * (t[3] ** 2 * 4 + 7) - f
-    system = [form(h, ring) for h in (f, g)]
-    sets = decompose(ring, {}, system, 3, Work())
-    assert any(one.pins for one in sets)
+    ring = Ring([1, 2, 3, 5], [], ["a2", "a3", "d4"])
+    t, a2, a3, d4 = ring.t, *(ring.letter_half[name] for name in ("a2", "a3", "d4"))
+    f = t[3] ** 2 * a3 + 2 * t[3] * d4 - a3
+    g = t[2] ** 2 * f - 2 * t[2] * (t[3] ** 2 * (a2 - d4) + 2 * t[3] * a3 + a2 + d4) - f
+    sets = decompose(ring, {}, [form(h, ring) for h in (f, g)], 2, Work())
+    assert {one.pins.get(2) for one in sets} == {"0", "pi"}
+    assert any(one.known for one in sets)
     for one in sets:
-        bound = {ring.index[f"t{joint}"] for joint in one.pins}
-        assert not any(bound & set(used(h)) for h in (*one.equations, *one.known))
+        assert not any(ring.index["t2"] in used(h) for h in (*one.equations, *one.known))
+        assert cut(one, ring.s[3] * ring.c[5] + ring.c[3] * ring.s[5], Work())

@@ -283,8 +283,10 @@ def solutions(setting: Setting, one: Side, rng: np.random.Generator) -> Points:
     q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
     slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
     q = q[slopes[:, min(setting.robot.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
-    solved = len(q)
-    q = q[singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER]
+    singular = singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER
+    q = q[singular | system.zero(q)]  # what is regular and all but a zero is neither here nor there
+    singular = singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER
+    solved, q = len(q), q[singular]
     elsewhere = solved - len(q)
     witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
     return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)

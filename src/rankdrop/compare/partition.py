@@ -50,7 +50,8 @@ def in_exact_terms(
         if not over:
             continue
         one = by_row[over[0].id]
-        alone = len(over) == 1 and one.families == (family.id,) and not one.parts and one.row not in loose
+        sound = one.row not in loose and over[0].soundness.holds
+        alone = len(over) == 1 and one.families == (family.id,) and not one.parts and sound
         rng = np.random.default_rng([seed, number, 9])
         made = over[0] if alone else _measured(setting, found, family, over, rng)
         if made is None:
@@ -77,7 +78,13 @@ def _measured(
     setting: Setting, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
 ) -> Family | None:
     """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
+    equations = family.equations
     points = solutions(setting, family, rng)
+    if points.elsewhere and len(over) == 1:  # where each side's conditions hold too widely, both together may not
+        both = replace(over[0], equations=(*equations, *over[0].equations))
+        together = solutions(setting, both, rng)
+        if together.solved > together.elsewhere == 0:
+            equations, points = both.equations, together
     inside = points.q[setting.allowed(points.q)]
     if not len(inside):
         return None
@@ -94,7 +101,7 @@ def _measured(
         pinned=pinned,
         free=family.free,
         coupled=tuple(joint for joint in family.coupled if joint not in held),
-        equations=family.equations,
+        equations=equations,
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,

@@ -101,8 +101,9 @@ def _solved(
     base = System(equations[:codimension])
     q, good = base.solve(q, along=along, iterations=60)
     slope = np.asarray(np.linalg.svd(base.jacobian(q) @ along, compute_uv=False)[:, -1], dtype=np.float64)
-    for equation in equations[codimension:]:
-        good &= np.abs(equation(q)) <= FURTHER
+    if len(equations) > codimension:
+        further = System(equations[codimension:])
+        good &= (np.abs(further.values(q)) <= FURTHER).all(axis=1) & further.zero(q)
     return q, slope, good
 
 

@@ -17,6 +17,9 @@ CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
 REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
 
+_NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
+_ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
+
 
 @dataclass(frozen=True, slots=True)
 class System:
@@ -59,6 +62,16 @@ class System:
             parts.append((wave.sum(axis=-1), (cos * b - sin * a) @ m, -(wave @ squares).reshape(*q.shape, q.shape[-1])))
         f, first, second = zip(*parts, strict=True)
         return np.stack(f, axis=-1), np.stack(first, axis=-2), np.stack(second, axis=-3)
+
+    def zero(self, q: Array) -> Mask:
+        """(N,) whether every equation is zero at q (N, n), to rounding or to first order.
+
+        Where its derivative all but vanishes too, a small value is none: near a place where an equation is zero to the
+        fourth order it is below 1e-12 a thousandth of a radian away.
+        """
+        f, slope = self.linear(q)
+        rounding = np.array([_ROUNDING * sum(abs(term.coefficient) for term in one.terms) for one in self.equations])
+        return np.asarray((np.abs(f) <= _NEAR * np.linalg.norm(slope, axis=-1) + rounding).all(axis=-1))
 
     def rank(self, q: Array, tolerance: float = 1e-5) -> NDArray[np.int64]:
         """(N,) rank of the Jacobian: the codimension the equations give, at regular points."""

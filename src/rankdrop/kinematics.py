@@ -27,7 +27,7 @@ def pose(robot: Robot, q: ArrayLike, *, out: Array | None = None) -> Array:
     Args:
         robot: the arm.
         q: (..., n) configurations [rad or m].
-        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch up to half its time.
 
     Returns:
         (..., 4, 4).
@@ -77,7 +77,7 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
         robot: the arm.
         q: (..., n) configurations [rad or m].
         frame: SPACE, BODY, WORLD_ALIGNED (default), or any `Frame` of the chain.
-        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch up to half its time.
 
     Returns:
         (..., 6, n): rows 0–2 in m per rad or m, rows 3–5 in rad per rad or m.
@@ -113,7 +113,7 @@ def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED
         robot: the arm.
         q: (..., n) configurations [rad or m].
         frame: as for `jacobian`.
-        out: where to write the result, float64 of its shape; fresh memory costs a large batch half its time.
+        out: where to write the result, float64 of its shape; fresh memory costs a large batch up to half its time.
 
     Returns:
         (..., 6, n, n): [..., :, i, k] = ∂J[:, i]/∂q_k.

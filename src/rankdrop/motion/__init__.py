@@ -1,0 +1,1 @@
+"""Paths: read, judged between their samples, and how near they come to a singularity."""

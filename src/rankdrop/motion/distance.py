@@ -88,24 +88,55 @@ def distances(
         [0.25]
     """
     rows, _ = configurations(robot, q)
-    if metre_exponent(robot):
-        there = distances(
-            [family_in_metres(family, robot) for family in families], in_metres(robot), into_metres(robot, rows),
-            task_in_metres(task, robot), limits=limits, seed=seed,
-        )  # fmt: skip
-        return replace(there, foot=out_of_metres(robot, there.foot))
-    scale = joint_scale(robot, task)
-    box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
-    feet = np.full((len(rows), len(families), robot.n), np.nan)
-    for k, family in enumerate(families):
-        if family.named and family.pinned and not family.coupled:
-            feet[:, k] = _pinned_feet(family.pinned, robot, rows, box)
-        elif family.named and family.equations:
-            walk = _Walk(family, robot, task, scale, box, seed)
-            for i in range(0, len(rows), _BATCH):
-                feet[i : i + _BATCH, k] = walk.feet(rows[i : i + _BATCH])
-    apart = np.linalg.norm((feet - rows[:, None]) / scale, axis=2)
-    return Distances(np.where(np.isnan(apart), np.inf, apart), feet)
+    if not metre_exponent(robot):
+        return Ruler(families, robot, task, limits=limits, seed=seed).measure(rows)
+    there = Ruler(
+        [family_in_metres(family, robot) for family in families], in_metres(robot), task_in_metres(task, robot),
+        limits=limits, seed=seed,
+    ).measure(into_metres(robot, rows))  # fmt: skip
+    return replace(there, foot=out_of_metres(robot, there.foot))
+
+
+class Ruler:
+    """Measures distances to given families, again and again; the clouds are made once.
+
+    Args:
+        families: of this arm and task.
+        robot: the arm, in metres (`units.in_metres`).
+        task, limits, seed: as in `distances`.
+    """
+
+    def __init__(
+        self, families: Sequence[Family], robot: Robot, task: Task, *, limits: bool = False, seed: int = 0
+    ) -> None:
+        self.families, self.robot = tuple(families), robot
+        self.scale = joint_scale(robot, task)
+        none = np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
+        self.box = np.stack([robot.lower, robot.upper]) if limits else none
+        self._walks = {
+            k: _Walk(family, robot, task, self.scale, self.box, seed)
+            for k, family in enumerate(self.families)
+            if family.named and family.equations and (family.coupled or not family.pinned)
+        }
+
+    def measure(self, q: Array) -> Distances:
+        """Distances of configurations (N, n) from all families."""
+        feet = np.full((len(q), len(self.families), self.robot.n), np.nan)
+        for k in range(len(self.families)):
+            feet[:, k] = self.feet(q, k)
+        apart = np.linalg.norm((feet - q[:, None]) / self.scale, axis=2)
+        return Distances(np.where(np.isnan(apart), np.inf, apart), feet)
+
+    def feet(self, q: Array, which: int) -> Array:
+        """(N, n) points of one family near configurations (N, n); nan where none was reached."""
+        family = self.families[which]
+        if which in self._walks:
+            return np.concatenate(
+                [q[:0], *(self._walks[which].feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))]
+            )
+        if family.named and family.pinned:
+            return _pinned_feet(family.pinned, self.robot, q, self.box)
+        return np.full(q.shape, np.nan)
 
 
 def _pinned_feet(pinned: Sequence[Pinned], robot: Robot, q: Array, box: Array) -> Array:

@@ -11,7 +11,8 @@ measurement: a path that passes at 1e-10, or crosses twice within as little, loo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,8 @@ class Meeting:
 
     Attributes:
         kind: "crossing", "touching" or "undecided".
-        start, end: (stretch, share) that bracket it.
+        start, end: (stretch, share) of the part of the path that is not proven free and belongs to it.
+        bracket: (stretch, share) twice, inside that part: a zero lies between them where it is a crossing.
         at: (stretch, share) of `q`.
         q: (n,) configuration: at the zero, where σ_r is least, or in the middle [rad, m].
         sigma: (min(m, n),) singular values there [1].
@@ -55,6 +57,7 @@ class Meeting:
     kind: str
     start: tuple[int, float]
     end: tuple[int, float]
+    bracket: tuple[tuple[int, float], tuple[int, float]]
     at: tuple[int, float]
     q: Array
     sigma: Array
@@ -136,10 +139,37 @@ class _Judge:
             for low, high in self._brackets(places, function(q), function):
                 met.append(self._crossing(low, high, how))
         met = self._distinct(met)
-        if met and self.sliver.finished:
-            return met
-        rest = self._still(places, q) if self.sliver.finished else self._open(places, q)
-        return sorted([*met, rest], key=lambda one: one.at)
+        if not self.sliver.finished:
+            return self._between(met, places, q)
+        return self._spread(met) if met else [self._still(places, q)]
+
+    def _spread(self, met: list[Meeting]) -> list[Meeting]:
+        """Crossings that share the sliver: none of it is proven free."""
+        first, last = self.sliver.stretches
+        cuts = [(one.bracket[1], two.bracket[0]) for one, two in pairwise(met)]
+        middles = [self._place((self._count(low) + self._count(high)) / 2) for low, high in cuts]
+        ends = [(first, self.sliver.shares[0]), *middles, (last, self.sliver.shares[1])]
+        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(met)]
+
+    def _between(self, met: list[Meeting], places: Array, q: Array) -> list[Meeting]:
+        """The work ended early: crossings that were seen, and the parts between them, undecided."""
+        cuts = [float(places[0])]
+        for one in met:
+            cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
+        cuts.append(float(places[-1]))
+        out = list(met)
+        for low, high in zip(cuts[::2], cuts[1::2], strict=True):
+            inside = (places >= low) & (places <= high)
+            if high > low:
+                out.append(self._open(places[inside], q[inside]) if inside.any() else self._unseen(low, high))
+                out[-1] = replace(out[-1], start=self._place(low), end=self._place(high))
+        return sorted(out, key=lambda one: (one.start, one.end))
+
+    def _unseen(self, low: float, high: float) -> Meeting:
+        return self._meeting(UNDECIDED, low, high, (low + high) / 2, "the work ended before it was decided")
+
+    def _count(self, place: tuple[int, float]) -> float:
+        return place[0] - self.sliver.stretches[0] + place[1]
 
     def _places(self) -> Array:
         """Increasing, ends included, the samples between too while there are few."""
@@ -191,8 +221,9 @@ class _Judge:
         rank = generic_rank(self.robot, self.task)
         corank = rank - int((sigma[:rank] > self.tolerances.singular).sum())
         q.flags.writeable = sigma.flags.writeable = False
+        ends = self._place(low), self._place(high)
         return Meeting(
-            kind, self._place(low), self._place(high), self._place(at), q, sigma, 0 if kind == UNDECIDED else corank,
+            kind, ends[0], ends[1], ends, self._place(at), q, sigma, 0 if kind == UNDECIDED else corank,
             lies, how,
         )  # fmt: skip
 

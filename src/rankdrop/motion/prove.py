@@ -154,13 +154,7 @@ def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
 
 def _runs(robot: Robot, setting: Setting, path: Curve, work: _Work) -> Index:
     """Stretches that no box around a run of 2^k of them proves free."""
-    lows, highs = boxes(path.control)
-    tree = [(lows, highs)]
-    while len(tree[-1][0]) > 1:
-        low, high = tree[-1]
-        if len(low) % 2:
-            low, high = np.concatenate([low, low[-1:]]), np.concatenate([high, high[-1:]])
-        tree.append((np.minimum(low[::2], low[1::2]), np.maximum(high[::2], high[1::2])))
+    tree = box_tree(path)
     nodes = np.zeros(1, dtype=np.int64)
     for level in range(len(tree) - 1, 0, -1):
         low, high = tree[level]
@@ -170,6 +164,17 @@ def _runs(robot: Robot, setting: Setting, path: Curve, work: _Work) -> Index:
         nodes = nodes[nodes < len(tree[level - 1][0])]
         work.tell(min(len(nodes) << (level - 1), work.stretches))
     return nodes
+
+
+def box_tree(path: Curve) -> list[tuple[Array, Array]]:
+    """Lower and upper corners of boxes around runs of 1, 2, 4, … stretches; the last level is one box around all."""
+    tree = [boxes(path.control)]
+    while len(tree[-1][0]) > 1:
+        low, high = tree[-1]
+        if len(low) % 2:
+            low, high = np.concatenate([low, low[-1:]]), np.concatenate([high, high[-1:]])
+        tree.append((np.minimum(low[::2], low[1::2]), np.maximum(high[::2], high[1::2])))
+    return tree
 
 
 def _free(robot: Robot, setting: Setting, low: Array, high: Array, work: _Work) -> NDArray[np.bool_]:

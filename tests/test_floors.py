@@ -5,7 +5,8 @@
 2  kinematics, task, frames, units of length, and what the core is told of them
 3  local/      at one configuration: what is lost, who is to blame, how to get out, how far, what motion costs
 4  atlas/      over the whole joint space; certify/: proofs
-5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results
+5  analyze, explain: the verbs, the records they return, as JSON and as sections of text; known: the shipped results;
+   motion/: paths, read and judged
 6  cli/, report/, viewer/, reproduce/
 
 A module imports from lower floors, and from its own where that makes no cycle. Imports inside functions count too.
@@ -33,12 +34,12 @@ FLOORS = {
     "analyze": 5, "result": 5, "record": 5, "known": 5, "known_conditions": 5, "findings": 5, "schema": 5,
     "conditions": 5, "derived": 5, "join": 5, "partition": 5, "joined": 5, "verdict": 5, "checks": 5, "exactly": 5,
     "beside": 5,
-    "explain": 5, "explanation": 5,
+    "explain": 5, "explanation": 5, "motion": 5,
     "cli": 6, "report": 6, "viewer": 6, "reproduce": 6,
 }  # fmt: skip
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
-            "trimesh", "websockets", "playwright"}  # fmt: skip
+            "trimesh", "websockets", "playwright", "yaml"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

@@ -17,6 +17,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.local.escape import escape
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.redundancy import redundancy
+from rankdrop.motion.check import check_path
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Joint, Robot
 from rankdrop.robot.open import open_robot
@@ -34,6 +35,7 @@ __all__ = [
     "Tolerances",
     "__version__",
     "analyze",
+    "check_path",
     "conditions",
     "escape",
     "explain",

@@ -58,7 +58,7 @@ def view(
     from rankdrop.cli.terminal import say
     from rankdrop.result import Analysis
     from rankdrop.viewer.server import Viewer, Wishes
-    from rankdrop.viewer.trajectory import read_trajectory
+    from rankdrop.motion.read import read_trajectory
 
     _check_host(host, expose=expose)
     model, task = open_arm(robot, arm)

@@ -177,7 +177,7 @@ def regular(sigma: Array, bound: Array) -> Mask:
     rank = sigma.shape[1]
     matrix = -bound
     matrix[:, np.arange(rank), np.arange(rank)] += sigma
-    ok = np.isfinite(matrix).all(axis=(1, 2))
+    ok = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))
     rows = np.where(ok[:, None, None], matrix, np.eye(rank))
     y = np.ones((len(rows), rank))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -192,7 +192,7 @@ def regular(sigma: Array, bound: Array) -> Mask:
         for a in range(rank - 1, -1, -1):
             y[:, a] -= (left[:, a, a + 1 :] * y[:, a + 1 :]).sum(axis=1)
             y[:, a] /= np.where(ok, left[:, a, a], 1.0)
-        ok &= (y > 0.0).all(axis=1) & np.isfinite(y).all(axis=1)
+        ok = np.asarray(ok & (y > 0.0).all(axis=1) & np.isfinite(y).all(axis=1))
         y = np.where(ok[:, None], y, 1.0)
         product = np.einsum("pab,pb->pa", rows, y)
         size = np.einsum("pab,pb->pa", np.abs(rows), y)

@@ -20,6 +20,7 @@ from rankdrop.motion.meets import Meeting, meetings
 from rankdrop.motion.prove import prove
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.stretches import Survey
+from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -29,7 +30,6 @@ from rankdrop.version import VERSION
 
 EVALUATIONS = 2_000_000
 """Enclosures that a path may cost: some seconds. A path of a minute takes some hundred."""
-_DEGREES = 4 * np.pi  # joint values beyond it look like degrees [rad]
 
 
 def check_path(
@@ -139,12 +139,8 @@ def _samples(robot: Robot, q: ArrayLike, t: ArrayLike | None) -> tuple[Array, Ar
             "a path has one row for each sample", where="q", got=f"shape {given.shape}",
             allowed=f"shape (T, {robot.n}), T ≥ 1",
         )  # fmt: skip
-    if given.shape[1] == robot.n and not np.isfinite(given).all():
-        row, joint = (int(i) for i in np.argwhere(~np.isfinite(given))[0])
-        raise ConfigurationError(
-            "the value is not finite", where=f"q, row {row + 1}, joint {robot.variables[joint].name!r}",
-            got=given[row, joint],
-        )  # fmt: skip
+    if given.shape[1] == robot.n:
+        checked(given, "q", robot)
     rows, _ = configurations(robot, given)
     if t is None:
         return rows.copy(), None
@@ -152,15 +148,7 @@ def _samples(robot: Robot, q: ArrayLike, t: ArrayLike | None) -> tuple[Array, Ar
     if times.shape != (len(rows),):
         raise ConfigurationError("there is one time for each row", where="t", got=f"shape {times.shape}",
                                  allowed=f"shape ({len(rows)},)")  # fmt: skip
-    if not np.isfinite(times).all():
-        row = int(np.flatnonzero(~np.isfinite(times))[0])
-        raise ConfigurationError("the time is not finite", where=f"t, row {row + 1}", got=times[row])
-    back = np.flatnonzero(np.diff(times) <= 0)
-    if len(back):
-        row = int(back[0]) + 1
-        raise ConfigurationError("time does not go on", where=f"t, row {row + 1}",
-                                 got=f"{times[row]:g} after {times[row - 1]:g}", allowed="times that increase")  # fmt: skip
-    return rows.copy(), times
+    return rows.copy(), checked_times(times, [f"t, row {row + 1}" for row in range(len(rows))])
 
 
 def _shaped(robot: Robot, values: ArrayLike | None, rows: Array, name: str) -> Array | None:
@@ -170,13 +158,7 @@ def _shaped(robot: Robot, values: ArrayLike | None, rows: Array, name: str) -> A
     if array.shape != rows.shape:
         raise ConfigurationError(f"{name} have the shape of q", where=name, got=f"shape {array.shape}",
                                  allowed=f"shape {rows.shape}")  # fmt: skip
-    if not np.isfinite(array).all():
-        row, joint = (int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ConfigurationError(
-            "the value is not finite", where=f"{name}, row {row + 1}, joint {robot.variables[joint].name!r}",
-            got=array[row, joint],
-        )  # fmt: skip
-    return array
+    return checked(array, name, robot)
 
 
 def _check_options(min_distance: float, evaluations: int) -> None:
@@ -288,11 +270,8 @@ def _limit_notes(robot: Robot, path: Curve) -> tuple[str, ...]:
 
 
 def _hints(robot: Robot, path: Curve, rates: Array | None, interpolate: str) -> tuple[str, ...]:
-    turning = np.array([joint.unit == "rad" for joint in robot.variables])
-    notes = []
-    if turning.any() and np.abs(path.control[:, :, turning]).max() > _DEGREES:
-        most = float(np.abs(path.control[:, :, turning]).max())
-        notes.append(f"joint values up to {most:.4g} look like degrees and are taken as radians")
+    hint = unit_hint(path.control.reshape(-1, robot.n), robot)
+    notes = [] if hint is None else [hint]
     if rates is not None and interpolate == "linear":
         notes.append("velocities are given and not used: a controller that has them makes cubics of the samples")
     return tuple(notes)

@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from math import comb
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.robot.model import Array
+
+Index = NDArray[np.int64]
 
 INTERPOLATIONS = ("linear", "cubic", "quintic")
 """What a controller makes of samples: of positions, of velocities as well, of accelerations too."""
@@ -33,24 +36,24 @@ class Curve:
     @property
     def degree(self) -> int:
         """Of the polynomials."""
-        return self.control.shape[1] - 1
+        return int(self.control.shape[1]) - 1
 
-    def at(self, stretch: Array, share: Array) -> Array:
+    def at(self, stretch: Index, share: Array) -> Array:
         """(N, n) configurations at shares (N,) 0 … 1 of stretches (N,)."""
         s, d = np.asarray(share, dtype=np.float64)[:, None], self.degree
         basis = [comb(d, j) * s**j * (1 - s) ** (d - j) for j in range(d + 1)]
         return np.asarray(sum(b * self.control[stretch, j] for j, b in enumerate(basis)))
 
-    def slope(self, stretch: Array, share: Array) -> Array:
+    def slope(self, stretch: Index, share: Array) -> Array:
         """(N, n) derivative by the share: times 1/(duration of the stretch) the joint rates."""
         d = self.degree
         return d * Curve(np.diff(self.control, axis=1)[stretch], None).at(np.arange(len(stretch)), share)
 
-    def time(self, stretch: Array, share: Array) -> Array | None:
+    def time(self, stretch: Index, share: Array) -> Array | None:
         """(N,) times [s]."""
         if self.times is None:
             return None
-        start, end = self.times[stretch], self.times[np.asarray(stretch) + 1]
+        start, end = self.times[stretch], self.times[stretch + 1]
         return np.asarray(start + share * (end - start))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+
 from rankdrop.motion.curve import Curve
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

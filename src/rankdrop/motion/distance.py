@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop._handles import configurations
 from rankdrop.atlas.coupled import nearest_turns
@@ -24,6 +24,7 @@ from rankdrop.atlas.family import Family, Pinned
 from rankdrop.atlas.system import REACHED, System, shortest
 from rankdrop.atlas.unit import family_in_metres
 from rankdrop.local.block import joint_scale, sampling_box
+from rankdrop.motion.curve import Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
@@ -180,7 +181,7 @@ class _Walk:
                 starts[:, joint.number - 1] = rng.choice(options, len(starts))
         end, _ = self.system.solve(starts, iterations=20, still=1e-10)
         end = end[np.abs(self.system.values(end)).max(axis=1) <= REACHED]
-        return end[((end >= self.box[0]) & (end <= self.box[1])).all(axis=1)]
+        return np.asarray(end[((end >= self.box[0]) & (end <= self.box[1])).all(axis=1)])
 
     def feet(self, q: Array) -> Array:
         """(N, n) the nearest point reached from each start; nan where none was."""
@@ -211,7 +212,7 @@ class _Walk:
             seeds.append(start)
         return seeds
 
-    def _inside(self, values: Array, at: Array) -> Array:
+    def _inside(self, values: Array, at: Index) -> NDArray[np.bool_]:
         return np.asarray((values >= self.box[0, at]) & (values <= self.box[1, at]))
 
     def _walked(self, q: Array, targets: Array) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.certify.ball import LARGEST, certified_radius
 from rankdrop.certify.setting import Setting, enclose
@@ -90,7 +91,7 @@ def _radius(distance: float, rho: float) -> float:
     return min((distance + float(rho)) * (1 + _OUTRIGHT), LARGEST)
 
 
-def _kept(robot: Robot, setting: Setting, centre: Array, rho: Array, distance: float) -> Array:
+def _kept(robot: Robot, setting: Setting, centre: Array, rho: Array, distance: float) -> NDArray[np.bool_]:
     kept = np.zeros(len(centre), dtype=np.bool_)
     tried = np.flatnonzero(distance + rho < LARGEST)
     if len(tried):

@@ -21,7 +21,7 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.atlas.family import Family
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
-from rankdrop.motion.curve import Curve
+from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.prove import Sliver
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -181,7 +181,7 @@ class _Judge:
             places = np.concatenate([places, np.arange(1, last - first + 1, dtype=np.float64)])
         return np.unique(np.clip(places, start, end))
 
-    def _split(self, places: Array) -> tuple[NDArray[np.int64], Array]:
+    def _split(self, places: Array) -> tuple[Index, Array]:
         first, last = self.sliver.stretches
         whole = np.clip(np.floor(places), 0, last - first).astype(np.int64)
         return first + whole, places - whole

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.motion.bound import ROUNDED, Along, Enclosed, regular
-from rankdrop.motion.curve import Curve, boxes, halves, straightened
+from rankdrop.motion.curve import Curve, Index, boxes, halves, straightened
 from rankdrop.robot.model import Array, Robot
 
-Index = NDArray[np.int64]
 Progress = Callable[[int, int], None]
 """progress(decided, all): stretches."""
 
@@ -109,7 +108,7 @@ class _Work:
         return True
 
     def tell(self, open_stretches: int) -> None:
-        """Say how many stretches are decided; Ctrl-C is heard here, between two batches, so that nothing is lost."""
+        """Say how many stretches are decided; whoever listens may press Ctrl-C."""
         try:
             if self.progress is not None:
                 self.progress(self.stretches - open_stretches, self.stretches)
@@ -158,8 +157,10 @@ def _runs(robot: Robot, setting: Setting, path: Curve, work: _Work) -> Index:
     nodes = np.zeros(1, dtype=np.int64)
     for level in range(len(tree) - 1, 0, -1):
         low, high = tree[level]
-        free = _free(robot, setting, low[nodes], high[nodes], work)
-        nodes = nodes[~free]
+        try:
+            nodes = nodes[~_free(robot, setting, low[nodes], high[nodes], work)]
+        except KeyboardInterrupt:
+            work.interrupted = True  # nothing more is afforded: what is open stays so
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]
         work.tell(min(len(nodes) << (level - 1), work.stretches))
@@ -209,9 +210,15 @@ def _halve(along: Along, pieces: Pieces, work: _Work, singular: float) -> None:
             if not work.afford(len(part)):
                 _give_up(part, work, finished=False)
                 continue
-            part = _undecided(along, part, work, singular)
-            if len(part):
-                kept.append(part.halved())
+            try:
+                left, stuck = _undecided(along, part, work, singular)
+            except KeyboardInterrupt:
+                work.interrupted = True
+                _give_up(part, work, finished=False)
+                continue
+            _give_up(stuck, work, finished=True)
+            if len(left):
+                kept.append(left.halved())
         pieces = _together(kept) if kept else pieces[:0]
 
 
@@ -219,8 +226,8 @@ def _together(parts: list[Pieces]) -> Pieces:
     return Pieces(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pieces.__dataclass_fields__))
 
 
-def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> Pieces:
-    """Those that are neither free nor as narrow as can be."""
+def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> tuple[Pieces, Pieces]:
+    """Those that are not free: to be halved, and as narrow as can be."""
     middle, chord, extra = straightened(pieces.control)
     scale, matters = along.setting.scale, along.setting.matters
     length = np.linalg.norm(((np.abs(chord) + extra) / scale)[:, matters], axis=1)
@@ -234,8 +241,7 @@ def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> Pi
         found = along.enclosed(middle[small], chord[small], extra[small])
         free[small] = found.free
         stuck[small] = _stuck(along, pieces[small], found, length[small], singular)
-    _give_up(pieces[stuck & ~free], work, finished=True)
-    return pieces[~free & ~stuck]
+    return pieces[~free & ~stuck], pieces[stuck & ~free]
 
 
 def _stuck(along: Along, pieces: Pieces, found: Enclosed, length: Array, singular: float) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rate_limits import rate_limits
 from rankdrop.local.words import words
-from rankdrop.motion.curve import Curve
+from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
 from rankdrop.motion.distance import Ruler
 from rankdrop.motion.meets import Meeting
@@ -125,7 +125,7 @@ class Survey:
             places = np.union1d(places, even)
         return places
 
-    def _split(self, positions: Array) -> tuple[Array, Array]:
+    def _split(self, positions: Array) -> tuple[Index, Array]:
         stretch = np.clip(np.floor(positions), 0, len(self.path.control) - 1).astype(np.int64)
         return stretch, positions - stretch
 
@@ -240,7 +240,8 @@ class Survey:
 
     def _met(self, one: Meeting, *, told: bool) -> Stretch:
         """A crossing, a touch, or a part that is undecided."""
-        name, number, lost, null = "", "", (), np.nan
+        name, number, null = "", "", np.nan
+        lost: tuple[str, ...] = ()
         if one.corank:
             number, name = self._named(one.q, one.corank)
             null = self._null_share(one)
@@ -274,8 +275,8 @@ class Survey:
                 factor = float(min(1.0, room.min()))
                 slowest = int(room.argmin()) + 1 if room.min() < 1.0 else 0
         return Stretch(
-            self._told(start), self._told(end), bracket or (self._told(start), self._told(end)), verdict, family, name, closest, corank, lies, how, lost,
-            float(null_share), rates, factor, slowest,
+            self._told(start), self._told(end), bracket or (self._told(start), self._told(end)), verdict, family,
+            name, closest, corank, lies, how, lost, float(null_share), rates, factor, slowest,
         )  # fmt: skip
 
     def _named(self, q: Array, corank: int) -> tuple[str, str]:
@@ -314,10 +315,11 @@ class Survey:
 
     def _travel(self, place: tuple[int, float]) -> Array:
         """(n,) direction of the joints' motion."""
-        return self.path.slope(np.array([place[0]]), np.array([place[1]]))[0]
+        return np.asarray(self.path.slope(np.array([place[0]]), np.array([place[1]]))[0])
 
     def _weak(self, place: tuple[int, float], q: Array) -> float:
-        travel = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0] @ self._travel(place)
+        jacobian = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0]
+        travel = jacobian @ self._travel(place)
         size = float(np.linalg.norm(travel))
         if not self._rank or size == 0.0:
             return np.nan

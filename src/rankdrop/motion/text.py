@@ -85,8 +85,10 @@ def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section
         f"{_far(one.closest.distance)} at row {_row(one.closest.place)}: {_joints(found.robot, one.closest.q, deg=deg)}"
         for one in free[:3] if one.closest.distance >= LEADS
     )
-    notes = ("closest: joint-space distance to the nearest configuration known [rad]; weak: share of the tool's travel "
-             "there along the direction that would be lost",)  # fmt: skip
+    notes: tuple[str, ...] = (
+        "closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the tool's "
+        "travel there along the direction that would be lost",
+    )
     if limited:
         notes += ("speed: factor that keeps the velocity limits",)
     return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=notes)

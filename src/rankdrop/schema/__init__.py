@@ -8,7 +8,7 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find", "explanation", "escape", "nearest", "conditions", "reproduced")
+NAMES = ("analysis", "find", "explanation", "escape", "nearest", "conditions", "path", "paths", "reproduced")
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
 
 
@@ -17,7 +17,7 @@ def load_schema(name: str) -> dict[str, Any]:
 
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
-            "nearest", "conditions" or "reproduced".
+            "nearest", "conditions", "path", "paths" (`rankdrop path --json` with several files) or "reproduced".
 
     Raises:
         OptionError: there is no such schema.

@@ -26,7 +26,7 @@ from rankdrop.viewer.tab_escape import EscapeTab
 from rankdrop.viewer.tab_families import FamiliesTab
 from rankdrop.viewer.tab_path import PathTab
 from rankdrop.viewer.tab_slice import SliceTab
-from rankdrop.viewer.trajectory import Trajectory
+from rankdrop.motion.trajectory import Trajectory
 from rankdrop.viewer.visuals import visuals_of
 
 if TYPE_CHECKING:

@@ -15,7 +15,9 @@ from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
 from rankdrop.viewer.live import Now
 from rankdrop.viewer.session import FRAMES
-from rankdrop.viewer.trajectory import Track, Trajectory, parse_trajectory, track_of
+from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.trajectory import Trajectory
+from rankdrop.viewer.trajectory import Track, track_of
 
 if TYPE_CHECKING:
     import viser

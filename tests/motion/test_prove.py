@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from reference import region
 
+from rankdrop.atlas.equation import Equation, Term
 from rankdrop.atlas.search import Outcome, search
 from rankdrop.certify.ball import settings_of
+from rankdrop.kinematics import jacobian
+from rankdrop.known import known_analysis
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.prove import Proof, prove
+from rankdrop.motion.meets import DETERMINANT, meetings
+from rankdrop.motion.prove import Proof, Sliver, prove
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT
 
 ARMS = {
     **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "puma560", "pa10", "panda", "scara", "stanford")},
@@ -128,8 +136,6 @@ def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
         assert found.undecided_share == 0.0
         if robot.n == 6:  # an odd number of crossings parts opposite signs of the determinant
             task = resolve_task(None, robot)
-            from rankdrop.kinematics import jacobian
-
             sign = np.sign(np.linalg.det(jacobian(robot, q, task.frame)))
             seen = int((np.diff(sign) != 0).sum())
             crossed = [one for one in found.stretches if one.verdict == "crossing"]
@@ -203,6 +209,42 @@ def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:
     assert {one.verdict for one in leaves.stretches[1:]} == {"free"}
 
 
+def test_a_piece_singular_at_its_start_and_middle_is_halved_all_the_same() -> None:
+    robot = open_robot("puma560")
+    start, end = np.array([0.1, -1.2, 1.0, 0.5, 0.0, 0.2]), np.array([0.5, -1.0, 1.3, 0.2, 0.0, 0.1])
+    q, v = np.stack([start, end]), np.stack([end - start, end - start])
+    q[:, 4], v[:, 4] = [0.0, 0.5], [-0.5, 1.5]  # θ5 = s (s − 1/2)
+    found = check_path(robot, q, [0.0, 1.0], velocities=v, interpolate="cubic")
+    assert found.free_share > 0.9999
+    assert [one.closest.place.share for one in found.crossings] == pytest.approx([0.0, 0.5], abs=1e-6)
+
+
+def test_a_crossing_is_bracketed_by_the_determinant_alone() -> None:
+    robot = open_robot("puma560")
+    task = resolve_task(None, robot)
+    path = curve(np.array([[0.1, -1.2, 1.0, 0.5, -0.4, 0.2], [0.5, -1.0, 1.3, 0.2, 0.5, 0.1]]), None)
+    (one,) = meetings(robot, task, path, proven(robot, task, path).slivers, (), DEFAULT)
+    (_, low), (_, high) = one.bracket
+    assert (one.kind, one.how) == ("crossing", DETERMINANT)
+    assert low < 4 / 9 < high
+    assert high - low < 1e-9
+
+
+def test_a_change_of_sign_where_nothing_is_singular_is_no_crossing() -> None:
+    """A family whose condition holds too widely: σ has the last word."""
+    robot = open_robot("pa10")
+    task = resolve_task(None, robot)
+    family = next(one for one in known_analysis(robot, task).families if one.dimension == 6)
+    other = Equation((Term(1.0, "sin", (0, 2, 0, 0, 0, 0, 0), (0,) * 7),))
+    wrong = replace(family, equations=(other,))
+    way = np.array([0.05, 0.1, 0.05, 0.05, 0.05, 0.05, 0.05])
+    middle = np.array([0.3, 0.0, 0.4, 0.9, 0.3, 0.8, 0.2])
+    path = curve(np.stack([middle - way, middle + way]), None)
+    sliver = Sliver((0, 0), (0.3, 0.7), True)
+    (one,) = meetings(robot, task, path, [sliver], [wrong], DEFAULT)
+    assert one.kind == "undecided"
+
+
 def test_a_singularity_of_codimension_two_is_touched() -> None:
     """The Panda's determinant of J Jᵀ does not change its sign; a condition of two equations proves nothing."""
     robot = open_robot("panda")
@@ -274,5 +316,5 @@ def test_every_place_of_the_path_has_one_verdict() -> None:
         ends = [(one.start.row + one.start.share, one.end.row + one.end.share) for one in parts]
         assert ends[0][0] == 1.0
         assert ends[-1][1] == 300.0
-        assert all(first[1] == pytest.approx(second[0], abs=1e-12) for first, second in zip(ends, ends[1:], strict=False))
+        assert all(one[1] == pytest.approx(two[0], abs=1e-12) for one, two in pairwise(ends))
         assert len({one.verdict for one in parts}) > 1

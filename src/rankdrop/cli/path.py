@@ -146,15 +146,15 @@ def _distance(text: str, figure: str | None, count: int) -> float:
     try:
         value = quantity(text, "angle", where="--min-distance")
     except RobotError as error:
-        raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend) from error
+        raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
     if value < 0.0:
         raise OptionError("the distance is below zero", where="--min-distance", got=text, allowed="0 or more")
     return value
 
 
 def _check(
-    file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float, limits: bool,
-    evaluations: int, deg: bool, report: Report,
+    file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
+    limits: bool, evaluations: int, deg: bool, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.motion.check import check_path
     from rankdrop.motion.read import read_trajectory

@@ -30,7 +30,7 @@ from rankdrop.task import Task
 from rankdrop.units import counted_length, metre_exponent
 
 _PLACES = 400  # of the profile, evenly along the length; as many rows besides
-_ZOOMS, _NEAR = 4, 9  # rounds and points of the search for the closest approach of a stretch
+_ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
 _SPOTS = 12  # families that are named, and nearest points that are searched, without an atlas: some 0.1 s each
 _TOLD = 40  # meetings whose lost motions are told
 _TIE = 1e-9  # families at the same distance, to rounding: the one of higher corank is nearest [rad]

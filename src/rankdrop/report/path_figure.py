@@ -68,7 +68,8 @@ def _colour(axes: Any, found: PathData, *, legend: bool) -> None:
         mark = _MARKS.get(one.verdict)
         if mark is not None:
             label = None if one.verdict in named else one.verdict
-            axes.plot([(low + high) / 2], [0.0], mark, color=TONES[one.verdict], ms=6, clip_on=False, zorder=5, label=label)
+            tone = TONES[one.verdict]
+            axes.plot([(low + high) / 2], [0.0], mark, color=tone, ms=6, clip_on=False, zorder=5, label=label)
             named.add(one.verdict)
     if legend and named:
         axes.legend(fontsize=7, loc="upper right")

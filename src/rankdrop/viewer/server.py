@@ -10,6 +10,7 @@ import numpy as np
 
 from rankdrop.explanation.explanation import Explanation
 from rankdrop.explanation.which import known_families
+from rankdrop.motion.trajectory import Trajectory
 from rankdrop.result import Analysis
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -26,7 +27,6 @@ from rankdrop.viewer.tab_escape import EscapeTab
 from rankdrop.viewer.tab_families import FamiliesTab
 from rankdrop.viewer.tab_path import PathTab
 from rankdrop.viewer.tab_slice import SliceTab
-from rankdrop.motion.trajectory import Trajectory
 from rankdrop.viewer.visuals import visuals_of
 
 if TYPE_CHECKING:

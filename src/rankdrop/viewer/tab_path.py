@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.explanation.words import angle, short
+from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.trajectory import Trajectory
 from rankdrop.robot.model import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
 from rankdrop.viewer.live import Now
 from rankdrop.viewer.session import FRAMES
-from rankdrop.motion.csv_file import parse_trajectory
-from rankdrop.motion.trajectory import Trajectory
 from rankdrop.viewer.trajectory import Track, track_of
 
 if TYPE_CHECKING:

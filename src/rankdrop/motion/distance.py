@@ -6,7 +6,9 @@ A family of pinned joints only is nearest where each turns to its nearest value:
 
 is the nearest point of the family's tangent plane at q, again and again, from q0 itself and from the points nearest to
 it of a cloud on the family. What is returned lies on the family, so a distance is never too small; it may be too large
-by what the walk has not come round to (measured against `nearest_singularity` in `tests/motion`).
+by what the walk has not come round to (measured against `nearest_singularity` in `tests/motion`). Where no families are
+known, or some without their conditions, or redundant arms have coupled ones, which a few walks do not search through,
+the singular set itself is walked on as well (`anywhere`).
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from rankdrop.atlas.coupled import nearest_turns
 from rankdrop.atlas.family import Family, Pinned
 from rankdrop.atlas.system import REACHED, System, shortest
 from rankdrop.atlas.unit import family_in_metres
-from rankdrop.local.block import joint_scale, sampling_box
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box
+from rankdrop.motion.anywhere import Anywhere
 from rankdrop.motion.curve import Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -34,32 +37,41 @@ CLOUD = 600
 _SEEDS = 4  # of them, for each configuration
 _ITERATIONS = 10
 _LONGEST = 0.7  # step [rad]
-_BATCH = 2048  # configurations walked together
+_BATCH = 512  # configurations walked together
+_TIE = 1e-9  # families at the same distance, to rounding [rad]
+_CLEARLY = 0.99  # a share of the distance from a family
+_LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
 
 
 @dataclass(frozen=True, eq=False)
 class Distances:
-    """Distances of N configurations from F families.
+    """Distances of N configurations from F families, and from the singular set where that was walked on.
 
     Attributes:
         distance: (N, F) ‖(foot − q)/joint scale‖ [rad; metres divided by the length scale]; inf where no point was
             reached: the family has no equations, or none within the limits.
         foot: (N, F, n) the point reached, not wrapped; nan where there is none.
+        anywhere: (N,) distance from the singular set, found by walking on it; inf where it was not, or not reached.
+        anywhere_foot: (N, n) the point reached; nan where there is none.
     """
 
     distance: Array
     foot: Array
+    anywhere: Array
+    anywhere_foot: Array
 
-    def nearest(self) -> tuple[Array, Array]:
-        """(N,) index of the nearest family, and its distance; −1 and inf without families.
+    def nearest(self) -> tuple[Index, Array]:
+        """(N,) index of the nearest family and the distance; −1 where another point is nearer, or none was reached.
 
-        Of families at the same distance the first: callers put those that say more in front.
+        Of families at the same distance the first: callers put those that say more in front. A point of the singular
+        set counts where it is clearly nearer than every family, by more than 1 %.
         """
-        if not self.distance.shape[1]:
-            return np.full(len(self.distance), -1), np.full(len(self.distance), np.inf)
-        best = self.distance.argmin(axis=1)
-        least = self.distance[np.arange(len(best)), best]
-        return np.where(np.isfinite(least), best, -1), least
+        least = self.distance.min(axis=1, initial=np.inf)
+        best = np.full(len(least), -1)
+        if self.distance.shape[1]:
+            best = (self.distance <= least[:, None] + _TIE).argmax(axis=1)
+        other = self.anywhere < _CLEARLY * least - _TIE
+        return np.where(other | ~np.isfinite(least), -1, best), np.minimum(least, self.anywhere)
 
 
 def distances(
@@ -85,7 +97,7 @@ def distances(
         >>> arm = open_robot("pa10")
         >>> task = resolve_task(None, arm)
         >>> far = distances(known_analysis(arm, task).families, arm, [[0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2]], task)
-        >>> far.nearest()[1].round(12).tolist()  # θ4 = 0
+        >>> far.nearest()[1].round(12).tolist()  # θ4 = 0 is nearest
         [0.25]
     """
     rows, _ = configurations(robot, q)
@@ -95,7 +107,9 @@ def distances(
         [family_in_metres(family, robot) for family in families], in_metres(robot), task_in_metres(task, robot),
         limits=limits, seed=seed,
     ).measure(into_metres(robot, rows))  # fmt: skip
-    return replace(there, foot=out_of_metres(robot, there.foot))
+    return replace(
+        there, foot=out_of_metres(robot, there.foot), anywhere_foot=out_of_metres(robot, there.anywhere_foot)
+    )
 
 
 class Ruler:
@@ -114,28 +128,44 @@ class Ruler:
         self.scale = joint_scale(robot, task)
         none = np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
         self.box = np.stack([robot.lower, robot.upper]) if limits else none
+        first = [one for one in self.families if one.corank == 1]
+        hard = any(not one.named or not one.equations or (one.coupled and robot.n > task.m) for one in first)
+        walked = (hard or not first) and generic_rank(robot, task) > 0
+        self._anywhere = Anywhere(robot, task, self.box, seed) if walked else None
         self._walks = {
             k: _Walk(family, robot, task, self.scale, self.box, seed)
             for k, family in enumerate(self.families)
             if family.named and family.equations and (family.coupled or not family.pinned)
-        }
+            and not (walked and sum(len(one.terms) for one in family.equations) > _LONG)
+        }  # fmt: skip
 
     def measure(self, q: Array) -> Distances:
-        """Distances of configurations (N, n) from all families."""
+        """Distances of configurations (N, n) from all families, and from the singular set where it is walked on."""
         feet = np.full((len(q), len(self.families), self.robot.n), np.nan)
         for k in range(len(self.families)):
             feet[:, k] = self.feet(q, k)
         apart = np.linalg.norm((feet - q[:, None]) / self.scale, axis=2)
-        return Distances(np.where(np.isnan(apart), np.inf, apart), feet)
+        foot = self.anywhere(q)
+        far = np.linalg.norm((foot - q) / self.scale, axis=1)
+        return Distances(np.where(np.isnan(apart), np.inf, apart), feet, np.where(np.isnan(far), np.inf, far), foot)
+
+    def anywhere(self, q: Array) -> Array:
+        """(N, n) points of the singular set near configurations (N, n); nan where it is not walked on, or not reached.
+        """
+        if self._anywhere is None:
+            return np.full(q.shape, np.nan)
+        return np.concatenate([q[:0], *(self._anywhere.feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))])
 
     def feet(self, q: Array, which: int) -> Array:
-        """(N, n) points of one family near configurations (N, n); nan where none was reached."""
+        """(N, n) points of one family near configurations (N, n); nan where none was reached. −1: of any."""
+        if which < 0:
+            return self.anywhere(q)
         family = self.families[which]
         if which in self._walks:
             return np.concatenate(
                 [q[:0], *(self._walks[which].feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))]
             )
-        if family.named and family.pinned:
+        if family.named and family.pinned and not family.coupled:
             return _pinned_feet(family.pinned, self.robot, q, self.box)
         return np.full(q.shape, np.nan)
 

@@ -33,7 +33,6 @@ _PLACES = 400  # of the profile, evenly along the length; as many rows besides
 _ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
 _SPOTS = 12  # families that are named, and nearest points that are searched, without an atlas: some 0.1 s each
 _TOLD = 40  # meetings whose lost motions are told
-_TIE = 1e-9  # families at the same distance, to rounding: the one of higher corank is nearest [rad]
 
 
 def _badness(one: Stretch) -> tuple[object, ...]:
@@ -129,15 +128,10 @@ class Survey:
         stretch = np.clip(np.floor(positions), 0, len(self.path.control) - 1).astype(np.int64)
         return stretch, positions - stretch
 
-    def _nearest(self, q: Array) -> tuple[Array, Array]:
-        """Index of the nearest family and the distance; nan where none is known."""
-        far = self._ruler.measure(q).distance
-        if not far.shape[1]:
-            return np.full(len(q), -1), np.full(len(q), np.nan)
-        least = far.min(axis=1)
-        first = (far <= least[:, None] + _TIE).argmax(axis=1)
-        known = np.isfinite(least)
-        return np.where(known, first, -1), np.where(known, least, np.nan)
+    def _nearest(self, q: Array) -> tuple[Index, Array]:
+        """Index of the nearest family, −1 where another point is nearer, and the distance; nan where none is known."""
+        family, least = self._ruler.measure(q).nearest()
+        return family, np.where(np.isfinite(least), least, np.nan)
 
     def stretches(self, met: Sequence[Meeting]) -> tuple[Stretch, ...]:
         """All parts of the path, worst first: by verdict, then by distance."""
@@ -175,7 +169,8 @@ class Survey:
                 end = (int(stretch[0]), float(share[0]))
             else:
                 end = gap[1]
-            values = self.profile.distance[mine] if family[first] >= 0 else self.profile.sigma[mine]
+            far = self.profile.distance[mine]
+            values = np.where(np.isnan(far), np.inf, far) if np.isfinite(far).any() else self.profile.sigma[mine]
             yield start, end, int(family[first]), int(mine[int(np.argmin(values))])
             start = end
 
@@ -213,9 +208,8 @@ class Survey:
             for _ in range(_ZOOMS):
                 grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
                 q = self.path.at(*self._split(grid.reshape(-1)))
-                if family >= 0:
-                    values = np.linalg.norm((self._ruler.feet(q, family) - q) / self._scale, axis=1)
-                else:
+                values = np.linalg.norm((self._ruler.feet(q, family) - q) / self._scale, axis=1)
+                if np.isnan(values).all():
                     values = singular_values(self.robot, q, self.task)[:, self._rank - 1]
                 k = np.where(np.isnan(values), np.inf, values).reshape(grid.shape).argmin(axis=1)
                 rows = np.arange(len(mine))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rankdrop.motion.curve import Curve
+from rankdrop.motion.curve import Curve, Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -110,7 +110,7 @@ class Profile:
     position: Array
     time: Array | None
     distance: Array
-    family: Array
+    family: Index
     sigma: Array
     rates: Array
     ids: tuple[str, ...]

@@ -27,14 +27,14 @@ FLOORS = {
     "families": 5, "exact": 5, "certify": 5,
     "compare": 6,
     "results": 7, "schema": 7,
-    "verbs": 8,
+    "verbs": 8, "motion": 8,
     "cli": 9, "report": 9, "viewer": 9, "reproduce": 9,
 }  # fmt: skip
 TOP = 9
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
-            "trimesh", "websockets", "playwright"}  # fmt: skip
+            "trimesh", "websockets", "playwright", "yaml"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

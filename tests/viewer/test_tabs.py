@@ -17,9 +17,9 @@ from rankdrop.task import Task, resolve_task
 pytest.importorskip("viser", reason="the extra viewer is not installed")
 pytest.importorskip("trimesh", reason="the extra viewer is not installed")
 
+from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_families import PACE
-from rankdrop.viewer.trajectory import parse_trajectory
 
 ARM = open_robot("pa10")
 TASK = resolve_task(None, ARM)

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from rankdrop.families.monitor import Monitor
+from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.read import read_trajectory
+from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.viewer.tab_path import thinned
-from rankdrop.viewer.trajectory import Track, TrajectoryError, parse_trajectory, read_trajectory, track_of
+from rankdrop.viewer.trajectory import Track, track_of
 
 ARM = open_robot("scara")  # three joints that turn and, third, one that slides
 NAMES = [joint.name for joint in ARM.variables]

@@ -70,7 +70,12 @@ class Certificate:
 _settings: dict[tuple[int, Task], tuple[Setting, ...]] = {}
 
 
-def _settings_of(robot: Robot, task: Task) -> tuple[Setting, ...]:
+def settings_of(robot: Robot, task: Task) -> tuple[Setting, ...]:
+    """Every setting worth trying for an arm and a task, made once and kept.
+
+    Raises:
+        OptionError: as `settings_for`.
+    """
     key = (id(robot), task)
     if key not in _settings:
         _settings[key] = settings_for(robot, task)
@@ -121,7 +126,7 @@ def certified_radius(
             "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
         )
     resolved = resolve_task(task, robot)
-    settings = _settings_of(robot, resolved)
+    settings = settings_of(robot, resolved)
     row = centre[None, :]
     singles = [float(enclose(robot, setting, row, radius=at_most)[1][0]) for setting in settings]
     best = int(np.argmax(singles))

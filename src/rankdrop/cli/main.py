@@ -20,6 +20,7 @@ try:
     from rankdrop.cli.find import find
     from rankdrop.cli.jacobian import jacobian
     from rankdrop.cli.nearest import nearest
+    from rankdrop.cli.path import path
     from rankdrop.cli.report import report
     from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
@@ -40,6 +41,7 @@ For example:
     rankdrop conditions puma560
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+    rankdrop path ur5e pick.csv
     rankdrop report pa10 --out pa10.html
     rankdrop view pa10
 
@@ -64,6 +66,7 @@ app.command(explain)
 app.command(escape)
 app.command(nearest)
 app.command(tolerant)
+app.command(path)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -56,9 +56,9 @@ def view(
     from rankdrop.cli.arm import open_arm, packages_of
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.terminal import say
+    from rankdrop.motion import read_trajectory
     from rankdrop.results import Analysis
     from rankdrop.viewer.server import Viewer, Wishes
-    from rankdrop.viewer.trajectory import read_trajectory
 
     _check_host(host, expose=expose)
     model, task = open_arm(robot, arm)

@@ -8,7 +8,10 @@ from typing import Any
 
 from rankdrop.errors import OptionError
 
-NAMES = ("analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "reproduced")
+NAMES = (
+    "analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "path", "paths",
+    "reproduced",
+)  # fmt: skip
 """Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
 
 
@@ -17,7 +20,8 @@ def load_schema(name: str) -> dict[str, Any]:
 
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
-            "nearest", "tolerant", "conditions", "jacobian" or "reproduced".
+            "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several files)
+            or "reproduced".
 
     Raises:
         OptionError: there is no such schema.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.motion import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
@@ -24,7 +25,6 @@ from rankdrop.viewer.tab_escape import EscapeTab
 from rankdrop.viewer.tab_families import FamiliesTab
 from rankdrop.viewer.tab_path import PathTab
 from rankdrop.viewer.tab_slice import SliceTab
-from rankdrop.viewer.trajectory import Trajectory
 from rankdrop.viewer.visuals import visuals_of
 
 if TYPE_CHECKING:

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.motion import Trajectory, parse_trajectory
 from rankdrop.results import angle, short
 from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls, put
 from rankdrop.viewer.live import Now
 from rankdrop.viewer.session import FRAMES
-from rankdrop.viewer.trajectory import Track, Trajectory, parse_trajectory, track_of
+from rankdrop.viewer.trajectory import Track, track_of
 
 if TYPE_CHECKING:
     import viser

@@ -1,0 +1,221 @@
+"""`rankdrop path`: does a path meet a singularity, between its samples too?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rankdrop.cli.progress import Report
+    from rankdrop.motion import Judged, PathCheck, Trajectory
+    from rankdrop.results import Analysis
+    from rankdrop.robot import Robot
+    from rankdrop.task import Task
+
+
+def path(
+    robot: str,
+    /,
+    *files: str,
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    interpolate: Literal["linear", "cubic", "quintic"] = "linear",
+    min_distance: str = "0",
+    arm: ArmOptions = NO_OPTIONS,
+    analysis: str | None = None,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    evaluations: Whole = 2_000_000,
+    full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    figure: str | None = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
+
+    Nothing is sampled: every stretch between two samples is enclosed and halved
+    until it is proven free or its crossing is bracketed. Several files, or a
+    folder of them, give a table, worst first.
+
+    For example:
+        rankdrop path ur5e pick.csv --deg
+        rankdrop path panda plan.yaml --interpolate cubic --min-distance 5deg
+        rankdrop path ur5e programs/ --json paths.json
+        rankdrop path puma560 weld.npz --figure weld.svg
+
+    Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
+    touching, too near, or undecided; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, or JSON or YAML of a
+            JointTrajectory; or folders of these.
+        deg: Angles without a unit are in degrees.
+        interpolate: What the controller makes of the samples: straight lines, cubics through the velocities, or
+            quintics through the accelerations too.
+        min_distance: Distance in joint space to be kept from every singularity [rad; slides divided by the length
+            scale]; 5deg is understood.
+        analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
+        limits: Distances to singularities within the joint limits only.
+        evaluations: Enclosures that one path may cost; about 10 microseconds each.
+        full: Every stretch, not the ten worst.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+        figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
+        quiet: No progress.
+    """
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.progress import reporter
+    from rankdrop.motion import judged, paths_to_dict
+    from rankdrop.results import Analysis
+
+    check_target(json, "--json")
+    check_target(figure, "--figure", (".svg", ".png", ".pdf"))
+    check_different({"--json": json, "--figure": figure})
+    model, task = open_arm(robot, arm)
+    found = _files(files)
+    least = _distance(min_distance, figure, len(found))
+    families = None if analysis is None else Analysis.load(analysis)
+
+    def one(file: Path, report: Report) -> PathCheck:
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, report)
+
+    if len(found) == 1:
+        with reporter(quiet=quiet) as report:
+            result = one(found[0], report)
+        steps: list[Callable[[], None]] = []
+        if json != STDOUT:
+            steps.append(lambda: _print(result, full=full))
+        if json is not None:
+            steps.append(lambda: write_json(result.to_dict(), json))
+        if figure is not None:
+            steps.append(lambda: _draw(result, figure))
+        do_all(steps)
+        return _code(result)
+    with reporter(quiet=quiet) as report:
+        many = judged(found, lambda file: one(file, report))
+    steps = []
+    if json != STDOUT:
+        steps.append(lambda: _print_many(many))
+    if json is not None:
+        steps.append(lambda: write_json(paths_to_dict(model, many), json))
+    do_all(steps)
+    return _worst(many, len(found))
+
+
+def _files(names: tuple[str, ...]) -> list[Path]:
+    """The files named, folders as the trajectory files in them, sorted.
+
+    Raises:
+        OptionError: none is named, or a folder holds none.
+    """
+    from pathlib import Path
+
+    from rankdrop.errors import OptionError
+    from rankdrop.motion import ENDINGS
+
+    if not names:
+        raise OptionError("no file is named", where="FILE", allowed="trajectory files, or folders of them",
+                          mend="rankdrop path ROBOT FILE")  # fmt: skip
+    found: list[Path] = []
+    for name in names:
+        if not Path(name).is_dir():
+            found.append(Path(name))
+            continue
+        inside = sorted(one for one in Path(name).iterdir() if one.suffix.lower() in ENDINGS and one.is_file())
+        if not inside:
+            raise OptionError("there is no trajectory in the folder", where=name, allowed=", ".join(ENDINGS))
+        found += inside
+    return found
+
+
+def _distance(text: str, figure: str | None, count: int) -> float:
+    from rankdrop.errors import OptionError, RobotError
+    from rankdrop.robot import quantity
+
+    if figure is not None and count > 1:
+        raise OptionError("a figure is of one path", where="--figure", got=f"{count} files", mend="name one file")
+    try:
+        value = quantity(text, "angle", where="--min-distance")
+    except RobotError as error:
+        raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
+    if value < 0.0:
+        raise OptionError("the distance is below zero", where="--min-distance", got=text, allowed="0 or more")
+    return value
+
+
+def _check(
+    file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
+    limits: bool, evaluations: int, deg: bool, report: Report,
+) -> PathCheck:  # fmt: skip
+    from rankdrop.motion import check_path, read_trajectory
+
+    read = read_trajectory(file, robot, deg=deg)
+    _warn(read, robot, deg=deg)
+    return check_path(
+        robot, read.q, read.times if read.timed else None, velocities=read.velocities,
+        accelerations=read.accelerations, interpolate=interpolate, task=task, min_distance=min_distance, limits=limits,
+        analysis=analysis, evaluations=evaluations,
+        progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
+    )  # fmt: skip
+
+
+def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
+    """A line for angles in what looks like the other unit, and for columns that are not used."""
+    from rankdrop.cli.terminal import say
+    from rankdrop.motion import unit_hint
+
+    hint = unit_hint(read.q, robot, deg=deg)
+    if hint is not None:
+        say(f"warning: {read.name}: {hint}{'' if deg else '; --deg reads them as degrees'}")
+    if read.unused:
+        say(f"{read.name}: not used: {', '.join(read.unused)}")
+
+
+def _print(result: PathCheck, *, full: bool) -> None:
+    from rankdrop.cli.sections import print_sections
+
+    print_sections(result.sections(full=full))
+
+
+def _print_many(many: list[Judged]) -> None:
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.motion import many_section
+
+    print_sections([many_section(many)])
+
+
+def _draw(result: PathCheck, target: str) -> None:
+    from pathlib import Path
+
+    from rankdrop.cli.files import write_bytes
+    from rankdrop.report.figures import rendered
+    from rankdrop.report.path_figure import path_figure
+
+    write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
+
+
+def _code(result: PathCheck) -> int:
+    from rankdrop.cli.terminal import say
+
+    if not result.complete:
+        say("interrupted: what was proven so far holds")
+        return exits.INTERRUPTED
+    return exits.FINE if result.holds else exits.UNEXPLAINED
+
+
+def _worst(many: list[Judged], asked: int) -> int:
+    from rankdrop.cli.terminal import say
+
+    if len(many) < asked or any(one.result is not None and not one.result.complete for one in many):
+        say(f"interrupted: {len(many)} of {asked} files were judged")
+        return exits.INTERRUPTED
+    if any(one.result is None for one in many):
+        return exits.BAD_INPUT
+    return exits.FINE if all(one.result is not None and one.result.holds for one in many) else exits.UNEXPLAINED

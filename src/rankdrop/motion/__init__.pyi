@@ -1,0 +1,17 @@
+from .check import check_path as check_path
+from .csv_file import parse_trajectory as parse_trajectory
+from .data import CROSSING as CROSSING
+from .data import FREE as FREE
+from .data import TOUCHING as TOUCHING
+from .data import UNDECIDED as UNDECIDED
+from .data import PathData as PathData
+from .data import Place as Place
+from .many import Judged as Judged
+from .many import judged as judged
+from .many import many_section as many_section
+from .many import paths_to_dict as paths_to_dict
+from .read import ENDINGS as ENDINGS
+from .read import read_trajectory as read_trajectory
+from .result import PathCheck as PathCheck
+from .trajectory import Trajectory as Trajectory
+from .trajectory import unit_hint as unit_hint

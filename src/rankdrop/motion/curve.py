@@ -1,0 +1,144 @@
+"""The curve between samples: polynomials in Bernstein form, whose control points enclose them.
+
+A stretch is what lies between two samples. Its curve Σ_j B_j(s) b_j, 0 ≤ s ≤ 1, lies in the convex hull of the control
+points b_j, and halving it gives control points of each half (de Casteljau). That is all a proof needs to know of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.errors import OptionError
+from rankdrop.robot.model import Array
+
+Index = NDArray[np.int64]
+
+INTERPOLATIONS = ("linear", "cubic", "quintic")
+"""What a controller makes of samples: of positions, of velocities as well, of accelerations too."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A path through T samples.
+
+    Attributes:
+        control: (T − 1, d + 1, n) Bernstein control points of each stretch, degree d = 1, 3 or 5 [rad, m].
+        times: (T,) [s]; None where the path has none.
+    """
+
+    control: Array
+    times: Array | None
+
+    @property
+    def degree(self) -> int:
+        """Of the polynomials."""
+        return int(self.control.shape[1]) - 1
+
+    def at(self, stretch: Index, share: Array) -> Array:
+        """(N, n) configurations at shares (N,) 0 … 1 of stretches (N,)."""
+        s, d = np.asarray(share, dtype=np.float64)[:, None], self.degree
+        basis = [comb(d, j) * s**j * (1 - s) ** (d - j) for j in range(d + 1)]
+        return np.asarray(sum(b * self.control[stretch, j] for j, b in enumerate(basis)))
+
+    def slope(self, stretch: Index, share: Array) -> Array:
+        """(N, n) derivative by the share: times 1/(duration of the stretch) the joint rates."""
+        d = self.degree
+        return d * Curve(np.diff(self.control, axis=1)[stretch], None).at(np.arange(len(stretch)), share)
+
+    def time(self, stretch: Index, share: Array) -> Array | None:
+        """(N,) times [s]."""
+        if self.times is None:
+            return None
+        start, end = self.times[stretch], self.times[stretch + 1]
+        return np.asarray(start + share * (end - start))
+
+
+def curve(
+    q: Array,
+    times: Array | None,
+    velocities: Array | None = None,
+    accelerations: Array | None = None,
+    interpolate: str = "linear",
+) -> Curve:
+    """The curve that a controller makes of samples, as ROS's joint trajectory controller does.
+
+    linear: straight. cubic: Hermite, through positions and velocities. quintic: positions, velocities, accelerations.
+
+    Args:
+        q: (T, n) samples, T ≥ 1; one sample is a stretch of no length.
+        times: (T,) [s], increasing; needed for cubic and quintic.
+        velocities, accelerations: (T, n) [rad/s, rad/s²] or None.
+        interpolate: one of `INTERPOLATIONS`.
+
+    Raises:
+        OptionError: no such interpolation, or what it needs is not given.
+
+    Example:
+        >>> rest = np.zeros((2, 1))
+        >>> curve(np.array([[0.0], [1.0]]), np.array([0.0, 2.0]), rest, None, "cubic").control[0, :, 0].tolist()
+        [0.0, 0.0, 1.0, 1.0]
+    """
+    if interpolate not in INTERPOLATIONS:
+        raise OptionError("there is no such interpolation", where="interpolate", got=repr(interpolate),
+                          allowed=", ".join(INTERPOLATIONS))  # fmt: skip
+    if len(q) == 1:
+        q = np.repeat(q, 2, axis=0)
+        times = None if times is None else np.repeat(times, 2)
+        velocities, accelerations, interpolate = None, None, "linear"
+    start, end = q[:-1], q[1:]
+    if interpolate == "linear":
+        return Curve(np.stack([start, end], axis=1), times)
+    needed = {"times": times, "velocities": velocities}
+    if interpolate == "quintic":
+        needed["accelerations"] = accelerations
+    missing = [name for name, value in needed.items() if value is None]
+    if missing or times is None or velocities is None:
+        raise OptionError(
+            f"{interpolate} interpolation needs {' and '.join(missing)}", where="interpolate", got=interpolate,
+            mend=f"give {' and '.join(missing)}, or interpolate='linear'",
+            typed=f"a file with {' and '.join(missing)}, or --interpolate linear",
+        )  # fmt: skip
+    dt = np.diff(times)[:, None]
+    v0, v1 = velocities[:-1] * dt, velocities[1:] * dt
+    if interpolate == "cubic" or accelerations is None:
+        return Curve(np.stack([start, start + v0 / 3, end - v1 / 3, end], axis=1), times)
+    a0, a1 = accelerations[:-1] * dt * dt, accelerations[1:] * dt * dt
+    return Curve(
+        np.stack(
+            [start, start + v0 / 5, start + 2 * v0 / 5 + a0 / 20, end - 2 * v1 / 5 + a1 / 20, end - v1 / 5, end], axis=1
+        ),
+        times,
+    )
+
+
+def halves(control: Array) -> Array:
+    """(2 P, d + 1, n) control points of the two halves of each of P curves, one after the other (de Casteljau)."""
+    count, degree = len(control), control.shape[1] - 1
+    out = np.empty((count, 2, *control.shape[1:]))
+    row = control
+    for j in range(degree + 1):
+        out[:, 0, j], out[:, 1, degree - j] = row[:, 0], row[:, -1]
+        row = (row[:, :-1] + row[:, 1:]) / 2
+    return out.reshape(2 * count, *control.shape[1:])
+
+
+def boxes(control: Array) -> tuple[Array, Array]:
+    """(P, n) lower and upper corners of boxes that hold the curves."""
+    return control.min(axis=1), control.max(axis=1)
+
+
+def straightened(control: Array) -> tuple[Array, Array, Array]:
+    """Each curve as c + Δ τ + e, |τ| ≤ 1, |e_k| ≤ ε_k: middle c, half the chord Δ, and ε, each (P, n).
+
+    e is the same polynomial with control points b_j − (c + Δ (2j/d − 1)): the largest of them bounds it.
+    """
+    degree = control.shape[1] - 1
+    middle, chord = (control[:, 0] + control[:, -1]) / 2, (control[:, -1] - control[:, 0]) / 2
+    if degree == 1:
+        return middle, chord, np.zeros_like(middle)
+    at = 2 * np.arange(degree + 1)[None, :, None] / degree - 1
+    return middle, chord, np.abs(control - middle[:, None] - at * chord[:, None]).max(axis=1)

@@ -1,0 +1,194 @@
+"""What is known of a path: its verdict, its stretches, where it meets a singularity, and its profile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rankdrop.motion.curve import Curve, Index
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+
+FREE, CROSSING, TOUCHING, TOO_NEAR, UNDECIDED = "free", "crossing", "touching", "too near", "undecided"
+VERDICTS = (CROSSING, TOUCHING, TOO_NEAR, UNDECIDED, FREE)
+"""Worst first."""
+LEADS = 1e-6
+"""A free stretch that comes nearer than this leads to a meeting at one of its ends [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A point of a path.
+
+    Attributes:
+        row: number of the sample before it, from 1.
+        share: of the way to the next sample, 0 … 1.
+        time: [s]; None without times.
+    """
+
+    row: int
+    share: float
+    time: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Closest:
+    """Where a stretch is nearest to a singularity.
+
+    Attributes:
+        place: on the path.
+        q: (n,) configuration there [rad, m].
+        distance: to the nearest configuration known or found [rad; slides divided by the length scale]; 0 at a
+            singularity, inf where none is known.
+        foot: (n,) that configuration; empty where none is known.
+        sigma: σ_r there [1].
+        weak: share of the tool's travel there that goes along the direction of σ_r, the one that is lost first, 0 … 1;
+            nan where the tool stands still.
+    """
+
+    place: Place
+    q: Array
+    distance: float
+    foot: Array
+    sigma: float
+    weak: float
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A part of a path with one verdict and one nearest family.
+
+    Attributes:
+        start, end: its ends.
+        bracket: two places inside, a zero between them where it is a crossing; its ends on a free stretch.
+        verdict: "free" (proven), "crossing", "touching" or "undecided".
+        family: id of the family met or nearest; "" where there is none.
+        name: of that family.
+        closest: where it is nearest to a singularity; where it meets one, the configuration.
+        corank: of the singularity met; 0 on a free stretch.
+        lies: all of it is singular, as far as it was looked at.
+        how: how it is known.
+        lost: sentences on what is lost where it meets a singularity.
+        null_share: share of the joints' motion there that does not move the task, 0 … 1; nan on a free stretch.
+        rates: (n,) largest joint rates of the commanded motion [rad/s, m/s]; empty without times.
+        speed_factor: largest factor, at most 1, that brings them within the velocity limits; nan where there are no
+            times or no limits.
+        slowest: number from 1 of the joint that decides it; 0 where none does.
+    """
+
+    start: Place
+    end: Place
+    bracket: tuple[Place, Place]
+    verdict: str
+    family: str
+    name: str
+    closest: Closest
+    corank: int
+    lies: bool
+    how: str
+    lost: tuple[str, ...]
+    null_share: float
+    rates: Array
+    speed_factor: float
+    slowest: int
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Numbers along the path, at places close enough to draw.
+
+    Attributes:
+        position: (P,) rows, from 1, with fractions.
+        time: (P,) [s]; None without times.
+        distance: (P,) to the nearest known family; nan where none is known.
+        family: (P,) index into `ids` of that family; −1 where none is known.
+        sigma: (P,) σ_r.
+        rates: (P,) largest share of a velocity limit that the commanded motion needs; nan without.
+        ids: of the families.
+    """
+
+    position: Array
+    time: Array | None
+    distance: Array
+    family: Index
+    sigma: Array
+    rates: Array
+    ids: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PathSettings:
+    """What was asked, and the thresholds.
+
+    Attributes:
+        interpolate: between samples.
+        min_distance: to be kept [rad; slides divided by the length scale]; 0: none.
+        limits: distances to singularities within the joint limits only.
+        evaluations: enclosures that may be spent.
+        length_scale: translation is divided by it [m].
+        tolerances: thresholds.
+        version: of rankdrop.
+    """
+
+    interpolate: str
+    min_distance: float
+    limits: bool
+    evaluations: int
+    length_scale: float
+    tolerances: Tolerances
+    version: str
+
+
+@dataclass(frozen=True, eq=False)
+class PathData:
+    """A path judged.
+
+    Attributes:
+        robot, task: the arm and its task, its length scale worked out.
+        curve: the path.
+        rows: number of samples.
+        settings: what was asked.
+        verdict: "free", "crossing", "touching", "too near" or "undecided".
+        sentence: the verdict for people.
+        stretches: all parts, worst first.
+        free_share: of the length in joint space, proven free.
+        undecided_share, undecided_length, undecided_time: what is undecided: share of the length, length [rad], and
+            time [s; None without times].
+        margin: what is known of `min_distance`: "kept" (proven), "violated" (a nearer singular configuration was
+            found), "not proven"; None where none was asked for.
+        evaluations: enclosures spent.
+        source: where the families are from: "catalogue", "analysis" or "on the spot".
+        notes: what a reader should know, limits that are left for one.
+        complete: False where it was interrupted.
+        profile: for drawings.
+    """
+
+    robot: Robot
+    task: Task
+    curve: Curve
+    rows: int
+    settings: PathSettings
+    verdict: str
+    sentence: str
+    stretches: tuple[Stretch, ...]
+    free_share: float
+    undecided_share: float
+    undecided_length: float
+    undecided_time: float | None
+    margin: str | None
+    evaluations: int
+    source: str
+    notes: tuple[str, ...]
+    complete: bool
+    profile: Profile
+
+    @property
+    def holds(self) -> bool:
+        """Proven free, and the distance asked for proven to be kept."""
+        return self.verdict == FREE and self.complete
+
+    @property
+    def crossings(self) -> tuple[Stretch, ...]:
+        """Where it meets singularities, crossing or touching, in order along the path."""
+        met = [one for one in self.stretches if one.verdict in (CROSSING, TOUCHING)]
+        return tuple(sorted(met, key=lambda one: (one.start.row, one.start.share)))

@@ -1,0 +1,273 @@
+"""How far many configurations are from every family: a point of each family, near enough to the nearest one.
+
+A family of pinned joints only is nearest where each turns to its nearest value: closed form. The others are walked to:
+
+    q ← q0 − A⁺(f(q) + A (q0 − q)),   A = ∂f/∂q in scaled joint variables
+
+is the nearest point of the family's tangent plane at q, again and again, from q0 itself and from the points nearest to
+it of a cloud on the family. What is returned lies on the family, so a distance is never too small; it may be too large
+by what the walk has not come round to (measured against `nearest_singularity` in `tests/motion`). Where no families are
+known, or some without their conditions, or redundant arms have coupled ones, which a few walks do not search through,
+the singular set itself is walked on as well (`anywhere`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rankdrop._handles import configurations
+from rankdrop.families.coupled import nearest_turns
+from rankdrop.family.record import Family, Pinned
+from rankdrop.family.system import REACHED, System, shortest
+from rankdrop.family.unit import family_in_metres
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box
+from rankdrop.motion.anywhere import Anywhere
+from rankdrop.motion.curve import Index
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+
+CLOUD = 600
+"""Points of a family of coupled joints that walks begin at."""
+_SEEDS = 4  # of them, for each configuration
+_ITERATIONS = 10
+_LONGEST = 0.7  # step [rad]
+_BATCH = 512  # configurations walked together
+_TIE = 1e-9  # families at the same distance, to rounding [rad]
+_CLEARLY = 0.99  # a share of the distance from a family
+_LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
+
+
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances of N configurations from F families, and from the singular set where that was walked on.
+
+    Attributes:
+        distance: (N, F) ‖(foot − q)/joint scale‖ [rad; metres divided by the length scale]; inf where no point was
+            reached: the family has no equations, or none within the limits.
+        foot: (N, F, n) the point reached, not wrapped; nan where there is none.
+        anywhere: (N,) distance from the singular set, found by walking on it; inf where it was not, or not reached.
+        anywhere_foot: (N, n) the point reached; nan where there is none.
+    """
+
+    distance: Array
+    foot: Array
+    anywhere: Array
+    anywhere_foot: Array
+
+    def nearest(self) -> tuple[Index, Array]:
+        """(N,) index of the nearest family and the distance; −1 where another point is nearer, or none was reached.
+
+        Of families at the same distance the first: callers put those that say more in front. A point of the singular
+        set counts where it is clearly nearer than every family, by more than 1 %.
+        """
+        least = self.distance.min(axis=1, initial=np.inf)
+        best = np.full(len(least), -1)
+        if self.distance.shape[1]:
+            best = (self.distance <= least[:, None] + _TIE).argmax(axis=1)
+        other = self.anywhere < _CLEARLY * least - _TIE
+        return np.where(other | ~np.isfinite(least), -1, best), np.minimum(least, self.anywhere)
+
+
+def distances(
+    families: Sequence[Family], robot: Robot, q: ArrayLike, task: Task, *, limits: bool = False, seed: int = 0
+) -> Distances:
+    """Distance from many configurations to every family.
+
+    Args:
+        families: of this arm and task (`Analysis.families`).
+        robot: the arm.
+        q: (N, n) [rad, m].
+        task: from `resolve_task`.
+        limits: only points within the joint limits.
+        seed: of the clouds.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+
+    Example:
+        >>> from rankdrop.results.known import known_analysis
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("pa10")
+        >>> task = resolve_task(None, arm)
+        >>> far = distances(known_analysis(arm, task).families, arm, [[0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2]], task)
+        >>> far.nearest()[1].round(12).tolist()  # θ4 = 0 is nearest
+        [0.25]
+    """
+    rows, _ = configurations(robot, q)
+    if not metre_exponent(robot):
+        return Ruler(families, robot, task, limits=limits, seed=seed).measure(rows)
+    there = Ruler(
+        [family_in_metres(family, robot) for family in families], in_metres(robot), task_in_metres(task, robot),
+        limits=limits, seed=seed,
+    ).measure(into_metres(robot, rows))  # fmt: skip
+    return replace(
+        there, foot=out_of_metres(robot, there.foot), anywhere_foot=out_of_metres(robot, there.anywhere_foot)
+    )
+
+
+class Ruler:
+    """Measures distances to given families, again and again; the clouds are made once.
+
+    Args:
+        families: of this arm and task.
+        robot: the arm, in metres (`units.in_metres`).
+        task, limits, seed: as in `distances`.
+    """
+
+    def __init__(
+        self, families: Sequence[Family], robot: Robot, task: Task, *, limits: bool = False, seed: int = 0
+    ) -> None:
+        self.families, self.robot = tuple(families), robot
+        self.scale = joint_scale(robot, task)
+        none = np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
+        self.box = np.stack([robot.lower, robot.upper]) if limits else none
+        first = [one for one in self.families if one.corank == 1]
+        hard = any(not one.named or not one.equations or (one.coupled and robot.n > task.m) for one in first)
+        walked = (hard or not first) and generic_rank(robot, task) > 0
+        self._anywhere = Anywhere(robot, task, self.box, seed) if walked else None
+        self._walks = {
+            k: _Walk(family, robot, task, self.scale, self.box, seed)
+            for k, family in enumerate(self.families)
+            if family.named and family.equations and (family.coupled or not family.pinned)
+            and not (walked and sum(len(one.terms) for one in family.equations) > _LONG)
+        }  # fmt: skip
+
+    def measure(self, q: Array) -> Distances:
+        """Distances of configurations (N, n) from all families, and from the singular set where it is walked on."""
+        feet = np.full((len(q), len(self.families), self.robot.n), np.nan)
+        for k in range(len(self.families)):
+            feet[:, k] = self.feet(q, k)
+        apart = np.linalg.norm((feet - q[:, None]) / self.scale, axis=2)
+        foot = self.anywhere(q)
+        far = np.linalg.norm((foot - q) / self.scale, axis=1)
+        return Distances(np.where(np.isnan(apart), np.inf, apart), feet, np.where(np.isnan(far), np.inf, far), foot)
+
+    def anywhere(self, q: Array) -> Array:
+        """(N, n) points of the singular set near configurations (N, n); nan where it is not walked on, or not reached.
+        """
+        if self._anywhere is None:
+            return np.full(q.shape, np.nan)
+        return np.concatenate([q[:0], *(self._anywhere.feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))])
+
+    def feet(self, q: Array, which: int) -> Array:
+        """(N, n) points of one family near configurations (N, n); nan where none was reached. −1: of any."""
+        if which < 0:
+            return self.anywhere(q)
+        family = self.families[which]
+        if which in self._walks:
+            return np.concatenate(
+                [q[:0], *(self._walks[which].feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))]
+            )
+        if family.named and family.pinned and not family.coupled:
+            return _pinned_feet(family.pinned, self.robot, q, self.box)
+        return np.full(q.shape, np.nan)
+
+
+def _pinned_feet(pinned: Sequence[Pinned], robot: Robot, q: Array, box: Array) -> Array:
+    """(N, n) each pinned joint at its nearest value within the limits, the others moved no more than the limits ask."""
+    feet = np.clip(q, box[0], box[1])
+    for one in pinned:
+        j, values = one.number - 1, np.array(one.values)
+        at = q[:, j, None]
+        if bool(robot.periodic[j]):
+            turns = np.round((at[..., None] - values[:, None]) / (2 * pi)) + np.arange(-2, 3)
+            options = (values[:, None] + 2 * pi * turns).reshape(len(q), -1)
+        else:
+            options = np.broadcast_to(values, (len(q), len(values)))
+        room = 1e-9  # a limit of 3.14159265359 is meant to allow π
+        inside = (options >= box[0, j] - room) & (options <= box[1, j] + room)
+        far = np.where(inside, np.abs(options - at), np.inf)
+        best = far.argmin(axis=1)
+        rows = np.arange(len(q))
+        feet[:, j] = np.where(np.isfinite(far[rows, best]), options[rows, best], np.nan)
+    return feet
+
+
+class _Walk:
+    """Walks onto one family of coupled joints."""
+
+    def __init__(self, family: Family, robot: Robot, task: Task, scale: Array, box: Array, seed: int) -> None:
+        self.robot, self.scale, self.box = robot, scale, box
+        self.system = System(family.equations)
+        moves = np.zeros(robot.n, dtype=np.bool_)
+        for equation in family.equations:
+            moves[[number - 1 for number in equation.joints]] = True
+        self.columns = np.flatnonzero(moves)
+        self.cloud = self._cloud(family, task, np.random.default_rng(seed))
+
+    def _cloud(self, family: Family, task: Task, rng: np.random.Generator) -> Array:
+        low, high = sampling_box(self.robot, task, limits=bool(np.isfinite(self.box).any()))
+        starts = rng.uniform(low, high, (CLOUD, self.robot.n))
+        for joint in family.pinned:
+            options = nearest_turns(np.array(joint.values), 0.0, False, self.box[:, joint.number - 1])
+            if len(options):
+                starts[:, joint.number - 1] = rng.choice(options, len(starts))
+        end, _ = self.system.solve(starts, iterations=20, still=1e-10)
+        end = end[np.abs(self.system.values(end)).max(axis=1) <= REACHED]
+        return np.asarray(end[((end >= self.box[0]) & (end <= self.box[1])).all(axis=1)])
+
+    def feet(self, q: Array) -> Array:
+        """(N, n) the nearest point reached from each start; nan where none was."""
+        starts = [np.clip(q, self.box[0], self.box[1]), *self._near(q)]
+        targets = np.concatenate([q] * len(starts))
+        ends = self._walked(np.concatenate(starts), targets)
+        there = np.abs(self.system.values(ends)).max(axis=1) <= REACHED
+        far = np.where(there, np.linalg.norm((ends - targets) / self.scale, axis=1), np.inf).reshape(len(starts), -1)
+        best = far.argmin(axis=0)
+        rows = np.arange(len(q))
+        feet = ends.reshape(len(starts), len(q), -1)[best, rows]
+        return np.where(np.isfinite(far[best, rows])[:, None], feet, np.nan)
+
+    def _near(self, q: Array) -> list[Array]:
+        """(N, n) each: q with its coupled joints at those of the points of the cloud nearest to it."""
+        if not len(self.cloud):
+            return []
+        at = self.columns
+        gap = (self.cloud[None, :, at] - q[:, None, at]) / self.scale[at]
+        turns = np.where(self.robot.periodic[at], np.round(gap / (2 * pi)), 0.0)
+        inside = self._inside(self.cloud[None, :, at] - 2 * pi * turns, at)
+        gap = np.where(inside, gap - 2 * pi * turns, gap)
+        order = np.argpartition((gap**2).sum(axis=2), min(_SEEDS, len(self.cloud)) - 1, axis=1)[:, :_SEEDS]
+        seeds = []
+        for k in range(order.shape[1]):
+            start = np.clip(q, self.box[0], self.box[1])
+            start[:, at] = q[:, at] + self.scale[at] * gap[np.arange(len(q)), order[:, k]]
+            seeds.append(start)
+        return seeds
+
+    def _inside(self, values: Array, at: Index) -> NDArray[np.bool_]:
+        return np.asarray((values >= self.box[0, at]) & (values <= self.box[1, at]))
+
+    def _walked(self, q: Array, targets: Array) -> Array:
+        """Tangent planes, then straight onto the family."""
+        active = np.arange(len(q))
+        for _ in range(_ITERATIONS):
+            f, a = self.system.linear(q[active])
+            a = a * self.scale
+            away = (targets[active] - q[active]) / self.scale
+            step = away - _shortest(a, f + np.einsum("nec,nc->ne", a, away))
+            length = np.linalg.norm(step, axis=1)
+            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+            q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
+            active = active[length > 1e-6]
+            if not len(active):
+                break
+        for _ in range(3):
+            f, a = self.system.linear(q)
+            q = np.clip(q - _shortest(a * self.scale, f) * self.scale, self.box[0], self.box[1])
+        return q
+
+
+def _shortest(a: Array, f: Array) -> Array:
+    """(N, n) A⁺f; of a single equation by hand, which is ten times as fast."""
+    if a.shape[1] > 1:
+        return shortest(a, f)
+    size = (a[:, 0] ** 2).sum(axis=1)
+    return np.asarray(a[:, 0] * (f[:, 0] / np.where(size > 1e-28, size, 1.0) * (size > 1e-28))[:, None])

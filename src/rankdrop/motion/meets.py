@@ -1,0 +1,280 @@
+"""What a sliver that is not proven free holds: a crossing, a touch, or nothing that can be told.
+
+Crossing, proven by the intermediate value theorem: a function that is continuous along the path has opposite signs at
+two points where its sign is beyond rounding. For as many joints as task rows the function is det J; for every family of
+one condition f, whatever the number of joints, it is f, whose zeros are singular. Halving brackets the zero.
+
+Touching: σ_r is within the tolerance at a configuration of the path, without such a change of sign. That is a
+measurement: a path that passes at 1e-10, or crosses twice within as little, looks the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
+from rankdrop.family.record import Family
+from rankdrop.local.block import generic_rank, joint_scale, singular_values
+from rankdrop.motion.curve import Curve, Index
+from rankdrop.motion.prove import Sliver
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
+
+CROSSING, TOUCHING, UNDECIDED = "crossing", "touching", "undecided"
+DETERMINANT = "the determinant changes its sign"
+_LOOKS = 65  # points of a sliver
+_DENSE = 1025  # points of a sliver that was not finished
+_CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of a determinant
+_CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
+_HALVINGS = 60
+_SAME = 1e-5  # zeros of two functions nearer to each other are one meeting: rounding blurs touching ones so far [rad]
+_LYING = 1e-3  # slivers longer than this, singular wherever looked at, lie in the singular set [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Where a path meets the singular set, or may.
+
+    Attributes:
+        kind: "crossing", "touching" or "undecided".
+        start, end: (stretch, share) of the part of the path that is not proven free and belongs to it.
+        bracket: (stretch, share) twice, inside that part: a zero lies between them where it is a crossing.
+        at: (stretch, share) of `q`.
+        q: (n,) configuration: at the zero, where σ_r is least, or in the middle [rad, m].
+        sigma: (min(m, n),) singular values there [1].
+        corank: at q, by the tolerance; 0 where undecided.
+        lies: σ_r is zero within the tolerance wherever it was looked at from start to end, which are apart.
+        how: how it is known, in words.
+    """
+
+    kind: str
+    start: tuple[int, float]
+    end: tuple[int, float]
+    bracket: tuple[tuple[int, float], tuple[int, float]]
+    at: tuple[int, float]
+    q: Array
+    sigma: Array
+    corank: int
+    lies: bool
+    how: str
+
+
+Signs = Callable[[Array], NDArray[np.int8]]
+"""(N, n) configurations -> +1, −1, or 0 where rounding could have made the sign."""
+
+
+def meetings(
+    robot: Robot, task: Task, path: Curve, slivers: Sequence[Sliver], families: Sequence[Family], tolerances: Tolerances
+) -> tuple[Meeting, ...]:
+    """What every sliver holds, in order along the path.
+
+    Args:
+        robot, task: the arm and its task.
+        path: the curve.
+        slivers: from `prove`.
+        families: known ones; those of one condition in one equation tell crossings by its sign.
+        tolerances: `singular`.
+    """
+    functions = signs(robot, task, families)
+    return tuple(
+        one for sliver in slivers for one in _Judge(robot, task, path, sliver, functions, tolerances).meetings()
+    )
+
+
+def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[str, Signs]]:
+    """Functions whose change of sign proves a crossing, each with the words that say so."""
+    rank = generic_rank(robot, task)
+    found: list[tuple[str, Signs]] = []
+    if robot.n == task.m == rank:
+        found.append((DETERMINANT, _determinant(robot, task)))
+    for family in families:
+        if family.dimension == robot.n - 1 and len(family.equations) == 1 and family.soundness.holds:
+            found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
+    return found
+
+
+def _determinant(robot: Robot, task: Task) -> Signs:
+    def sign(q: Array) -> NDArray[np.int8]:
+        matrix = _core.jacobian(chain_of(robot), task_view(robot, task), np.ascontiguousarray(q))
+        sigma = _core.svd(matrix, False)
+        certain = sigma[:, -1] > _CERTAIN * sigma[:, 0]
+        return np.where(certain, np.sign(np.linalg.slogdet(matrix)[0]), 0).astype(np.int8)
+
+    return sign
+
+
+def _condition(family: Family) -> Signs:
+    equation = family.equations[0]
+
+    def sign(q: Array) -> NDArray[np.int8]:
+        value = equation(q)
+        return np.where(np.abs(value) > _CERTAIN_F, np.sign(value), 0).astype(np.int8)
+
+    return sign
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """One sliver; places on it are counted in stretches from its first one."""
+
+    robot: Robot
+    task: Task
+    path: Curve
+    sliver: Sliver
+    functions: list[tuple[str, Signs]]
+    tolerances: Tolerances
+
+    def meetings(self) -> list[Meeting]:
+        places = self._places()
+        q = self._at(places)
+        met: list[Meeting] = []
+        for how, function in self.functions:
+            for low, high in self._brackets(places, function(q), function):
+                met.append(self._crossing(low, high, how))
+        met = self._distinct(met)
+        if not self.sliver.finished:
+            return self._between(met, places, q)
+        return self._spread(met) if met else [self._still(places, q)]
+
+    def _spread(self, met: list[Meeting]) -> list[Meeting]:
+        """Crossings that share the sliver: none of it is proven free."""
+        first, last = self.sliver.stretches
+        cuts = [(one.bracket[1], two.bracket[0]) for one, two in pairwise(met)]
+        middles = [self._place((self._count(low) + self._count(high)) / 2) for low, high in cuts]
+        ends = [(first, self.sliver.shares[0]), *middles, (last, self.sliver.shares[1])]
+        return [replace(one, start=ends[k], end=ends[k + 1]) for k, one in enumerate(met)]
+
+    def _between(self, met: list[Meeting], places: Array, q: Array) -> list[Meeting]:
+        """The work ended early: crossings that were seen, and the parts between them, undecided."""
+        cuts = [float(places[0])]
+        for one in met:
+            cuts += [self._count(one.bracket[0]), self._count(one.bracket[1])]
+        cuts.append(float(places[-1]))
+        out = list(met)
+        for low, high in zip(cuts[::2], cuts[1::2], strict=True):
+            inside = (places >= low) & (places <= high)
+            if high > low:
+                out.append(self._open(places[inside], q[inside]) if inside.any() else self._unseen(low, high))
+                out[-1] = replace(out[-1], start=self._place(low), end=self._place(high))
+        return sorted(out, key=lambda one: (one.start, one.end))
+
+    def _unseen(self, low: float, high: float) -> Meeting:
+        return self._meeting(UNDECIDED, low, high, (low + high) / 2, "the work ended before it was decided")
+
+    def _count(self, place: tuple[int, float]) -> float:
+        return place[0] - self.sliver.stretches[0] + place[1]
+
+    def _places(self) -> Array:
+        """Increasing, ends included, the samples between too while there are few."""
+        first, last = self.sliver.stretches
+        start, end = self.sliver.shares[0], last - first + self.sliver.shares[1]
+        count = _LOOKS if self.sliver.finished else _DENSE
+        places = np.linspace(start, end, count)
+        if last - first < count:
+            places = np.concatenate([places, np.arange(1, last - first + 1, dtype=np.float64)])
+        return np.unique(np.clip(places, start, end))
+
+    def _split(self, places: Array) -> tuple[Index, Array]:
+        first, last = self.sliver.stretches
+        whole = np.clip(np.floor(places), 0, last - first).astype(np.int64)
+        return first + whole, places - whole
+
+    def _at(self, places: Array) -> Array:
+        return self.path.at(*self._split(places))
+
+    def _place(self, place: float) -> tuple[int, float]:
+        stretch, share = self._split(np.array([place]))
+        return int(stretch[0]), float(share[0])
+
+    def _brackets(self, places: Array, sign: NDArray[np.int8], function: Signs) -> list[tuple[float, float]]:
+        """Where the sign changes, between two points where it is certain, as narrow as it stays certain."""
+        certain = np.flatnonzero(sign)
+        turns = np.flatnonzero(np.diff(sign[certain].astype(int)))
+        low, high = places[certain[turns]].copy(), places[certain[turns + 1]].copy()
+        left = sign[certain[turns]]
+        active = np.arange(len(low))
+        for _ in range(_HALVINGS):
+            middle = (low[active] + high[active]) / 2
+            apart = (middle > low[active]) & (middle < high[active])
+            active, middle = active[apart], middle[apart]
+            if not len(active):
+                break
+            found = function(self._at(middle))
+            for side, target in ((found == left[active], low), (found == -left[active], high)):
+                target[active[side]] = middle[side]
+            active = active[found != 0]  # at the zero itself, as far as rounding tells
+        return list(zip(low.tolist(), high.tolist(), strict=True))
+
+    def _crossing(self, low: float, high: float, how: str) -> Meeting:
+        return self._meeting(CROSSING, low, high, (low + high) / 2, how)
+
+    def _meeting(self, kind: str, low: float, high: float, at: float, how: str, *, lies: bool = False) -> Meeting:
+        q = self._at(np.array([at]))[0]
+        sigma = singular_values(self.robot, q, self.task)
+        rank = generic_rank(self.robot, self.task)
+        corank = rank - int((sigma[:rank] > self.tolerances.singular).sum())
+        q.flags.writeable = sigma.flags.writeable = False
+        ends = self._place(low), self._place(high)
+        return Meeting(
+            kind, ends[0], ends[1], ends, self._place(at), q, sigma, 0 if kind == UNDECIDED else corank,
+            lies, how,
+        )  # fmt: skip
+
+    def _distinct(self, met: list[Meeting]) -> list[Meeting]:
+        """One meeting for zeros of several functions at the same place; a zero where σ is not zero is none."""
+        scale = joint_scale(self.robot, self.task)
+        kept: list[Meeting] = []
+        for one in met:
+            others = [other for other in kept if other.how != one.how]
+            if one.corank and not any(np.linalg.norm((one.q - other.q) / scale) < _SAME for other in others):
+                kept.append(one)
+        return sorted(kept, key=lambda one: one.at)
+
+    def _still(self, places: Array, q: Array) -> Meeting:
+        """No change of sign: the point of least σ."""
+        rank = generic_rank(self.robot, self.task)
+        sigma = singular_values(self.robot, q, self.task)[:, rank - 1]
+        length = float(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1).sum())
+        limit, low, high = self.tolerances.singular, float(places[0]), float(places[-1])
+        if length > _LYING and bool((sigma <= limit).all()):
+            how = f"σ{_low(rank)} ≤ {limit:g} at each of {len(q)} points of it"
+            return self._meeting(TOUCHING, low, high, (low + high) / 2, how, lies=True)
+        at, least = self._least(places, sigma)
+        if least <= limit:
+            how = f"σ{_low(rank)} = {least:.1e}, within the tolerance {limit:g}, and no change of sign is seen"
+            return self._meeting(TOUCHING, low, high, at, how)
+        how = f"no enclosure proves it free, and σ{_low(rank)} is {least:.1e} at least"
+        return self._meeting(UNDECIDED, low, high, at, how)
+
+    def _open(self, places: Array, q: Array) -> Meeting:
+        """The work ended before the sliver was narrow."""
+        rank = generic_rank(self.robot, self.task)
+        at, least = self._least(places, singular_values(self.robot, q, self.task)[:, rank - 1])
+        how = f"the work ended before it was decided; σ{_low(rank)} is {least:.1e} at least where it was looked at"
+        return self._meeting(UNDECIDED, float(places[0]), float(places[-1]), at, how)
+
+    def _least(self, places: Array, sigma: Array) -> tuple[float, float]:
+        """The place of least σ, zoomed in around the least sample."""
+        rank = generic_rank(self.robot, self.task)
+        k = int(sigma.argmin())
+        low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, len(places) - 1)])
+        best, least = float(places[k]), float(sigma[k])
+        for _ in range(12):
+            near = np.linspace(low, high, 9)
+            values = singular_values(self.robot, self._at(near), self.task)[:, rank - 1]
+            k = int(values.argmin())
+            if values[k] < least:
+                best, least = float(near[k]), float(values[k])
+            low, high = float(near[max(k - 1, 0)]), float(near[min(k + 1, 8)])
+        return best, least
+
+
+def _low(rank: int) -> str:
+    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(rank))

@@ -1,0 +1,119 @@
+"""A joint trajectory from JSON or YAML, as ROS writes trajectory_msgs/JointTrajectory: `ros2 topic echo`, MoveIt."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from rankdrop.errors import MissingExtraError
+from rankdrop.motion.array_file import arranged
+from rankdrop.motion.trajectory import Trajectory, TrajectoryError
+from rankdrop.robot.model import Array, Robot
+
+_INSIDE = ("trajectory", "joint_trajectory", "goal")
+_SECONDS, _NANOSECONDS = ("sec", "secs"), ("nanosec", "nsecs")
+
+
+def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool = False) -> Trajectory:
+    """A trajectory from the text of a JSON or YAML file.
+
+    Looked for is an object with `joint_names` and `points`, each with `positions`, `time_from_start` (seconds, or an
+    object of seconds and nanoseconds), and where given `velocities` and `accelerations`; at the top, or under
+    `trajectory`, `joint_trajectory` or `goal`.
+
+    Args:
+        text: of the file.
+        name: of the file, for errors.
+        robot: whose joints they are.
+        yaml: YAML; else JSON.
+        deg: angles are in degrees.
+
+    Raises:
+        TrajectoryError: with file and row.
+        MissingExtraError: YAML is asked for and PyYAML is not installed.
+    """
+    message = _message(_yaml(text, name) if yaml else _json(text, name))
+    if message is None:
+        raise TrajectoryError("there is no JointTrajectory in it", where=name,
+                              allowed="an object with joint_names and points")  # fmt: skip
+    names, points = message["joint_names"], message["points"]
+    if not isinstance(names, list) or not isinstance(points, list) or not points:
+        raise TrajectoryError("the trajectory has no points" if isinstance(names, list) else "joint_names is no list",
+                              where=name)  # fmt: skip
+    q = _column(points, "positions", names, name)
+    if q is None:
+        raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
+    timed = [_has_time(point) for point in points]
+    times = np.array([_time(point, f"{name}, row {row}") for row, point in enumerate(points, start=1)])
+    if any(timed) and not all(timed):
+        raise TrajectoryError("the point has no time_from_start", where=f"{name}, row {timed.index(False) + 1}")
+    return arranged(
+        name, robot, q, times if all(timed) else None, _column(points, "velocities", names, name),
+        _column(points, "accelerations", names, name), [str(one) for one in names], deg=deg,
+    )  # fmt: skip
+
+
+def _json(text: str, name: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise TrajectoryError(f"this is not JSON: {error.msg}", where=f"{name}, line {error.lineno}") from None
+
+
+def _yaml(text: str, name: str) -> Any:
+    try:
+        import yaml
+    except ImportError as error:
+        raise MissingExtraError("pyyaml", "yaml", "a trajectory in YAML") from error
+    try:
+        documents = list(yaml.safe_load_all(text))
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = "" if mark is None else f", line {mark.line + 1}"
+        raise TrajectoryError(f"this is not YAML: {getattr(error, 'problem', error)}", where=f"{name}{line}") from None
+    return next((one for one in documents if _message(one) is not None), None)
+
+
+def _message(found: Any) -> dict[str, Any] | None:
+    """The object with joint_names and points, at the top or one or two levels below."""
+    if not isinstance(found, dict):
+        return None
+    if "joint_names" in found and "points" in found:
+        return found
+    return next((inner for key in _INSIDE if (inner := _message(found.get(key))) is not None), None)
+
+
+def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array | None:
+    """(T, joints) of one entry of every point; None where no point has it."""
+    rows = [point.get(key) if isinstance(point, dict) else None for point in points]
+    if not any(rows):
+        return None
+    for row, values in enumerate(rows, start=1):
+        if not isinstance(values, list) or len(values) != len(names):
+            got = f"{len(values)} numbers" if isinstance(values, list) else repr(values)
+            raise TrajectoryError(f"{key} has another length than joint_names", where=f"{name}, row {row}", got=got,
+                                  allowed=f"{len(names)} numbers")  # fmt: skip
+        if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+            raise TrajectoryError(f"{key} has a value that is no number", where=f"{name}, row {row}", got=values)
+    return np.array(rows, dtype=np.float64)
+
+
+def _has_time(point: Any) -> bool:
+    return isinstance(point, dict) and point.get("time_from_start") is not None
+
+
+def _time(point: Any, where: str) -> float:
+    """Seconds from the start."""
+    value = point.get("time_from_start") if isinstance(point, dict) else None
+    if value is None:
+        return 0.0
+    if isinstance(value, dict):
+        parts = [next((value[key] for key in keys if key in value), 0) for keys in (_SECONDS, _NANOSECONDS)]
+        known = any(key in value for key in _SECONDS + _NANOSECONDS)
+        if known and all(isinstance(part, int | float) for part in parts):
+            return float(parts[0]) + 1e-9 * float(parts[1])
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    raise TrajectoryError("this is no time", where=where, got=value, allowed="seconds, or sec and nanosec")

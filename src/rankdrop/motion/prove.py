@@ -1,0 +1,291 @@
+"""Every stretch of a path proven free of singularities, or narrowed down to slivers that are not.
+
+First boxes around runs of 2^k stretches, all at once: free, or halved. What is left inside single stretches is halved
+further with the bound along the curve (`bound`), until pieces are free or as narrow as double precision decides. The
+pieces cover the path, so nothing hides between samples. Work is counted in enclosures, never in seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.certify.setting import Setting, enclose
+from rankdrop.motion.bound import ROUNDED, Along, Enclosed, regular
+from rankdrop.motion.curve import Curve, Index, boxes, halves, straightened
+from rankdrop.robot.model import Array, Robot
+
+Progress = Callable[[int, int], None]
+"""progress(decided, all): stretches."""
+
+NARROW = 1e-9  # a piece no joint moves further on is not halved: rounding decides there [rad; slides scaled]
+_WIDE = 1.0  # boxes with a longer half diagonal are halved unseen [rad]
+_ALONG = 0.5  # curves with a shorter half chord get the bound along them [rad]
+_BATCH = 4096  # pieces looked at together
+_LOOKS = 64  # samples that a setting is chosen by
+_HOPELESS = 2.0  # σ_r at or below this many times the rounding allowance cannot be told from zero
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Parts of stretches.
+
+    Attributes:
+        stretch: (P,) which.
+        start, end: (P,) shares of it.
+        control: (P, d + 1, n) control points.
+    """
+
+    stretch: Index
+    start: Array
+    end: Array
+    control: Array
+
+    def __len__(self) -> int:
+        return len(self.stretch)
+
+    def __getitem__(self, which: NDArray[np.bool_] | slice) -> Pieces:
+        return Pieces(self.stretch[which], self.start[which], self.end[which], self.control[which])
+
+    def halved(self) -> Pieces:
+        """Both halves of each, in order."""
+        middle = (self.start + self.end) / 2
+        start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
+        return Pieces(np.repeat(self.stretch, 2), start.reshape(-1), end.reshape(-1), halves(self.control))
+
+
+@dataclass(frozen=True, eq=False)
+class Sliver:
+    """A connected part of the path that is not proven free.
+
+    Attributes:
+        stretches: first and last stretch it has a part of.
+        shares: where it begins in the first and ends in the last.
+        finished: False where the work ended before it was narrow.
+    """
+
+    stretches: tuple[int, int]
+    shares: tuple[float, float]
+    finished: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """What is proven of a path: all of it but the slivers is free.
+
+    Attributes:
+        slivers: in order along the path.
+        evaluations: enclosures spent.
+        setting: of the certificate they are seen from.
+        complete: False where the work was interrupted.
+    """
+
+    slivers: tuple[Sliver, ...]
+    evaluations: int
+    setting: Setting
+    complete: bool
+
+
+@dataclass(eq=False)
+class _Work:
+    """What is spent, and what is left over."""
+
+    budget: int
+    stretches: int
+    progress: Progress | None
+    spent: int = 0
+    interrupted: bool = False
+    left: list[tuple[int, float, float, bool]] = field(default_factory=list)  # stretch, start, end, finished
+
+    def afford(self, count: int) -> bool:
+        """Whether so many more enclosures may be made; counts them."""
+        if self.interrupted or self.spent + count > self.budget:
+            return False
+        self.spent += count
+        return True
+
+    def tell(self, open_stretches: int) -> None:
+        """Say how many stretches are decided; whoever listens may press Ctrl-C."""
+        try:
+            if self.progress is not None:
+                self.progress(self.stretches - open_stretches, self.stretches)
+        except KeyboardInterrupt:
+            self.interrupted = True
+
+
+def prove(
+    robot: Robot,
+    settings: tuple[Setting, ...],
+    path: Curve,
+    *,
+    singular: float,
+    evaluations: int,
+    progress: Progress | None = None,
+) -> Proof:
+    """Prove as much of a path free of singularities as can be.
+
+    Args:
+        robot: the arm.
+        settings: from `settings_for`; the one that sees farthest along the path is taken.
+        path: the curve.
+        singular: where σ_r, as the setting has it, is below this at every point looked at, a stretch lies in the
+            singular set and is not halved down.
+        evaluations: enclosures to be spent at most; what is left over then is a sliver that is not finished.
+        progress: told how many stretches are decided.
+    """
+    setting = chosen(robot, settings, path)
+    work = _Work(evaluations, len(path.control), progress)
+    left = _runs(robot, setting, path, work)
+    _halve(Along(robot, setting), _whole(path, left), work, singular)
+    return Proof(tuple(_joined(work.left)), work.spent, setting, not work.interrupted)
+
+
+def chosen(robot: Robot, settings: tuple[Setting, ...], path: Curve) -> Setting:
+    """The setting whose balls are largest along the path, in the mean of their logarithms."""
+    at = np.unique(np.linspace(0, len(path.control) - 1, _LOOKS).astype(np.int64))
+    q = np.ascontiguousarray(path.at(at, np.full(len(at), 0.5)))
+    radii = [enclose(robot, setting, q, radius=np.pi)[1] for setting in settings]
+    return settings[int(np.argmax([np.log(np.maximum(one, 1e-6)).mean() for one in radii]))]
+
+
+def _runs(robot: Robot, setting: Setting, path: Curve, work: _Work) -> Index:
+    """Stretches that no box around a run of 2^k of them proves free."""
+    tree = box_tree(path)
+    nodes = np.zeros(1, dtype=np.int64)
+    for level in range(len(tree) - 1, 0, -1):
+        low, high = tree[level]
+        try:
+            nodes = nodes[~_free(robot, setting, low[nodes], high[nodes], work)]
+        except KeyboardInterrupt:
+            work.interrupted = True  # nothing more is afforded: what is open stays so
+        nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
+        nodes = nodes[nodes < len(tree[level - 1][0])]
+        work.tell(min(len(nodes) << (level - 1), work.stretches))
+    return nodes
+
+
+def box_tree(path: Curve) -> list[tuple[Array, Array]]:
+    """Lower and upper corners of boxes around runs of 1, 2, 4, … stretches; the last level is one box around all."""
+    tree = [boxes(path.control)]
+    while len(tree[-1][0]) > 1:
+        low, high = tree[-1]
+        if len(low) % 2:
+            low, high = np.concatenate([low, low[-1:]]), np.concatenate([high, high[-1:]])
+        tree.append((np.minimum(low[::2], low[1::2]), np.maximum(high[::2], high[1::2])))
+    return tree
+
+
+def _free(robot: Robot, setting: Setting, low: Array, high: Array, work: _Work) -> NDArray[np.bool_]:
+    """(P,) which boxes are proven free; those too wide to be are not tried."""
+    centre = (low + high) / 2
+    half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
+    free = np.zeros(len(low), dtype=np.bool_)
+    tried = np.flatnonzero(np.linalg.norm(half[:, setting.matters], axis=1) < _WIDE)
+    for part in _batches(tried):
+        if not work.afford(len(part)):
+            break
+        free[part] = enclose(robot, setting, np.ascontiguousarray(centre[part]), half[part])[0] != 0
+    return free
+
+
+def _batches(rows: Index) -> Iterator[Index]:
+    return (rows[i : i + _BATCH] for i in range(0, len(rows), _BATCH))
+
+
+def _whole(path: Curve, stretches: Index) -> Pieces:
+    count = len(stretches)
+    return Pieces(stretches, np.zeros(count), np.ones(count), path.control[stretches])
+
+
+def _halve(along: Along, pieces: Pieces, work: _Work, singular: float) -> None:
+    """Halve pieces of single stretches until they are free or narrow."""
+    while len(pieces):
+        work.tell(len(np.unique(pieces.stretch)))
+        kept = []
+        for i in range(0, len(pieces), _BATCH):
+            part = pieces[i : i + _BATCH]
+            if not work.afford(len(part)):
+                _give_up(part, work, finished=False)
+                continue
+            try:
+                left, stuck = _undecided(along, part, work, singular)
+            except KeyboardInterrupt:
+                work.interrupted = True
+                _give_up(part, work, finished=False)
+                continue
+            _give_up(stuck, work, finished=True)
+            if len(left):
+                kept.append(left.halved())
+        pieces = _together(kept) if kept else pieces[:0]
+
+
+def _together(parts: list[Pieces]) -> Pieces:
+    return Pieces(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pieces.__dataclass_fields__))
+
+
+def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> tuple[Pieces, Pieces]:
+    """Those that are not free: to be halved, and as narrow as can be."""
+    middle, chord, extra = straightened(pieces.control)
+    scale, matters = along.setting.scale, along.setting.matters
+    length = np.linalg.norm(((np.abs(chord) + extra) / scale)[:, matters], axis=1)
+    free = np.zeros(len(pieces), dtype=np.bool_)
+    small = length < _ALONG
+    low, high = boxes(pieces.control[~small])
+    if len(low):
+        free[~small] = _free(along.robot, along.setting, low, high, work)
+    stuck = np.zeros(len(pieces), dtype=np.bool_)
+    if small.any():
+        found = along.enclosed(middle[small], chord[small], extra[small])
+        free[small] = found.free
+        stuck[small] = _stuck(along, pieces[small], found, length[small], singular)
+    return pieces[~free & ~stuck], pieces[stuck & ~free]
+
+
+def _stuck(along: Along, pieces: Pieces, found: Enclosed, length: Array, singular: float) -> NDArray[np.bool_]:
+    """Pieces that halving does not help: narrow ones, and those singular to rounding wherever one looks."""
+    stuck = length <= NARROW
+    hopeless = ~found.free & ~stuck & ~regular(found.sigma, _HOPELESS * found.floor)
+    hopeless |= ~found.free & ~stuck & (found.sigma[:, -1] <= singular)
+    rows = np.flatnonzero(hopeless)
+    if len(rows):
+        quarters = np.array([0.0, 0.25, 0.75, 1.0])
+        inside = Curve(pieces.control[rows], None)
+        bad = np.ones(len(rows), dtype=np.bool_)
+        for share in quarters:
+            q = np.ascontiguousarray(inside.at(np.arange(len(rows)), np.full(len(rows), share)))
+            _, _, floor, sigma, *_ = enclose(along.robot, along.setting, q, np.zeros_like(q))
+            bad &= ~regular(sigma, _HOPELESS * floor) | (sigma[:, -1] <= singular)
+        stuck[rows] = bad
+    return np.asarray(stuck)
+
+
+def _give_up(pieces: Pieces, work: _Work, *, finished: bool) -> None:
+    rows = zip(pieces.stretch.tolist(), pieces.start.tolist(), pieces.end.tolist(), strict=True)
+    work.left += [(*row, finished) for row in rows]
+
+
+def _joined(left: list[tuple[int, float, float, bool]]) -> Iterator[Sliver]:
+    """Neighbouring pieces as one sliver."""
+    run: list[tuple[int, float, float, bool]] = []
+    for piece in sorted(left):
+        if run and not _follows(run[-1], piece):
+            yield _sliver(run)
+            run = []
+        run.append(piece)
+    if run:
+        yield _sliver(run)
+
+
+def _follows(first: tuple[int, float, float, bool], second: tuple[int, float, float, bool]) -> bool:
+    if first[3] != second[3]:
+        return False
+    if first[0] == second[0]:
+        return first[2] == second[1]
+    return first[0] + 1 == second[0] and first[2] == 1.0 and second[1] == 0.0
+
+
+def _sliver(run: list[tuple[int, float, float, bool]]) -> Sliver:
+    return Sliver((run[0][0], run[-1][0]), (run[0][1], run[-1][2]), run[0][3])

@@ -1,0 +1,328 @@
+"""The parts of a path for people: where it meets a singularity, and between, which family is nearest and how near."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
+from rankdrop.errors import RankdropError
+from rankdrop.families.local_family import LocalFamily
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.family.record import Family
+from rankdrop.family.unit import family_in_metres
+from rankdrop.family.which import families_at
+from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
+from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.local.rate_limits import rate_limits
+from rankdrop.local.sentences import words
+from rankdrop.motion.curve import Curve, Index
+from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
+from rankdrop.motion.distance import Ruler
+from rankdrop.motion.meets import Meeting
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.units import counted_length, metre_exponent
+
+_PLACES = 400  # of the profile, evenly along the length; as many rows besides
+_ZOOMS, _NEAR = 8, 9  # rounds and points of the search for the closest approach of a stretch
+_SPOTS = 12  # families that are named, and nearest points that are searched, without an atlas: some 0.1 s each
+_TOLD = 40  # meetings whose lost motions are told
+
+
+def _badness(one: Stretch) -> tuple[object, ...]:
+    """Worst first; free stretches that lead to a meeting say least and come last."""
+    order = {"crossing": 0, "touching": 1, "undecided": 2, FREE: 3}
+    leads = one.verdict == FREE and one.closest.distance < LEADS
+    return order[one.verdict], leads, one.closest.distance, one.start.row, one.start.share
+
+
+@dataclass
+class Survey:
+    """Measures a path against its arm's families.
+
+    Attributes:
+        robot, task, path: in metres.
+        given: families as they are known, of `asked`.
+        source: where they are from.
+        asked: the arm as it was given.
+        settings: `limits` and the tolerances are read.
+        notes: what could not be told.
+        profile: numbers along the path, once `stretches` has been called.
+    """
+
+    robot: Robot
+    task: Task
+    path: Curve
+    given: Sequence[Family]
+    source: str
+    asked: Robot
+    settings: PathSettings
+    notes: tuple[str, ...] = ()
+    families: tuple[Family, ...] = ()
+    _spots: list[tuple[LocalFamily, Array]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if metre_exponent(self.asked):
+            self.families = tuple(family_in_metres(one, self.asked) for one in self.given)
+        else:
+            self.families = tuple(self.given)
+        self._rank = generic_rank(self.robot, self.task)
+        self._scale = joint_scale(self.robot, self.task)
+        self._limits = rate_limits(self.robot)
+        self._rates = self._largest_rates()
+        self._near = self._outer()
+        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.settings.limits)
+        self.profile = self._profile()
+
+    def _outer(self) -> tuple[Family, ...]:
+        """Families to be measured: corank 1, and those of higher corank that no one of corank 1 holds."""
+        plain = tuple(one for one in self.families if one.corank == 1)
+        higher = [one for one in self.families if one.corank > 1 and one.equations]
+        apart = tuple(
+            one for one in higher
+            if not families_at(plain, self.robot, one.witness, self.task, self.settings.tolerances)
+        )  # fmt: skip
+        return (*apart, *plain)
+
+    def _largest_rates(self) -> Array | None:
+        """(T − 1, n) a bound on the joint rates of each stretch: exact for straight ones."""
+        if self.path.times is None:
+            return None
+        steps = np.abs(np.diff(self.path.control, axis=1)).max(axis=1) * self.path.degree
+        lasts = np.diff(self.path.times)[:, None]
+        return np.where(steps > 0.0, steps / np.where(lasts > 0.0, lasts, np.inf), 0.0)
+
+    def _profile(self) -> Profile:
+        positions = self._positions()
+        stretch, share = self._split(positions)
+        q = self.path.at(stretch, share)
+        family, distance = self._nearest(q)
+        sigma = singular_values(self.robot, q, self.task)
+        rates = np.full(len(q), np.nan)
+        if self._rates is not None and np.isfinite(self._limits).any():
+            rates = (self._rates / self._limits).max(axis=1)[stretch]
+        return Profile(
+            positions + 1.0, self.path.time(stretch, share), distance, family,
+            sigma[:, self._rank - 1] if self._rank else np.zeros(len(q)), rates, tuple(one.id for one in self._near),
+        )  # fmt: skip
+
+    def _positions(self) -> Array:
+        """Places evenly along the length, and rows; counted in stretches from 0."""
+        count = len(self.path.control)
+        steps = np.linalg.norm((self.path.control[:, -1] - self.path.control[:, 0]) / self._scale, axis=1)
+        until = np.concatenate([[0.0], np.cumsum(steps)])
+        places = np.unique(np.linspace(0, count, min(_PLACES, count + 1)).round())
+        if until[-1] > 0.0:
+            grows = np.concatenate([[True], np.diff(until) > 0.0])
+            even = np.interp(np.linspace(0.0, until[-1], _PLACES), until[grows], np.flatnonzero(grows))
+            places = np.union1d(places, even)
+        return places
+
+    def _split(self, positions: Array) -> tuple[Index, Array]:
+        stretch = np.clip(np.floor(positions), 0, len(self.path.control) - 1).astype(np.int64)
+        return stretch, positions - stretch
+
+    def _nearest(self, q: Array) -> tuple[Index, Array]:
+        """Index of the nearest family, −1 where another point is nearer, and the distance; nan where none is known."""
+        family, least = self._ruler.measure(q).nearest()
+        return family, np.where(np.isfinite(least), least, np.nan)
+
+    def stretches(self, met: Sequence[Meeting]) -> tuple[Stretch, ...]:
+        """All parts of the path, worst first: by verdict, then by distance."""
+        parts = [self._met(one, told=k < _TOLD) for k, one in enumerate(met)]
+        if len(met) > _TOLD:
+            self.notes = (*self.notes, f"what is lost is told at the first {_TOLD} of {len(met)} meetings only")
+        last = len(self.path.control) - 1
+        ends = [(0, 0.0), *(end for one in met for end in (one.start, one.end)), (last, 1.0)]
+        gaps = [(ends[i], ends[i + 1]) for i in range(0, len(ends), 2)]
+        free = [part for gap in gaps if self._position(gap[1]) > self._position(gap[0]) for part in self._split_up(gap)]
+        if not met and not free:  # the arm stands still in one place
+            free = [((0, 0.0), (last, 1.0), int(self.profile.family[0]), 0)]
+        parts += self._free(free)
+        return tuple(sorted(parts, key=_badness))
+
+    @staticmethod
+    def _position(place: tuple[int, float]) -> float:
+        return place[0] + place[1]
+
+    def _split_up(
+        self, gap: tuple[tuple[int, float], tuple[int, float]]
+    ) -> Iterator[tuple[tuple[int, float], tuple[int, float], int, int]]:
+        """A free part cut where the nearest family changes: start, end, family, index of the nearest place inside."""
+        at, low, high = self.profile.position - 1.0, self._position(gap[0]), self._position(gap[1])
+        inside = np.flatnonzero((at >= low) & (at <= high))
+        if not len(inside):
+            inside = np.array([int(np.abs(at - (low + high) / 2).argmin())])
+        family = self.profile.family[inside]
+        cuts = [0, *(np.flatnonzero(np.diff(family)) + 1).tolist(), len(inside)]
+        start = gap[0]
+        for first, after in pairwise(cuts):
+            mine = inside[first:after]
+            if after < len(inside):
+                stretch, share = self._split(np.array([(at[inside[after - 1]] + at[inside[after]]) / 2]))
+                end = (int(stretch[0]), float(share[0]))
+            else:
+                end = gap[1]
+            far = self.profile.distance[mine]
+            values = np.where(np.isnan(far), np.inf, far) if np.isfinite(far).any() else self.profile.sigma[mine]
+            yield start, end, int(family[first]), int(mine[int(np.argmin(values))])
+            start = end
+
+    def _free(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> list[Stretch]:
+        """Free stretches with their closest approach."""
+        best = self._zoomed(parts)
+        found = []
+        without = sorted((self.profile.sigma[part[3]], k) for k, part in enumerate(parts) if part[2] < 0)
+        searched = {k for _, k in without[:_SPOTS]}
+        if len(without) > _SPOTS:
+            note = f"distances are searched on {_SPOTS} of {len(without)} free stretches: no families are known"
+            self.notes = (*self.notes, note)
+        for k, (start, end, family, _) in enumerate(parts):
+            place = self._place(best[k])
+            q = self.path.at(np.array([place[0]]), np.array([place[1]]))[0]
+            name, number, foot, distance = "", "", np.zeros(0), np.inf
+            if family >= 0:
+                foot = self._ruler.feet(q[None], family)[0]
+                distance = float(np.linalg.norm((foot - q) / self._scale))
+                number, name = self._near[family].id, self._near[family].name
+            elif k in searched:
+                number, name, foot, distance = self._searched(q)
+            closest = Closest(self._told(place), q, distance, foot, self._sigma(q), self._weak(place, q))
+            found.append(self._stretch(start, end, FREE, number, name, closest, 0, "enclosures cover all of it"))
+        return found
+
+    def _zoomed(self, parts: list[tuple[tuple[int, float], tuple[int, float], int, int]]) -> Array:
+        """Positions of the closest approaches: grids around the nearest place, finer and finer."""
+        at = self.profile.position - 1.0
+        best = np.array([np.clip(at[k], self._position(a), self._position(b)) for a, b, _, k in parts])
+        low = np.array([max(at[max(k - 1, 0)], self._position(a)) for a, _, _, k in parts])
+        high = np.array([min(at[min(k + 1, len(at) - 1)], self._position(b)) for _, b, _, k in parts])
+        for family in {part[2] for part in parts}:
+            mine = np.flatnonzero([part[2] == family for part in parts])
+            for _ in range(_ZOOMS):
+                grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
+                q = self.path.at(*self._split(grid.reshape(-1)))
+                values = np.linalg.norm((self._ruler.feet(q, family) - q) / self._scale, axis=1)
+                if np.isnan(values).all():
+                    values = singular_values(self.robot, q, self.task)[:, self._rank - 1]
+                k = np.where(np.isnan(values), np.inf, values).reshape(grid.shape).argmin(axis=1)
+                rows = np.arange(len(mine))
+                best[mine] = grid[rows, k]
+                low[mine], high[mine] = grid[rows, np.maximum(k - 1, 0)], grid[rows, np.minimum(k + 1, _NEAR - 1)]
+        return best
+
+    def _searched(self, q: Array) -> tuple[str, str, Array, float]:
+        """Name, foot and distance of the nearest singular configuration that a search finds."""
+        try:
+            nearest = nearest_singularity(
+                self.robot, q, self.task, limits=self.settings.limits, tolerances=self.settings.tolerances
+            )
+        except RankdropError as error:
+            self.notes = (*self.notes, f"no distance is searched: {error.what}")
+            return "", "", np.zeros(0), np.inf
+        if nearest is None:
+            return "", "", np.zeros(0), np.inf
+        foot = np.array(nearest.q)
+        number, name = self._named(foot, nearest.corank)
+        return number, name, foot, nearest.distance
+
+    def _met(self, one: Meeting, *, told: bool) -> Stretch:
+        """A crossing, a touch, or a part that is undecided."""
+        name, number, null = "", "", np.nan
+        lost: tuple[str, ...] = ()
+        if one.corank:
+            number, name = self._named(one.q, one.corank)
+            null = self._null_share(one)
+            if told:
+                framed = lost_in_sparsest_frame(self.robot, one.q, self.task, one.corank)
+                lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
+        distance, foot = 0.0, one.q
+        if one.kind == UNDECIDED:
+            family, far = self._nearest(one.q[None])
+            distance, foot = np.inf, np.zeros(0)
+            if family[0] >= 0:
+                distance, foot = float(far[0]), self._ruler.feet(one.q[None], int(family[0]))[0]
+                number, name = self._near[family[0]].id, self._near[family[0]].name
+        closest = Closest(self._told(one.at), one.q, distance, foot, self._sigma(one.q), self._weak(one.at, one.q))
+        return self._stretch(
+            one.start, one.end, one.kind, number, name, closest, one.corank, one.how, lies=one.lies, lost=lost,
+            null_share=null, bracket=(self._told(one.bracket[0]), self._told(one.bracket[1])),
+        )  # fmt: skip
+
+    def _stretch(
+        self, start: tuple[int, float], end: tuple[int, float], verdict: str, family: str, name: str, closest: Closest,
+        corank: int, how: str, *, lies: bool = False, lost: tuple[str, ...] = (), null_share: float = np.nan,
+        bracket: tuple[Place, Place] | None = None,
+    ) -> Stretch:  # fmt: skip
+        rates, factor, slowest = np.zeros(0), np.nan, 0
+        if self._rates is not None:
+            after = end[0] + (end[1] > 0.0 or end[0] == start[0])
+            rates = self._rates[start[0] : max(after, start[0] + 1)].max(axis=0)
+            if np.isfinite(self._limits).any():
+                room = np.where(rates > 0.0, self._limits / np.where(rates > 0.0, rates, 1.0), np.inf)
+                factor = float(min(1.0, room.min()))
+                slowest = int(room.argmin()) + 1 if room.min() < 1.0 else 0
+        return Stretch(
+            self._told(start), self._told(end), bracket or (self._told(start), self._told(end)), verdict, family,
+            name, closest, corank, lies, how, lost, float(null_share), rates, factor, slowest,
+        )  # fmt: skip
+
+    def _named(self, q: Array, corank: int) -> tuple[str, str]:
+        """Id and name of the family that a singular configuration lies on; on the spot where none is known."""
+        tolerances = self.settings.tolerances
+        found = families_at(self.families, self.robot, q, self.task, tolerances, self.source)
+        if found and found[0].family.corank >= corank:
+            family = found[0].family
+            return getattr(family, "id", ""), family.name
+        spots = [local for local, _ in self._spots]
+        again = families_at(spots, self.robot, q, self.task, tolerances)
+        if again and again[0].family.corank >= corank:
+            return "", again[0].family.name
+        if len(self._spots) >= _SPOTS:
+            return "", found[0].family.name if found else ""
+        try:
+            local = name_on_the_spot(self.robot, q, self.task, corank)
+        except RankdropError:  # rounding: q is singular to the tolerance and not to that of its neighbours
+            return "", found[0].family.name if found else ""
+        self._spots.append((local, q))
+        return "", local.name
+
+    def _told(self, place: tuple[int, float]) -> Place:
+        """A place for people: the end of a stretch is the beginning of the next."""
+        stretch, share = place
+        time = self.path.time(np.array([stretch]), np.array([share]))
+        stretch, share = (stretch + 1, 0.0) if share == 1.0 else (stretch, share)
+        return Place(stretch + 1, share, None if time is None else float(time[0]))
+
+    def _place(self, position: float) -> tuple[int, float]:
+        stretch, share = self._split(np.array([position]))
+        return int(stretch[0]), float(share[0])
+
+    def _sigma(self, q: Array) -> float:
+        return float(singular_values(self.robot, q, self.task)[self._rank - 1]) if self._rank else 0.0
+
+    def _travel(self, place: tuple[int, float]) -> Array:
+        """(n,) direction of the joints' motion."""
+        return np.asarray(self.path.slope(np.array([place[0]]), np.array([place[1]]))[0])
+
+    def _weak(self, place: tuple[int, float], q: Array) -> float:
+        jacobian = _core.jacobian(chain_of(self.robot), task_view(self.robot, self.task), q[None])[0]
+        travel = jacobian @ self._travel(place)
+        size = float(np.linalg.norm(travel))
+        if not self._rank or size == 0.0:
+            return np.nan
+        return float(abs(decompose(self.robot, q, self.task).u[:, self._rank - 1] @ travel) / size)
+
+    def _null_share(self, one: Meeting) -> float:
+        motion = self._travel(one.at)
+        size = float(np.linalg.norm(motion))
+        if size == 0.0:
+            return np.nan
+        still = decompose(self.robot, one.q, self.task).v[:, self._rank - one.corank : self._rank]
+        return float(np.linalg.norm(still.T @ motion) / size)

@@ -1,0 +1,143 @@
+"""A judged path for people: the verdict first and last, the stretches between, worst first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import degrees, isfinite, isnan
+
+from rankdrop.motion.data import FREE, LEADS, UNDECIDED, PathData, Place, Stretch
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section
+
+SHOWN = 10
+"""Stretches that are printed unless all are asked for."""
+
+
+def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
+    """The verdict, what is met, the other stretches, notes, and the verdict again.
+
+    Args:
+        found: the path.
+        deg: joint angles in degrees.
+        full: every stretch, not the ten worst.
+    """
+    shown = found.stretches if full else found.stretches[:SHOWN]
+    sections = [Section(found.sentence), _about(found)]
+    met = [one for one in shown if one.verdict != FREE]
+    if met:
+        sections.append(Section("Where it meets a singularity", lines=tuple(_met_lines(met, found, deg=deg))))
+    free = [one for one in shown if one.verdict == FREE]
+    if free:
+        sections.append(_free_section(free, found, deg=deg))
+    left = len(found.stretches) - len(shown)
+    notes = tuple(found.notes)
+    if left:
+        notes += (f"{left} more stretch{'es' if left > 1 else ''}: with --full, or in the JSON",)
+    if notes:
+        sections.append(Section("Notes", lines=notes))
+    return (*sections, Section(found.sentence))
+
+
+def _about(found: PathData) -> Section:
+    times = found.curve.times
+    lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
+    lines = [
+        f"{found.rows} rows{lasts}, {found.settings.interpolate} between them; {100 * found.free_share:.6g} % of its "
+        f"length is proven free",
+        f"families: {'none known, found on the spot' if found.source == 'on the spot' else f'from the {found.source}'};"
+        f" distances in joint space [rad], σ with translation divided by {found.settings.length_scale:.4g} m",
+    ]
+    return Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
+
+
+def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterable[str]:
+    for one in met:
+        verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
+        name = f"{one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
+        yield f"{verb} {name}, {_span(one)}" + (f", corank {one.corank}" if one.corank > 1 else "")
+        yield f"    at {_joints(found.robot, one.closest.q, deg=deg)}"
+        yield f"    how: {one.how}"
+        if one.verdict == UNDECIDED and isfinite(one.closest.distance):
+            yield f"    nearest singularity known: {one.closest.distance:.3g}"
+        for sentence in one.lost:
+            yield f"    lost: {sentence}"
+        if not isnan(one.null_share):
+            yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
+        if one.speed_factor < 1.0:
+            yield f"    {_slow(one, found.robot)}"
+
+
+def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section:
+    timed = found.curve.times is not None
+    limited = any(not isnan(one.speed_factor) for one in free)
+    columns = ["nearest family", "rows", *(["time [s]"] if timed else []), "closest", "σ", "weak",
+               *(["speed"] if limited else [])]  # fmt: skip
+    rows = []
+    for one in free:
+        name = f"{one.name or '(not known)'}{f' [{one.family}]' if one.family else ''}"
+        time = [f"{one.start.time:.4g} – {one.end.time:.4g}"] if timed else []
+        speed = ["–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}"] if limited else []
+        rows.append((
+            name, f"{_row(one.start)} – {_row(one.end)}", *time, _near(one),
+            f"{one.closest.sigma:.3g}", "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
+        ))  # fmt: skip
+    where = tuple(
+        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}: {_joints(found.robot, one.closest.q, deg=deg)}"
+        for one in free[:3] if one.closest.distance >= LEADS
+    )
+    notes: tuple[str, ...] = (
+        "closest: joint-space distance to the nearest singular configuration known [rad]; weak: share of the tool's "
+        "travel there along the direction that would be lost",
+    )
+    if limited:
+        notes += ("speed: factor that keeps the velocity limits",)
+    return Section("Proven free", columns=tuple(columns), rows=tuple(rows), after=where, notes=notes)
+
+
+def _span(one: Stretch) -> str:
+    start, end = one.bracket
+    if start.row == end.row or (end.share == 0.0 and end.row == start.row + 1):
+        rows = f"between rows {start.row} and {start.row + 1}"
+        if start.share == end.share == 0.0 and start.row == end.row:
+            rows = f"at row {start.row}"
+    else:
+        rows = f"rows {_row(start)} to {_row(end)}"
+    if start.time is None or end.time is None:
+        return rows
+    if end.time - start.time < 1e-4:
+        return f"{rows}, at {one.closest.place.time:.6f} s (± {max(end.time - start.time, 1e-12):.1e} s)"
+    return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
+
+
+def _row(place: Place) -> str:
+    return f"{place.row}" if place.share == 0.0 else f"{place.row + place.share:.2f}"
+
+
+def _far(distance: float) -> str:
+    return f"{distance:.3g}" if isfinite(distance) else "?"
+
+
+def _near(one: Stretch) -> str:
+    return "at its end" if one.closest.distance < LEADS else _far(one.closest.distance)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
+
+
+def _slow(one: Stretch, robot: Robot) -> str:
+    joint = robot.variables[one.slowest - 1]
+    return (
+        f"too fast for {joint.name}: {one.rates[one.slowest - 1]:.4g} {joint.unit}/s against {joint.velocity:.4g}; "
+        f"{one.speed_factor:.3g} of the speed keeps the limit"
+    )
+
+
+def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
+    parts = []
+    for joint, value in zip(robot.variables, q, strict=True):
+        angle = joint.unit == "rad"
+        shown = degrees(float(value)) if deg and angle else float(value)
+        unit = ("°" if deg else " rad") if angle else " m"
+        parts.append(f"{joint.name} {round(shown, 4 if not angle or not deg else 3) + 0.0:g}{unit}")
+    return ", ".join(parts)

@@ -1,0 +1,112 @@
+"""A joint trajectory as data: what every reader makes, and every check takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from rankdrop.errors import ConfigurationError
+from rankdrop.robot.model import Array, Robot
+
+ROW_SECONDS = 0.1  # between rows of a file without times
+_DEGREES = 4 * pi  # joint values beyond it look like degrees [rad]
+
+
+class TrajectoryError(ConfigurationError):
+    """A trajectory file that cannot be read: names file, row or line, and column."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Joint values over time.
+
+    Attributes:
+        name: of the file.
+        times: (T,) increasing [s]; 0.1 s apart where the file has none (`timed` is False).
+        q: (T, n) [rad, m].
+        timed: whether the file gives times.
+        unused: columns or joints of the file that this arm does not have.
+        velocities, accelerations: (T, n) [rad/s, rad/s², m …]; None where the file has none.
+    """
+
+    name: str
+    times: Array
+    q: Array
+    timed: bool
+    unused: tuple[str, ...]
+    velocities: Array | None = None
+    accelerations: Array | None = None
+
+    def at(self, time: float) -> Array:
+        """(n,) joint values at a time [s], straight between rows, held before the first and after the last."""
+        return np.array([np.interp(time, self.times, column) for column in self.q.T])
+
+
+def joint_names(robot: Robot) -> str:
+    """Every name that a joint may be given by, for an error."""
+    return ", ".join(joint.name for joint in robot.variables) + f" (or q1 … q{robot.n})"
+
+
+def turning(robot: Robot) -> Array:
+    """(n,) which variables are angles."""
+    return np.array([joint.unit == "rad" for joint in robot.variables])
+
+
+def checked(values: Array, where: str, robot: Robot, what: str = "the value") -> Array:
+    """Values (T, n), all finite.
+
+    Raises:
+        TrajectoryError: one is not; names its row, from 1, and its joint.
+    """
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        row, joint = (int(i) for i in bad[0])
+        raise TrajectoryError(
+            f"{what} is not finite", where=f"{where}, row {row + 1}, joint {robot.variables[joint].name!r}",
+            got=values[row, joint],
+        )  # fmt: skip
+    return values
+
+
+def checked_times(times: Array, where: list[str]) -> Array:
+    """Times (T,), finite and increasing.
+
+    Args:
+        times: [s].
+        where: of each row, for an error.
+
+    Raises:
+        TrajectoryError: one is not finite, or not after the one before it.
+    """
+    for i in np.flatnonzero(~np.isfinite(times))[:1]:
+        raise TrajectoryError("the time is not finite", where=where[i], got=times[i])
+    for i in np.flatnonzero(np.diff(times) <= 0)[:1]:
+        raise TrajectoryError("time does not go on", where=where[i + 1], got=f"{times[i + 1]:g} after {times[i]:g}",
+                              allowed="times that increase")  # fmt: skip
+    return times
+
+
+def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
+    """A line of warning where angles look as if they were in the other unit; None where they do not.
+
+    Args:
+        q: (T, n) [rad, m].
+        robot: whose joints they are.
+        deg: the angles were read as degrees.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> unit_hint(np.array([[0.0, 90.0]]), open_robot("planar2r"))
+        'angles up to 90 look like degrees and are taken as radians'
+    """
+    angles = np.abs(q[:, turning(robot)])
+    if not angles.size:
+        return None
+    most = float(angles.max())
+    if deg:
+        typed = float(np.degrees(most))
+        moves = float(np.ptp(q[:, turning(robot)], axis=0).max()) > 0.0
+        return f"angles up to {typed:.4g} look like radians and are taken as degrees" if moves and typed <= pi else None
+    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > _DEGREES else None

@@ -1,0 +1,103 @@
+"""`rankdrop path`: exit codes, files of every kind, folders, what is written, and errors of one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.cli import main
+from rankdrop.schema import load_schema
+
+FREE = [[0.0, 0.5, 0.1], [0.2, 0.9, 0.3]]
+CROSSING = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    def once(*argv: object) -> tuple[int, str, str]:
+        monkeypatch.setenv("COLUMNS", "120")
+        capsys.readouterr()
+        code = main.run(["path", "planar3r", *map(str, argv), "--quiet"])
+        return (code, *capsys.readouterr())
+
+    return once
+
+
+def saved(folder: Path, name: str, q: object) -> Path:
+    np.save(folder / name, np.array(q))
+    return folder / name
+
+
+def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
+    code, out, _ = run(saved(tmp_path, "free.npy", FREE))
+    lines = out.strip().splitlines()
+    assert code == 0
+    assert lines[0] == lines[-1]
+    assert lines[0].startswith("Free: proven for every point of the path")
+    code, out, _ = run(saved(tmp_path, "bad.npy", CROSSING))
+    assert code == 3
+    assert out.startswith("Crosses a singularity once (proven), first elbow")
+    code, out, _ = run(tmp_path / "free.npy", "--min-distance", "20deg")
+    assert (code, "farther than 0.349" in out) == (0, True)
+    code, out, _ = run(tmp_path / "free.npy", "--min-distance", "0.6")
+    assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
+
+
+def test_what_is_written_satisfies_the_schemas(tmp_path: Path, run) -> None:
+    one, two = saved(tmp_path, "a.npy", CROSSING), saved(tmp_path, "b.npy", FREE)
+    code, out, _ = run(one, "--json", tmp_path / "one.json", "--figure", tmp_path / "one.svg")
+    assert code == 3
+    record = json.loads((tmp_path / "one.json").read_text())
+    Draft202012Validator(load_schema("path")).validate(record)
+    assert record["crossings"][0]["touching"] is False
+    assert "<svg" in (tmp_path / "one.svg").read_text()[:1000]
+    code, out, _ = run(two, one, "--json", "-")
+    assert code == 3
+    many = json.loads(out)
+    Draft202012Validator(load_schema("paths")).validate(many)
+    assert [part["verdict"] for part in many["paths"]] == ["crossing", "free"]
+
+
+def test_a_folder_is_a_table_and_a_broken_file_does_not_stop_it(tmp_path: Path, run) -> None:
+    saved(tmp_path, "a.npy", FREE)
+    saved(tmp_path, "b.npy", CROSSING)
+    code, out, _ = run(tmp_path)
+    assert code == 3
+    assert out.startswith("1 of 2 paths proven free")
+    (tmp_path / "c.csv").write_text("q1,q2,q3\n0,nan,0\n")
+    code, out, _ = run(tmp_path)
+    assert code == 2
+    assert "bad input" in out
+    assert "c.csv, line 2, column 2 (q2): the value is not finite" in " ".join(out.split())
+
+
+def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
+    file = tmp_path / "deg.csv"
+    file.write_text("q1,q2,q3\n0,40,5\n10,60,5\n")
+    _, _, err = run(file)
+    assert "warning: deg.csv: angles up to 60 look like degrees" in err
+    assert run(file, "--deg")[::2] == (0, "")
+
+
+REFUSED = {
+    "no file is named": (),
+    "missing.csv": ("missing.csv",),
+    "--interpolate linear": ("free.npy", "--interpolate", "cubic"),
+    "the ending names no format": ("free.npy", "--figure", "a.gif"),
+    "a figure is of one path": ("free.npy", "free.npy", "--figure", "a.svg"),
+    "--min-distance": ("free.npy", "--min-distance", "-1"),
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_bad_input_is_one_line(tmp_path: Path, run, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    saved(tmp_path, "free.npy", FREE)
+    code, out, err = run(*REFUSED[said])
+    assert (code, out) == (2, "")
+    assert said in err
+    assert len(err.strip().splitlines()) == 1

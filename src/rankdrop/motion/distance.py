@@ -25,7 +25,7 @@ from rankdrop.families.coupled import nearest_turns
 from rankdrop.family.record import Family, Pinned
 from rankdrop.family.system import REACHED, System, shortest
 from rankdrop.family.unit import family_in_metres
-from rankdrop.local.block import generic_rank, joint_scale, sampling_box
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.motion.anywhere import Anywhere
 from rankdrop.motion.curve import Index
 from rankdrop.robot.model import Array, Robot
@@ -38,6 +38,7 @@ _SEEDS = 4  # of them, for each configuration
 _ITERATIONS = 10
 _LONGEST = 0.7  # step [rad]
 _BATCH = 512  # configurations walked together
+_LOST = 1e-7  # σ at a foot: equations hold there to 1e-9 [1]
 _TIE = 1e-9  # families at the same distance, to rounding [rad]
 _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
@@ -196,6 +197,7 @@ class _Walk:
     def __init__(self, family: Family, robot: Robot, task: Task, scale: Array, box: Array, seed: int) -> None:
         self.robot, self.scale, self.box = robot, scale, box
         self.system = System(family.equations)
+        self.task, self.rank = task, generic_rank(robot, task) - family.corank
         moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:
             moves[[number - 1 for number in equation.joints]] = True
@@ -219,6 +221,7 @@ class _Walk:
         targets = np.concatenate([q] * len(starts))
         ends = self._walked(np.concatenate(starts), targets)
         there = np.abs(self.system.values(ends)).max(axis=1) <= REACHED
+        there &= singular_values(self.robot, ends, self.task)[:, self.rank] <= _LOST  # not all but a zero
         far = np.where(there, np.linalg.norm((ends - targets) / self.scale, axis=1), np.inf).reshape(len(starts), -1)
         best = far.argmin(axis=0)
         rows = np.arange(len(q))

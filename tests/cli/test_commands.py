@@ -118,7 +118,7 @@ def test_an_arm_with_too_few_joints_for_the_task_is_told_so(run) -> None:
         (("find", "pa10", "--corank", "1", "--start", "0"), "no random start has this number"),
         (("find", "pa10", "--corank", "1", "--tie", "2"), "0 … 1"),
         (("find", "pa10", "--corank", "1", "--iterations", "0"), "1 … 1000000"),
-        (("fly",), "robots, analyze, conditions, find"),
+        (("fly",), "robots, analyze, conditions, jacobian"),
     ],
 )
 def test_bad_input_is_one_line_that_names_what_is_allowed(run, argv: tuple[str, ...], words: str) -> None:

@@ -62,7 +62,7 @@ def test_a_search_goes_on_where_no_thread_can_be_started() -> None:
     """A stack takes 8 MB of address space; there are 4."""
     assert (
         answered("""
-        from rankdrop.atlas.search import search
+        from rankdrop import search
         robot = arms.pa10()
         want = search(robot, 2, starts=300, seed=3, threads=1)
         room(4)

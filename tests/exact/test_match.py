@@ -7,13 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rankdrop.compare.match import Agreement, match
 from rankdrop.exact.family import ExactFamily
+from rankdrop.families.row import soundness
+from rankdrop.families.sampling import Setting
 from rankdrop.families.vanishing import vanishing_on
 from rankdrop.family.equation import Equation, Term
+from rankdrop.family.system import System
 from rankdrop.results.known import shipped
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.conditions import conditions
 
 ARMS = ("pa10", "puma560", "stanford", "scara", "anthropomorphic", "planar3r")
@@ -144,3 +151,51 @@ def test_with_limits_only_points_within_them_count() -> None:
 
 def test_the_same_seed_gives_the_same_answer() -> None:
     assert held("puma560", seed=3) == held("puma560", seed=3)
+
+
+def test_what_is_all_but_a_zero_is_no_regular_solution() -> None:
+    """Of sin θ2 · (sin⁴(θ2 − 1) + 5e-13) the value at θ2 = 1 is 4e-13, and the arm is regular there.
+
+    Beside sin θ2 · sin(θ2 − 1), which is zero there, Newton comes to rest. Conditions of offset 7R arms do so where
+    several joints are near 0 or π.
+    """
+    rows = shipped("planar3r").families
+    both = (product_with_sine(waves_of(1)), product_with_sine(waves_of(4, 5e-13)))
+    assert abs(both[1](np.array([0.3, 1.0, 0.4]))) == pytest.approx(4.2e-13, rel=0.05)
+    agreement = held("planar3r", rows=[replace(rows[0], equations=both)])
+    assert agreement.loose == ()
+    system = System(both)
+    places = np.array([[0.3, 1.0, 0.4], [0.3, 0.0, 0.4]])
+    assert system.zero(places).tolist() == [False, True]
+    setting = Setting(open_robot("planar3r"), resolve_task(None, open_robot("planar3r")), 1, 2, DEFAULT)
+    found, strangers = soundness(setting, system, 1, np.random.default_rng(0))
+    assert found.tested == found.singular > 20
+    assert not len(strangers)
+
+
+def waves_of(power: int, plus: float = 0.0) -> dict[int, complex]:
+    """sin^power(θ − 1) + plus as Σ c_k exp(i k θ)."""
+    found = {0: 1.0 + 0j}
+    for _ in range(power):
+        step: dict[int, complex] = {}
+        for k, c in found.items():
+            for sign in (1, -1):
+                step[k + sign] = step.get(k + sign, 0) + c * sign * np.exp(-1j * sign) / 2j
+        found = step
+    found[0] = found.get(0, 0) + plus
+    return found
+
+
+def product_with_sine(waves: dict[int, complex]) -> Equation:
+    """sin θ2 · Σ c_k exp(i k θ2), real, of an arm with three joints."""
+    total: dict[int, complex] = {}
+    for k, c in waves.items():
+        for sign in (1, -1):
+            total[k + sign] = total.get(k + sign, 0) + c * sign / 2j
+    terms = []
+    for k in sorted(k for k in total if k >= 0):
+        c = total[k] * (1 if k == 0 else 2)
+        for value, kind in ((c.real, "cos"), (-c.imag, "sin")):
+            if abs(value) > 1e-17:
+                terms.append(Term(float(value), kind, (0, 2 * k, 0), (0, 0, 0)))
+    return Equation(tuple(terms))

@@ -14,12 +14,13 @@ from itertools import product
 
 import numpy as np
 
+from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import wrap
 from rankdrop.families.sampling import Setting
 from rankdrop.family.lost import told
-from rankdrop.family.record import CorankFamilies, Family, Pinned, Share, Soundness, numbered
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
 from rankdrop.robot.model import Array
 
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, units of the arm]
@@ -28,7 +29,7 @@ _POINTS = 24  # random points of a family that its lost motions are told from
 
 def in_exact_terms(
     setting: Setting, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
-) -> tuple[tuple[Family, ...], tuple[Match, ...], dict[str, str]]:
+) -> tuple[CorankFamilies, tuple[Match, ...], dict[str, str]]:
     """The rows of one corank, one for each exact family that was met; rows that match none keep what they have.
 
     Args:
@@ -39,8 +40,9 @@ def in_exact_terms(
         seed: of random points.
 
     Returns:
-        Rows with the ids and names of the exact families, in their order, then the others with further numbers; which
-        exact families each consists of; and for the id of each row given what it is called now.
+        Rows with the ids and names of the exact families, in their order, then the others with further numbers, the
+        fresh points counted anew where a row has other equations now; which exact families each row consists of; and
+        for the id of each row given what it is called now.
     """
     by_row = {match.row: match for match in agreement.matches}
     loose = {one.family: one for one in agreement.loose}
@@ -63,7 +65,20 @@ def in_exact_terms(
     named = numbered(strangers, setting.corank, after=len(families))  # in the order they have already
     matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
     now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
-    return (*rows, *named), tuple(matches), now
+    together = (*rows, *named)
+    given = {(row.equations, row.witness) for row in found.families}
+    same = {(row.equations, row.witness) for row in together} == given
+    summary = found.summary if same else _recounted(setting, found, together)
+    return replace(found, summary=summary, families=together), tuple(matches), now
+
+
+def _recounted(setting: Setting, found: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
+    """The summary with the fresh points that the rows explain as they are now."""
+    if not len(found.fresh):
+        return found.summary
+    fresh = Cloud(setting.robot, setting.task, found.fresh, np.full(len(found.fresh), setting.corank))
+    check, _ = explained(fresh, [row.equations for row in rows if row.equations], setting.tolerances)
+    return replace(found.summary, completeness=Share(check.tested, check.agree))
 
 
 def _judged(row: Family, loose: Wider | None) -> Family:
@@ -88,7 +103,7 @@ def _measured(
     inside = points.q[setting.allowed(points.q)]
     if not len(inside):
         return None
-    explained = int(lies_on(family, found.fresh, setting.tolerances).sum()) if len(found.fresh) else 0
+    share = int(lies_on(family, found.fresh, setting.tolerances).sum()) if len(found.fresh) else 0
     pinned = _pinned(setting, family, over, inside)
     at = inside[0]
     directions, sentences = told(setting.robot, at, inside[:_POINTS], setting.task, setting.corank)
@@ -106,7 +121,7 @@ def _measured(
         lost_directions=directions,
         lost_words=sentences,
         soundness=Soundness(points.solved, points.solved - points.elsewhere),
-        explained=Share(found.summary.completeness.tested, explained),
+        explained=Share(found.summary.completeness.tested, share),
         evidence=f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence for row in over))}",
     )
 

@@ -56,7 +56,8 @@ def analyze(
         starts: random starts for each corank.
         seed: of every random choice; same seed, same result, on any number of threads.
         limits: stay within the joint limits; otherwise the whole torus.
-        exact: "auto", exact conditions where python-flint is installed and 5 s are enough; "on", required, 60 s; "off".
+        exact: "auto", exact conditions where python-flint is installed and 10 s of work are enough; "on", required, 40 s
+            of work; "off". By the clock three times as long.
         fresh: derive them even where the exact conditions of this arm are shipped with rankdrop.
         threads: of the core; 0 uses every processor.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
@@ -109,14 +110,13 @@ def analyze(
             break
         if found[-1].summary.converged == 0:
             break
-    here = tuple(family for one in found for family in one.families)
     joined = near = None
     if unfinished is None:
-        here, joined = join(
+        found, joined = join(
             robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
-    rows = tuple(family_out_of_units(family, robot) for family in here)
+    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
     if unfinished is None and within is not None:
         near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip

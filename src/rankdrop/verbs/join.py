@@ -11,7 +11,7 @@ from rankdrop.compare.partition import in_exact_terms
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.sampling import Setting
-from rankdrop.family.record import CorankFamilies, Family
+from rankdrop.family.record import CorankFamilies
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.known import known_conditions
 from rankdrop.robot.model import Robot
@@ -46,7 +46,7 @@ def join(
     fresh: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
     tolerances: Tolerances = DEFAULT,
-) -> tuple[tuple[Family, ...], Joined | None]:
+) -> tuple[list[CorankFamilies], Joined | None]:
     """Derive the families of every corank by the rank tree, and match them with those found numerically.
 
     Rows that go together with exact families take their partition, ids and names (`partition`). The families of the
@@ -63,7 +63,8 @@ def join(
         tolerances: of the analysis.
 
     Returns:
-        All rows, and Joined, or None for "off". A derivation that was not finished leaves no families behind.
+        The families of every corank, and Joined, or None for "off". A derivation that was not finished leaves no
+        families behind.
 
     Raises:
         OptionError: no such choice.
@@ -72,7 +73,7 @@ def join(
     check_exact(exact)
     rows = tuple(row for one in found for row in one.families)
     if exact == "off":
-        return rows, None
+        return list(found), None
     seconds = SECONDS[exact]
     try:
         shipped = None if fresh or seed else known_conditions(robot, task)
@@ -82,17 +83,17 @@ def join(
     except RankdropError as error:
         if exact == "on":
             raise
-        return rows, Joined(NOT_DERIVED, exact, seconds, str(error))
+        return list(found), Joined(NOT_DERIVED, exact, seconds, str(error))
     except KeyboardInterrupt:
-        return rows, Joined(NOT_DERIVED, exact, seconds, "interrupted")
+        return list(found), Joined(NOT_DERIVED, exact, seconds, "interrupted")
     if not derived.complete:
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
-        return rows, Joined(NOT_DERIVED, exact, seconds, reason)
+        return list(found), Joined(NOT_DERIVED, exact, seconds, reason)
     own, own_task = in_units(robot), task_in_units(task, robot)
     families = [family.in_units(derived.chain) for family in derived.families]
     agreement = match(own, own_task, generic_rank, rows, families, limits=limits, seed=seed, tolerances=tolerances)
-    parted: list[Family] = []
+    parted: list[CorankFamilies] = []
     matches: list[Match] = []
     now: dict[str, str] = {}
     for one in found:
@@ -100,14 +101,14 @@ def join(
         setting = Setting(own, own_task, corank, generic_rank - corank, tolerances, limits)
         exactly = [family for family in families if family.corank == corank]
         here, there, called = in_exact_terms(setting, one, exactly, agreement, seed)
-        parted += here
+        parted.append(here)
         matches += there
         now |= called
     differences = [
         str(replace(one, family=now[one.family]) if one.side == "numeric" else one) for one in agreement.differences
     ]
     disagreements = (*_ranks(derived, generic_rank), *differences)
-    return tuple(parted), Joined(
+    return parted, Joined(
         status=DIFFERS if disagreements else AGREES,
         asked=exact,
         seconds=seconds,

@@ -56,8 +56,8 @@ def analyze(
         starts: random starts for each corank.
         seed: of every random choice; same seed, same result, on any number of threads.
         limits: stay within the joint limits; otherwise the whole torus.
-        exact: "auto", exact conditions where python-flint is installed and 10 s of work are enough; "on", required, 40 s
-            of work; "off". By the clock three times as long.
+        exact: "auto", exact conditions where python-flint is installed and 10 s of work are enough; "on", required, 40
+            s of work; "off". By the clock three times as long.
         fresh: derive them even where the exact conditions of this arm are shipped with rankdrop.
         threads: of the core; 0 uses every processor.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import signal
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")  # small matrices, a test process for each core: threads of a BLAS only wait
 
 import numpy as np
 import pytest

@@ -4,39 +4,20 @@ from __future__ import annotations
 
 import random
 
-import numpy as np
 import pytest
 
 pytest.importorskip("flint")
+
+from reference.structured import H, arm, lost, structured
 
 from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.barren import barren
-from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
-
-H = np.pi / 2
-
-
-def arm(name: str, alpha, a, d) -> Robot:
-    """A revolute arm from its standard DH table."""
-    rows = [[a[i], alpha[i], d[i], 0.0] for i in range(len(a))]
-    return from_dh(np.array(rows), convention="standard", name=name)
-
-
-def structured(seed: int) -> Robot:
-    """6R to 8R with twists 0 or ±90° and lengths out of a few, zeros among them."""
-    rng = random.Random(f"structured-{seed}")
-    n = rng.choice((6, 6, 7, 7, 7, 8))
-    twists = (H, -H) if rng.random() < 0.6 else (H, -H, 0.0, H)
-    lengths = (0.0, 0.0, 0.2, 0.3, 0.5, 1.0) if rng.random() < 0.5 else (0.0, 0.2, 0.3, 0.5, 1.0)
-    alpha = [*(rng.choice(twists) for _ in range(n - 1)), 0.0]
-    a = [*[rng.choice(lengths) for _ in range(n)][:-1], 0.0]
-    return arm(f"structured{seed}", alpha, a, [rng.choice(lengths) for _ in range(n)])
 
 
 def all_offsets(seed: int) -> Robot:
@@ -47,47 +28,34 @@ def all_offsets(seed: int) -> Robot:
     return arm(f"offsets{seed}", alpha, a, [round(rng.uniform(0.05, 0.6), 3) for _ in range(7)])
 
 
-def lost(robot: Robot, *, points: int = 500, seconds: float = 60.0) -> tuple[bool, int, int, int]:
-    """(complete, families, singular configurations found elsewhere, those on no family) of the rank tree alone."""
-    found = conditions(robot, method="tree", points=0, special=False, seconds=seconds)
-    tested = left = 0
-    for corank in range(1, found.generic_rank + 1):
-        met = cloud(robot, found.task, corank, points, 7)
-        if not len(met.q):
-            break
-        check, over = explained(met, [family.equations for family in found.families if family.corank >= corank])
-        tested, left = tested + check.tested, left + len(over)
-    return found.complete, len(found.families), tested, left
-
-
 WRIST_OFFSETS = arm(
     "wrist offsets", [-H, H, H, -H, -H, H, 0], [0] * 7, [0.36, 0.0137, 0.42, 0.0131, 0.4, 0.0041, 0.126]
 )
 
 
 def test_two_conditions_that_hold_on_several_sets_lose_none_of_them() -> None:
-    complete, families, tested, left = lost(WRIST_OFFSETS)
-    assert complete
-    assert families >= 3
-    assert tested >= 1000
-    assert left == 0
+    found = lost(WRIST_OFFSETS)
+    assert found.complete
+    assert found.families >= 3
+    assert found.tested >= 1000
+    assert found.left == 0
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), 12])
 def test_structured_arms_are_complete_and_nothing_is_missing(seed: int) -> None:
-    complete, families, tested, left = lost(structured(seed))
-    assert complete
-    assert families >= 5
-    assert tested >= 1000
-    assert left == 0
+    found = lost(structured(seed))
+    assert found.complete
+    assert found.families >= 5
+    assert found.tested >= 1000
+    assert found.left == 0
 
 
 def test_a_condition_that_touches_zero_for_these_lengths_is_not_lost() -> None:
     """a5 = d3, along an axis and across one: a5 − d3 sin θ5 has a double zero, and letters meet no point of it."""
-    complete, _, tested, left = lost(structured(66))
-    assert complete
-    assert tested >= 1000
-    assert left == 0
+    found = lost(structured(66))
+    assert found.complete
+    assert found.tested >= 1000
+    assert found.left == 0
 
 
 @pytest.mark.parametrize("name", ["m1n6s200", "j2n6s300"])
@@ -106,9 +74,9 @@ def test_points_of_a_set_that_stand_in_no_prime_field_are_not_lost(name: str) ->
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3, 33))
 def test_what_is_called_complete_misses_no_singular_configuration(seed: int) -> None:
-    complete, _, tested, left = lost(structured(seed))
-    assert tested >= 500
-    assert left == 0 or not complete
+    found = lost(structured(seed))
+    assert found.tested >= 500
+    assert found.left == 0 or not found.complete
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])

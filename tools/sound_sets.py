@@ -1,7 +1,7 @@
 """Is anything lost that is called complete? The rank tree alone on random structured arms, against the numeric search.
 
-    .venv/bin/python tools/sound_sets.py              # 300 arms, 6R to 8R, half an hour
-    .venv/bin/python tools/sound_sets.py 0 40 --seconds 60
+    .venv/bin/python tools/sound_sets.py              # 300 arms, 6R to 8R, an hour or more
+    .venv/bin/python tools/sound_sets.py 0 40 --seconds 120
 
 One line an arm: its number, joints, whether the tree calls its families complete, how many they are, how many singular
 configurations of how many found numerically lie on none of them, CPU seconds. Exit code 1 where some lie on no family
@@ -25,7 +25,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("first", nargs="?", type=int, default=0, help="number of the first arm")
     parser.add_argument("last", nargs="?", type=int, default=300, help="number after the last arm")
-    parser.add_argument("--seconds", type=float, default=5.0, help="work of the tree on an arm [s of a usual core]")
+    parser.add_argument("--seconds", type=float, default=45.0, help="limit for the tree on an arm [s]")
     asked = parser.parse_args()
     complete = tested = false = 0
     for seed in range(asked.first, asked.last):

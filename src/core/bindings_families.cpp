@@ -38,15 +38,22 @@ std::unique_ptr<Families> make_families(int variables, const std::vector<double>
                                         const std::vector<double>& a, const std::vector<double>& b,
                                         const std::vector<int>& powers, const std::vector<int>& terms,
                                         const std::vector<int>& equations, const std::vector<int>& corank,
-                                        const std::vector<double>& scale) {
+                                        const std::vector<double>& scale, const std::vector<int>& periodic,
+                                        const std::vector<int>& coupled, const std::vector<int>& pins,
+                                        const std::vector<int>& pinned, const std::vector<int>& at,
+                                        const std::vector<double>& values) {
     const std::size_t count = shift.size(), n = variables;
     const auto rising = [](const std::vector<int>& starts, std::size_t end) {
         return !starts.empty() && starts.front() == 0 && starts.back() == (int)end && std::is_sorted(starts.begin(), starts.end());
     };
     if (a.size() != count || b.size() != count || m.size() != count * n || powers.size() != count * n || scale.size() != n ||
-        !rising(terms, count) || !rising(equations, terms.size() - 1) || equations.size() != corank.size() + 1)
+        !rising(terms, count) || !rising(equations, terms.size() - 1) || equations.size() != corank.size() + 1 ||
+        periodic.size() != n || coupled.size() + 1 != terms.size() || pins.size() != equations.size() ||
+        !rising(pins, pinned.size()) || at.size() != pinned.size() + 1 || !rising(at, values.size()) ||
+        std::any_of(pinned.begin(), pinned.end(), [&](int j) { return j < 0 || j >= variables; }))
         throw nb::value_error("sizes of the families' arrays do not agree");
-    return std::make_unique<Families>(Families{variables, m, shift, a, b, powers, terms, equations, corank, scale});
+    return std::make_unique<Families>(Families{variables, m, shift, a, b, powers, terms, equations, corank, scale,
+                                               periodic, coupled, pins, pinned, at, values});
 }
 
 std::unique_ptr<MonitorSettings> make_monitor_settings(int generic, double singular, double on, double loose) {
@@ -100,7 +107,8 @@ void bind_families(nb::module_& module) {
     module.def("readable", &readable_bases, nb::arg("bases"));
     module.def("make_families", &make_families, nb::kw_only(), nb::arg("variables"), nb::arg("m"), nb::arg("shift"),
                nb::arg("a"), nb::arg("b"), nb::arg("powers"), nb::arg("terms"), nb::arg("equations"), nb::arg("corank"),
-               nb::arg("scale"));
+               nb::arg("scale"), nb::arg("periodic"), nb::arg("coupled"), nb::arg("pins"), nb::arg("pinned"), nb::arg("at"),
+               nb::arg("values"));
     nb::class_<MonitorSettings>(module, "MonitorSettings")
         .def(nb::new_(&make_monitor_settings), nb::kw_only(), nb::arg("generic"), nb::arg("singular"), nb::arg("on"),
              nb::arg("loose"));

@@ -17,6 +17,12 @@ struct Families {
     std::vector<int> equations;       // first equation of every family, and the end
     std::vector<int> corank;          // of every family
     std::vector<double> scale;        // (n) what a joint motion is measured by: 1, or the length scale
+    std::vector<int> periodic;        // (n) 1: a turn of 2 pi is no motion
+    std::vector<int> coupled;         // of every equation: 0 where pinned joints alone say it
+    std::vector<int> pins;            // first pinned joint of every family, and the end
+    std::vector<int> pinned;          // the pinned joints
+    std::vector<int> at;              // first value of every pinned joint, and the end
+    std::vector<double> values;       // [rad, or the unit of the arm's lengths]
 };
 
 struct MonitorSettings {

@@ -41,10 +41,15 @@ inline Pack equation_at(const Families& table, int equation, const Pack* q, Pack
     return f;
 }
 
-// Largest |f|/|grad f| over a family's equations, with |f|^(1/2) where the gradient is small: never far above the
-// distance [rad].
-inline Pack family_residual(const Families& table, int family, const Pack* q, Pack* gradient) {
-    Pack worst = fill(0.0);
+// Of one family: `residual`, largest |f|/|grad f| over its equations, with |f|^(1/2) where the gradient is small, never
+// far above the distance; `reach`, the motion of the pinned joints to their nearest values, exactly, and of the coupled
+// ones by that measure [rad].
+struct Apart {
+    Pack residual, reach;
+};
+
+inline Apart apart(const Families& table, int family, const Pack* q, Pack* gradient) {
+    Pack worst = fill(0.0), coupled = fill(0.0);
     for (int e = table.equations[family]; e < table.equations[family + 1]; ++e) {
         const Pack f = abs(equation_at(table, e, q, gradient));
         Pack slope = fill(0.0);
@@ -52,33 +57,49 @@ inline Pack family_residual(const Families& table, int family, const Pack* q, Pa
             const Pack g = gradient[j] * table.scale[j];
             slope = slope + g * g;
         }
-        worst = max(worst, min(f / max(sqrt(slope), fill(1e-300)), sqrt(f)));
+        const Pack size = min(f / max(sqrt(slope), fill(1e-300)), sqrt(f));
+        worst = max(worst, size);
+        if (table.coupled[e]) coupled = max(coupled, size);
     }
-    return worst;
+    const Pack turn = fill(6.283185307179586), round = fill(6755399441055744.0);  // 1.5 * 2^52
+    Pack reach = coupled * coupled;
+    for (int p = table.pins[family]; p < table.pins[family + 1]; ++p) {
+        const int j = table.pinned[p];
+        Pack least = fill(HUGE_VAL);
+        for (int v = table.at[p]; v < table.at[p + 1]; ++v) {
+            Pack gap = q[j] - fill(table.values[v]);
+            if (table.periodic[j]) gap = gap - turn * ((gap / turn + round) - round);
+            least = min(least, abs(gap));
+        }
+        least = least / fill(table.scale[j]);
+        reach = reach + least * least;
+    }
+    return {worst, sqrt(reach)};
 }
 
 struct Attribution {
     Pack family, nearest, residual;  // family: -1 for none
 };
 
-// The first family in the order of preference that a singular configuration lies on, and the nearest one of all.
+// The first family in the order of preference that a singular configuration lies on, and the one of least reach of all.
 inline Attribution attribute(const Families& table, const MonitorSettings& set, Pack corank, const Pack* q, Pack* gradient) {
     const Pack none = fill(-1.0), far = fill(HUGE_VAL);
-    Pack chosen = none, own = far, chosen_corank = none, nearest = none, least = far, close = none, closest = far;
+    Pack chosen = none, own = far, chosen_corank = none, nearest = none, least = far, its = far, close = none, closest = far;
     for (int family = 0; family < (int)table.corank.size(); ++family) {
-        const Pack residual = family_residual(table, family, q, gradient), index = fill((double)family);
+        const Apart one = apart(table, family, q, gradient);
+        const Pack residual = one.residual, index = fill((double)family);
         const Pack lost = fill((double)table.corank[family]);
         const Mask first = (chosen < fill(0.0)) & (lost <= corank) & (residual <= fill(set.on));
         chosen = select(first, index, chosen), own = select(first, residual, own);
         chosen_corank = select(first, lost, chosen_corank);
-        const Mask nearer = residual < least;
-        nearest = select(nearer, index, nearest), least = select(nearer, residual, least);
+        const Mask nearer = one.reach < least;
+        nearest = select(nearer, index, nearest), least = select(nearer, one.reach, least), its = select(nearer, residual, its);
         const Mask alike = (lost == corank) & (residual < closest);
         close = select(alike, index, close), closest = select(alike, residual, closest);
     }
     const Mask loose = (chosen_corank < corank) & (closest <= fill(set.loose));
     chosen = select(loose, close, chosen), own = select(loose, closest, own);
-    return {chosen, nearest, select(chosen < fill(0.0), least, own)};
+    return {chosen, nearest, select(chosen < fill(0.0), its, own)};
 }
 
 // sigma_r / |d sigma_r / dq|, joint motions divided by their scale; 0 where sigma_r is zero. `scratch`: n * m packs.

@@ -103,6 +103,12 @@ def make_families(
     equations: list[int],
     corank: list[int],
     scale: list[float],
+    periodic: list[int],
+    coupled: list[int],
+    pins: list[int],
+    pinned: list[int],
+    at: list[int],
+    values: list[float],
 ) -> Families: ...
 
 class MonitorSettings:

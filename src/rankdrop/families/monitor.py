@@ -34,7 +34,8 @@ class Sightings:
         family: (B,) index of the family that the configuration lies on; −1 at regular configurations and where none
             of the families holds. Of several the one of highest corank, among those the one of smallest dimension; its
             corank is below that of the configuration where only larger families meet.
-        nearest: (B,) index of the family with the smallest residual, singular or not; −1 without families.
+        nearest: (B,) index of the family that the smallest motion reaches, singular or not: of the pinned joints to
+            their nearest values, of the coupled ones to first order. −1 without families.
         residual: (B,) largest |f|/|∇f| over the equations of `family`, or of `nearest` where that is −1 [rad; metres
             divided by the length scale]: never far above the distance to it. inf without families.
         u: (B, m, m) left singular vectors of the task Jacobian as columns: the last m − rank are lost, weakest last.
@@ -153,8 +154,12 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
     a: list[float] = []
     b: list[float] = []
     powers: list[int] = []
-    terms, equations = [0], [0]
+    terms, equations, coupled = [0], [0], []
+    pinned: list[int] = []
+    values: list[float] = []
+    pins, at = [0], [0]
     for family in families:
+        held = {one.number for one in family.pinned}
         for equation in family.equations:
             _check(equation, family, robot)
             table = equation.tables
@@ -164,12 +169,19 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
             b += table.sine.tolist()
             powers += table.powers.reshape(-1).astype(int).tolist()
             terms.append(len(shift))
+            coupled.append(int(not held.issuperset(equation.joints)))
         equations.append(len(terms) - 1)
+        for one in family.pinned:
+            pinned.append(one.number - 1)
+            values += one.values
+            at.append(len(values))
+        pins.append(len(pinned))
     corank = [family.corank for family in families]
     scale = joint_scale(robot, task).tolist()
     return _core.make_families(
         variables=robot.n, m=m, shift=shift, a=a, b=b, powers=powers, terms=terms, equations=equations, corank=corank,
-        scale=scale,
+        scale=scale, periodic=robot.periodic.astype(int).tolist(), coupled=coupled, pins=pins, pinned=pinned, at=at,
+        values=values,
     )  # fmt: skip
 
 

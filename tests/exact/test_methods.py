@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import signal
 from functools import cache
 from itertools import combinations
 
@@ -271,6 +272,15 @@ def test_a_process_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch)
     assert factors_within(chain.ring, chain.columns[0][0] + chain.ring.c[3], 0.01) is None
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timer of the processor's time")
+def test_the_process_is_ended_by_its_own_time_and_not_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second of the processor: the product of two minors of a Gen3, 1,416 terms."""
+    chain = chain_of("gen3")
+    minors = sorted(Draft(chain, "determinant", 30.0).minors(chain.columns[:7], 6), key=len)
+    monkeypatch.setattr(apart, "WALL", 1000.0)
+    assert factors_within(chain.ring, chain.ring.reduce(minors[2] * minors[4]), 0.2) is None
+
+
 @pytest.mark.parametrize("method", ["determinant", "cofactors", "singular_vector"])
 def test_an_arm_of_fewer_joints_than_rows(method: str) -> None:
     chain = exact_chain(open_robot("scara"), "position")
@@ -368,7 +378,8 @@ def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> 
 @pytest.mark.parametrize("method", ["cofactors", "reciprocity"])
 def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
     rows = [(0.11 + 0.03 * i, (-1) ** (i + 1) * np.pi / 2, 0.2 + 0.07 * i, 0) for i in range(7)]
-    found = conditions(from_dh(rows, convention="standard"), coranks=1, method=method, points=100, special=False)
+    arm = from_dh(rows, convention="standard")
+    found = conditions(arm, coranks=1, method=method, points=100, special=False, seconds=300.0)  # reciprocity needs 90
     assert len(found.families) == 1
     assert found.verified
     assert found.explained.agree == found.explained.tested > 0

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
-from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +45,7 @@ class Cloud:
         return Cloud(self.robot, self.task, self.q[kept], self.corank[kept])
 
 
-def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seconds: float = inf) -> Cloud:
+def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0) -> Cloud:
     """Singular configurations of one corank and of every higher one, found from random starts.
 
     Args:
@@ -57,7 +55,6 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seco
         count: configurations of exactly this corank at least, where the search finds as many; of each higher corank
             a tenth of that is looked for.
         seed: of the starts.
-        seconds: no search is begun after these.
 
     Returns:
         Cloud, polished as `search` does; empty where nothing was found, which proves nothing.
@@ -65,7 +62,7 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seco
     Raises:
         OptionError: no such corank for this arm and task.
     """
-    generic, end = generic_rank(robot, task), monotonic() + seconds
+    generic = generic_rank(robot, task)
     parts: list[Array] = [np.zeros((0, robot.n))]
     coranks: list[NDArray[np.int64]] = [np.zeros(0, dtype=np.int64)]
     for wanted in range(corank, generic + 1):
@@ -80,9 +77,9 @@ def cloud(robot: Robot, task: Task, corank: int, count: int, seed: int = 0, seco
             coranks.append(generic - (run.sigma[kept][:, :generic] > run.tolerances.singular).sum(axis=1))
             new = int((coranks[-1] == wanted).sum())
             found, lost = found + new, lost + int(kept.sum())
-            if found >= enough or new < enough / 10 or monotonic() > end:
+            if found >= enough or new < enough / 10:
                 break
-        if not lost or monotonic() > end:
+        if not lost:
             break
     return Cloud(robot, task, np.concatenate(parts), np.concatenate(coranks))
 

@@ -127,7 +127,7 @@ def conditions(
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()
-    check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work)
+    check, over = _cloud(chain, tree.generic_rank, lowest, found, points, work, left)
     if left:  # what is left over belongs to what was not derived
         left += over
         over = []
@@ -298,19 +298,25 @@ def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[s
 
 
 def _cloud(
-    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work
+    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work, left: list[str]
 ) -> tuple[Check, list[str]]:
-    """Singular configurations found numerically, tried on the families, and sentences on those left over."""
+    """Singular configurations found numerically, tried on the families, and sentences on those left over.
+
+    What was not looked for goes to `left`.
+    """
     tested = agree = 0
     over = []
     here = [family.in_units(chain) for family in found]
     for corank in range(1, generic_rank - lowest + 1):
-        if not points or work.interrupted or (corank > 1 and work.left_by_clock < 0):
+        if not points or work.interrupted:
+            break
+        if corank > 1 and work.left_by_clock < 0:
+            left.append(f"numeric configurations of corank {corank} and above: time ran out by the clock")
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)
         try:
-            met = cloud(chain.own, chain.own_task, corank, wanted, work.seed, work.left_by_clock)
+            met = cloud(chain.own, chain.own_task, corank, wanted, work.seed)
             if not len(met.q):
                 break
             met = met.up_to(generic_rank - lowest)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.exact.algebra.atom import Atom, Factors
 from rankdrop.exact.algebra.flint import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.exact.algebra.work import WALL, OutOfTime
 
 SHORT = 300
 """Polynomials of so many terms are factored here: milliseconds, and a process takes 0.3 s to start."""
@@ -29,7 +30,8 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
     Args:
         ring: of p.
         p: not zero, of `ring.trig`.
-        seconds: of wall time; a polynomial of at most `SHORT` terms is factored whatever is left.
+        seconds: of the processor's time, so that a busy machine finds the same; by the clock `WALL` times as long. A
+            polynomial of at most `SHORT` terms is factored whatever is left.
 
     Returns:
         The factors; None where time or memory did not suffice.
@@ -42,12 +44,13 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
     if seconds <= 0:
         return None
     program = f"from {__name__} import main; main()"
-    message = {"revolute": ring.revolute, "prismatic": ring.prismatic, "letters": ring.letters, "terms": _plain(p)}
+    message = {"revolute": ring.revolute, "prismatic": ring.prismatic, "letters": ring.letters, "terms": _plain(p),
+               "seconds": seconds}  # fmt: skip
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     try:
         done = subprocess.run(
             [sys.executable, "-c", program], input=json.dumps(message), capture_output=True, text=True,
-            timeout=seconds, env=environment, check=False,
+            timeout=WALL * seconds, env=environment, check=False,
         )  # fmt: skip
     except (subprocess.TimeoutExpired, OSError):
         return None
@@ -60,6 +63,8 @@ def main() -> None:
     """The process: a polynomial comes in as JSON, its factors go out."""
     _hold_memory()
     given = json.load(sys.stdin)
+    if hasattr(signal, "setitimer"):  # Windows has none
+        signal.setitimer(signal.ITIMER_PROF, min(given["seconds"], 1e6))  # ends the process
     ring = Ring(given["revolute"], given["prismatic"], given["letters"])
     try:
         found = ring.factor(_polynomial(ring.trig, given["terms"]))

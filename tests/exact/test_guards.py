@@ -29,7 +29,7 @@ def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_on
     work = Work(60.0, 0)
     check, over = _cloud(found.chain, 6, 4, found.families, 200, work, [])
     assert (check.tested > 200, over) == (True, [])
-    _, over = _cloud(found.chain, 6, 4, found.of_corank(1), 200, work)
+    _, over = _cloud(found.chain, 6, 4, found.of_corank(1), 200, work, [])
     assert len(over) == 1
     assert over[0].startswith("corank 2: ")
 

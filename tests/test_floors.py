@@ -38,11 +38,6 @@ OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matpl
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""
-MUTUAL = {
-    ("exact", "exact/methods"), ("exact/arm", "exact/decoupling"),
-    ("exact/decoupling", "exact/signs"), ("exact/suppression", "exact/writing"),
-}  # fmt: skip
-"""Folders that still import each other."""
 
 
 def modules() -> dict[str, Path]:
@@ -166,14 +161,13 @@ def folder(module: str) -> str:
 
 
 def test_no_two_folders_import_each_other() -> None:
-    """But for what is listed, which gets shorter only. The top of the package, which holds the verbs, is no folder."""
+    """The top of the package is no folder."""
     needed: dict[str, set[str]] = {}
     for module in MODULES:
         theirs = {folder(name) for name in own_imports(module) if name in MODULES}
         needed.setdefault(folder(module), set()).update(theirs - {folder(module), ""})
     both = {(one, other) for one in needed for other in needed[one] if one and one < other and one in needed[other]}
-    assert both - MUTUAL == set(), "these folders import each other: move what both need, or make them one"
-    assert MUTUAL - both == set(), "these do no longer: take them from MUTUAL"
+    assert both == set(), "these folders import each other: move what both need, or make them one"
 
 
 def test_optional_packages_are_imported_where_they_are_needed() -> None:

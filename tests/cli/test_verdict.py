@@ -10,7 +10,7 @@ import pytest
 import rankdrop
 from rankdrop.cli import exits
 from rankdrop.compare.joined import DIFFERS, NOT_DERIVED
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.family.record import Share, Soundness
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot

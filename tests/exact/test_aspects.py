@@ -9,10 +9,9 @@ import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.decoupling.decouple import decouple
-from rankdrop.exact.signs.aspects import between, configuration_flags, signs_of
-from rankdrop.exact.signs.segment import zeros_between
-from rankdrop.exact.signs.zeros import real_points
+from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between
+from rankdrop.exact.decoupling import decouple
+from rankdrop.exact.signs import real_points
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

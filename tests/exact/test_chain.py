@@ -16,7 +16,7 @@ from known.arms import KINDS
 from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import turn
-from rankdrop.exact.arm.letters import letters_text, never_zero, sign_of, value_of
+from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -13,8 +13,7 @@ pytest.importorskip("flint")
 from rankdrop.exact.algebra.field import P, complete, rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
-from rankdrop.exact.cleared import smallest
-from rankdrop.exact.tree import rank_tree
+from rankdrop.exact.tree import rank_tree, smallest
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions

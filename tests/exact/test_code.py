@@ -12,8 +12,7 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.code import Code
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import pin_equation
+from rankdrop.exact.writing.condition import Condition, pin_equation
 
 N = 5
 SHIFTS = (0.0, 0.25, 0.0, 0.0, -1.5)

@@ -11,8 +11,8 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
+from rankdrop.exact.letters import covered, doubled, settled
 from rankdrop.exact.merge import merge
-from rankdrop.exact.settled import covered, doubled, settled
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.searching import search
 from rankdrop.families.table import families

@@ -13,8 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.variety import independent
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.reading.example import real_points, words
-from rankdrop.exact.reading.lint import lint
+from rankdrop.exact.reading.lint import lint, real_points, words
 from rankdrop.exact.tree import rank_tree
 from rankdrop.local.block import generic_rank
 

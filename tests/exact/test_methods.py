@@ -13,18 +13,18 @@ import pytest
 from rankdrop.compare.cloud import cloud
 from rankdrop.errors import OptionError
 from rankdrop.exact import methods
-from rankdrop.exact.algebra.atom import SIMPLE
-from rankdrop.exact.algebra.effort import spent
+from rankdrop.exact.algebra import factoring as apart
+from rankdrop.exact.algebra.factoring import factors_within
 from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, holds, roots
+from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import spent
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.methods import METHODS, Derivation, apart, derive
-from rankdrop.exact.methods.apart import factors_within
-from rankdrop.exact.methods.case import Case
-from rankdrop.exact.methods.draft import Draft
+from rankdrop.exact.arm.verify import random_points, rank_check
+from rankdrop.exact.methods import METHODS, Derivation, derive
+from rankdrop.exact.methods.derivation import Words
+from rankdrop.exact.methods.draft import Case, Draft
 from rankdrop.exact.methods.reciprocity import _choices
-from rankdrop.exact.methods.words import Words
-from rankdrop.exact.verify import random_points, rank_check
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.atom import SIMPLE
+from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.reading.parse import Parsed, parse_conditions
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import pin_expression, pin_text
+from rankdrop.exact.reading.meaning import Parsed, parse_conditions
+from rankdrop.exact.writing.condition import Condition, pin_expression, pin_text
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.atom import SIMPLE
-from rankdrop.exact.writing.pins import RADIANS, pin_c_code, pin_equation, pin_expression, pin_latex, pin_text
+from rankdrop.exact.algebra.polynomial import SIMPLE
+from rankdrop.exact.writing.condition import RADIANS, pin_c_code, pin_equation, pin_expression, pin_latex, pin_text
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
 

@@ -10,10 +10,9 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact import families
-from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.variety import Variety
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import Work, tick
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.families import real_sets
 from rankdrop.exact.merge import alone, merge

@@ -9,9 +9,8 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.atom import SIMPLE
 from rankdrop.exact.algebra.field import P, complete, half_evaluator, trig_evaluator
-from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.polynomial import SIMPLE, primitive
 from rankdrop.exact.algebra.ring import Ring
 
 
@@ -157,7 +156,7 @@ def test_a_joint_at_pi_takes_the_degree_that_was_there_before_any_pin() -> None:
 
 
 def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
-    from rankdrop.exact.algebra.flint import flint
+    from rankdrop.exact.algebra.polynomial import flint
 
     rng = random.Random(7)
     for n in (1, 2, 3, 4):

@@ -8,8 +8,7 @@ from fractions import Fraction
 import pytest
 
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.form import Product, Sum, Symbol, Wave, half_of, product, total, wave
-from rankdrop.exact.writing.fourier import fourier
+from rankdrop.exact.writing.form import Product, Sum, Symbol, Wave, fourier, half_of, product, total, wave
 from rankdrop.exact.writing.notation import Text
 from rankdrop.exact.writing.shortest import gathered, length, shortest
 

@@ -11,7 +11,7 @@ from math import prod
 
 from rankdrop.exact.algebra.field import PRIMES
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.slice import binds_more
+from rankdrop.exact.algebra.solving import binds_more
 
 NOWHERE = 4 * (prod(PRIMES) - 1)  # ≡ −4, a square modulo none of the primes
 

@@ -12,8 +12,8 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.field import holds, rank, trig_evaluator
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.cases import Case
 from rankdrop.exact.suppression.piece import Factor
+from rankdrop.exact.suppression.steps import Case
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.suppression.suppress import _Derivation, suppress
 from rankdrop.exact.tree import rank_tree

@@ -11,12 +11,11 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.effort import spent
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import Work, spent
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.real import reality
 from rankdrop.exact.tree import Drop, largest, rank_tree
-from rankdrop.exact.verify import rank_modulo
 from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot

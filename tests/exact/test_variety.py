@@ -10,14 +10,13 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import half_evaluator
 from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.variety import Variety, independent
-from rankdrop.exact.algebra.work import GRACE, WALL, OutOfTime, Work
+from rankdrop.exact.algebra.work import GRACE, WALL, OutOfTime, Work, spent, tick
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,7 @@ import pytest
 from rankdrop.compare.cloud import cloud, explained
 from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, rank
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.check import Check
-from rankdrop.exact.verify import random_points, rank_agreement, rank_check, rank_modulo
+from rankdrop.exact.arm.verify import Check, random_points, rank_agreement, rank_check, rank_modulo
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.families.vanishing import vanishing_on

@@ -13,7 +13,7 @@ from known.arms import FEW
 
 from rankdrop.compare.joined import NOT_DERIVED
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.arm.letters import sign_of
+from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
 from rankdrop.reach import reach
 from rankdrop.results.analysis import Analysis

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.families.searching import search
 from rankdrop.family.equation import Equation, normalised
 from rankdrop.family.system import System

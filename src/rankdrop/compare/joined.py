@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rankdrop.compare.match import Match, Wider
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.family.record import Pinned
 
 AGREES, DIFFERS, NOT_DERIVED = "agrees", "differs", "not derived"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.compare.cloud import WITHIN, Cloud, explained
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.families.sampling import Setting
 from rankdrop.families.signature import HIGHER
 from rankdrop.family.equation import normalised

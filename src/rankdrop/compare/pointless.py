@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import alone, merge
-from rankdrop.exact.reading.example import real_points
+from rankdrop.exact.reading.lint import real_points
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array

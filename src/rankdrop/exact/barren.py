@@ -15,11 +15,10 @@ from fractions import Fraction
 from itertools import combinations, islice
 from math import prod
 
-from rankdrop.exact.algebra.effort import spent, tick
 from rankdrop.exact.algebra.field import P, reduced
-from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import Work, spent, tick
 
 _EACH = 6  # polynomials kept of those in the same variables
 _LENGTH = 1_000_000  # letters without a value stand at random whole numbers up to this

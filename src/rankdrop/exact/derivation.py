@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.atom import Atom
+from rankdrop.exact.algebra.polynomial import Atom
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.decoupling.decouple import Decoupling, decouple, why_not
+from rankdrop.exact.decoupling import Decoupling, decouple, why_not
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
-from rankdrop.exact.methods.words import Words
+from rankdrop.exact.methods.derivation import Words
 from rankdrop.exact.real import real_points
 from rankdrop.exact.suppression.basic_screws import check_basic
 from rankdrop.exact.suppression.suppress import Suppression, suppress

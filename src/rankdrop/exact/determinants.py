@@ -1,4 +1,6 @@
-"""The determinant of a Jacobian said out loud, or the minors that take its place, in factors.
+"""The determinant of a Jacobian said out loud, or the minors that take its place; and the closed inverse.
+
+All in factors:
 
     as many joints as rows      det J; where J is block triangular: det J = ± det J11 det J22
     more joints than rows       the minors |$1 … $m| of every m columns: the rank drops where all of them vanish
@@ -7,27 +9,32 @@
 A minor of all rows of a pose, a position or an orientation is the same number in the axes of every link, and of a pose
 about every reference point: a change of either multiplies J by a matrix of determinant 1. Of other rows it is that in
 the axes of the task; axes turned upside down would change its sign.
+
+The closed inverse of a square Jacobian is its adjugate over its determinant, entry by entry, both in factors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import random
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.ring import MANY
+from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.factoring import factors_within
+from rankdrop.exact.algebra.field import P, complete, trig_evaluator
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.link_jacobian import POSE, POSITION
 from rankdrop.exact.arm.structure import listed
-from rankdrop.exact.decoupling.block_form import POSE, POSITION
-from rankdrop.exact.decoupling.decouple import Decoupling, decouple
-from rankdrop.exact.methods.apart import factors_within
-from rankdrop.exact.methods.evaluate import values_of
-from rankdrop.exact.writing.value import FOLDED, Value
+from rankdrop.exact.decoupling import Decoupling, decouple
+from rankdrop.exact.methods.derivation import values_of
+from rankdrop.exact.writing.value import FOLDED, Quotient, Value
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.task import ROWS
@@ -243,3 +250,83 @@ def _minor_dict(one: Minor, shifts: tuple[float, ...]) -> dict[str, Any]:
         "python": one.value.expression(shifts=shifts),
         "c": one.value.c_code(shifts=shifts),
     }  # fmt: skip
+
+
+POINTS = 3
+"""Random points at which the product with the Jacobian is computed modulo the prime."""
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedInverse:
+    """The inverse of a square matrix over the trigonometric ring.
+
+    Attributes:
+        determinant: in factors where they were found.
+        entries: entries[i][j] of the inverse.
+        agree, tested: at how many of the random points modulo the prime J · adj J = det J · 1.
+    """
+
+    determinant: Value
+    entries: tuple[tuple[Quotient, ...], ...]
+    agree: int
+    tested: int
+
+
+def closed_inverse(ring: Ring, rows: Sequence[Sequence[Polynomial]], work: Work) -> ClosedInverse:
+    """J⁻¹ = adj J / det J.
+
+    Args:
+        ring: of the entries.
+        rows: square.
+        work: limit.
+
+    Raises:
+        OptionError: not square, or the determinant vanishes everywhere.
+        OutOfTime: the limit was met.
+    """
+    n = len(rows)
+    if any(len(row) != n for row in rows):
+        raise OptionError(
+            "only a square Jacobian has an inverse", got=f"{n} rows, {len(rows[0])} joints",
+            mend="a task with as many rows as joints",
+        )
+    work.check()
+    whole = ring.determinant(rows)
+    if whole == 0:
+        raise OptionError("a Jacobian that is singular everywhere has no inverse", mend="a task that the arm can serve")
+    below = _entry(ring, whole, work)
+    adjugate = [[_cofactor(ring, rows, j, i, work) for j in range(n)] for i in range(n)]
+    entries = tuple(tuple(Quotient(_entry(ring, x, work), below) for x in row) for row in adjugate)
+    agree = sum(_agrees(ring, rows, adjugate, whole, seed) for seed in range(POINTS))
+    return ClosedInverse(below, entries, agree, POINTS)
+
+
+def _entry(ring: Ring, p: Polynomial, work: Work) -> Value:
+    work.check()
+    return Value(ring, p, None if p == 0 else factors_within(ring, p, work.left))
+
+
+def _cofactor(ring: Ring, rows: Sequence[Sequence[Polynomial]], i: int, j: int, work: Work) -> Polynomial:
+    """(−1)^(i+j) times the determinant without row i and column j."""
+    work.check()
+    minor = ring.determinant([[x for b, x in enumerate(row) if b != j] for a, row in enumerate(rows) if a != i])
+    return -minor if (i + j) % 2 else minor
+
+
+def _agrees(
+    ring: Ring,
+    rows: Sequence[Sequence[Polynomial]],
+    adjugate: Sequence[Sequence[Polynomial]],
+    whole: Polynomial,
+    seed: int,
+) -> bool:
+    """Whether J · adj J = det J · 1 at a random point modulo the prime."""
+    rng, evaluate, n = random.Random(seed), trig_evaluator(ring), len(rows)
+    point = None
+    while point is None:
+        point = complete(ring, {name: rng.randrange(P) for name in ring.names}, {})
+    one = [[evaluate(x, point) for x in row] for row in rows]
+    two = [[evaluate(x, point) for x in row] for row in adjugate]
+    middle = evaluate(whole, point)
+    entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
+    return all(value == (middle if i == j else 0) for i, j, value in entries)

@@ -1,31 +1,99 @@
-"""From irreducible sets to families as people list them: real, merged over 0 and π, named, checked."""
+"""From irreducible sets to families as people list them: real, sharp, merged over 0 and π, named, checked.
+
+*Sharp* conditions hold on a set and nowhere else where the rank is higher. An irreducible set is solved for one
+variable after the other, and the equations met on the way may hold elsewhere too: A t + B = 0 and A'B − AB' = 0 hold
+where A = B = 0, whatever t is. A factor of a minor that vanishes on the set, and not there, tells the two apart.
+
+The last part says what an exact family is called, what it takes away, and at which configuration it is shown.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial, used
 from rankdrop.exact.algebra.solving import form
 from rankdrop.exact.algebra.split import with_points
-from rankdrop.exact.algebra.tidy import tidy
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check, rank_agreement
 from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import Pins, Row, alone, merge
+from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.real import STARTS, Reality, reality
-from rankdrop.exact.sharpen import sharpened
-from rankdrop.exact.tree import Drop, largest, rank_on
-from rankdrop.exact.verify import rank_agreement
+from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.naming import told_apart
+from rankdrop.family.lost import told
+from rankdrop.family.naming import name_family, told_apart
+from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
+from rankdrop.units import out_of_units
+
+_MINORS = 60  # minors that are factored in search of a condition
+_ENOUGH = 6  # conditions that are compared
+_FAR = 1e-6  # |f| above this, coefficients of size one: the condition does not hold
+
+
+def sharpened(
+    chain: Chain, piece: Variety, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
+) -> Variety | None:
+    """The set with one more condition, which fails at some of the strays; None where none was found.
+
+    Args:
+        chain: the arm.
+        piece: irreducible set.
+        rank: of the task Jacobian almost everywhere on it.
+        strays: (k, n) configurations of `Chain.own`, of higher rank, at which all its conditions hold; k ≥ 1.
+        known: conditions that served other sets: tried first, so that sets alike get the same words.
+        work: deadline.
+
+    Raises:
+        OutOfTime: the deadline has passed.
+    """
+    best: tuple[tuple[int, int], Polynomial] | None = None
+    for f in islice((f for f in _candidates(chain, piece, rank, known, work)), _ENOUGH + len(known)):
+        away = _away(chain, f, strays)
+        if away and any(f is one for one in known):
+            return replace(piece, equations=(*piece.equations, f))
+        if away and (best is None or (-away, len(f)) < best[0]):
+            best = ((-away, len(f)), f)
+    return None if best is None else replace(piece, equations=(*piece.equations, best[1]))
+
+
+def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
+    """At how many configurations a condition does not hold."""
+    condition = Condition(chain.ring, chain.own_polynomial(f))
+    equation = condition.equation(chain.own_numbers, chain.n, chain.shifts.tolist())
+    return int((np.abs(equation(strays)) > _FAR).sum())
+
+
+def _candidates(
+    chain: Chain, piece: Variety, rank: int, known: Sequence[Polynomial], work: Work
+) -> Iterator[Polynomial]:
+    """Half-angle polynomials that vanish on a set: known ones, then factors of minors that are zero on it."""
+    ring = piece.ring
+    seen = {str(f) for f in piece.equations}
+    pinned = {ring.index[f"t{joint}"] for joint in piece.pins}
+    for f in known:
+        if not pinned & {*used(f)} and piece.half_vanishes(f):
+            yield f
+    columns = [[ring.at(x, piece.pins) for x in column] for column in chain.columns]
+    lengths = [[len(x) if x != 0 else 0 for x in column] for column in columns]
+    for columns_used, rows_used in islice(by_length(lengths, rank + 1), _MINORS):
+        work.check()
+        minor = ring.determinant([[columns[c][r] for c in columns_used] for r in rows_used])
+        for atom, _ in ring.factor(minor).atoms if minor != 0 else ():
+            if not atom.pinned and atom.key not in seen and piece.half_vanishes(atom.f):
+                seen.add(atom.key)
+                yield atom.f
+
 
 _LONG = 40  # terms of a set's conditions beyond which they are not written out
 _SHARPENED = 3  # conditions added at most
@@ -207,3 +275,53 @@ def _family(
         shifts=tuple(float(x) for x in chain.shifts),
         pieces=row.pieces,
     )
+
+
+_ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class _Pinned:
+    number: int
+
+
+def described(
+    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Mapping[int, tuple[str, ...]], coupled: bool
+) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
+    """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
+
+    Args:
+        chain: the arm.
+        generic_rank: of the task Jacobian.
+        corank: of the family.
+        points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
+        pins: its pinned joints.
+        coupled: whether it has other conditions.
+    """
+    robot, task = chain.own, chain.own_task
+    at = _witness(chain, generic_rank - corank, points, pins)
+    name = name_family(robot, task, points, [_Pinned(joint) for joint in sorted(pins)], coupled=coupled)
+    _, sentences = told(robot, at, points, task, corank)
+    return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
+
+
+def _witness(chain: Chain, rank: int, points: Array, pins: Mapping[int, tuple[str, ...]]) -> Array:
+    """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
+    q = np.where(chain.own.periodic, np.pi - np.mod(np.pi - points, 2 * np.pi), points)
+    rounded = q.copy()
+    for joint in range(chain.n):
+        tried = rounded.copy()
+        tried[:, joint] = 0.0 if joint in (0, chain.n - 1) else np.round(tried[:, joint] / _ROUND) * _ROUND
+        if joint + 1 not in pins and _holds(chain, rank, tried):
+            rounded = tried
+    sigma = singular_values(chain.own, rounded, chain.own_task)
+    best = rounded[int(np.argmax(sigma[:, rank - 1] if rank else sigma[:, 0]))]
+    return np.asarray(np.where(np.abs(best) < 1e-15, 0.0, np.round(best, 15)))
+
+
+def _holds(chain: Chain, rank: int, q: Array) -> bool:
+    """Whether every configuration has exactly this rank."""
+    sigma = singular_values(chain.own, q, chain.own_task)
+    low = sigma[:, rank:].max(axis=1) if rank < sigma.shape[1] else np.zeros(len(q))
+    high = sigma[:, rank - 1] if rank else np.ones(len(q))
+    return bool((low <= DEFAULT.singular).all() and (high > 1e3 * DEFAULT.singular).all())

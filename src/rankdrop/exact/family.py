@@ -8,9 +8,8 @@ from math import pi, remainder
 
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.check import Check
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import RADIANS, pin_equation, pin_latex, pin_text
+from rankdrop.exact.arm.verify import Check
+from rankdrop.exact.writing.condition import RADIANS, Condition, pin_equation, pin_latex, pin_text
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Order, Pinned, place_of
 from rankdrop.robot.model import Robot

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, used
 from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.letters import letters_text, sign_of
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.exact.writing.pins import RADIANS
+from rankdrop.exact.letters import letters_text, sign_of
+from rankdrop.exact.writing.condition import RADIANS, Condition
 from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array

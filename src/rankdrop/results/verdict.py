@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rankdrop.compare.joined import AGREES, DIFFERS, NOT_DERIVED, Joined
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import Robot

@@ -13,16 +13,13 @@ from rankdrop.compare.pointless import pointless
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.arm.letters import sign_of, sum_text
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.derivation import METHODS, Chosen, CorankOne, check_method, corank_one
-from rankdrop.exact.describe import described
 from rankdrop.exact.determinants import Determinants, determinants_of
-from rankdrop.exact.families import families, real_sets
+from rankdrop.exact.families import described, families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.settled import doubled, settled
-from rankdrop.exact.special import assumptions
+from rankdrop.exact.letters import assumptions, doubled, settled, sign_of, sum_text
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.families.searching import check_numbers
 from rankdrop.results.conditions.conditions import Conditions

@@ -11,16 +11,14 @@ from numpy.typing import ArrayLike
 
 from rankdrop._handles import check_robot
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.link_jacobian import check_frame, frame_jacobian, sizes
-from rankdrop.exact.inverse import ClosedInverse, closed_inverse
+from rankdrop.exact.determinants import ClosedInverse, closed_inverse
 from rankdrop.exact.writing.notation import Latex, latex_name
-from rankdrop.exact.writing.quotient import Quotient, number_at
-from rankdrop.exact.writing.text_of import form_of, single_angles, text_of
-from rankdrop.exact.writing.value import FOLDED
+from rankdrop.exact.writing.value import FOLDED, Quotient, form_of, number_at, single_angles, text_of
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import sample
 from rankdrop.local.verdict import one_configuration

@@ -10,17 +10,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.atom import Atom
-from rankdrop.exact.algebra.combining import combined, divisions, eliminable, pairs, remainder
-from rankdrop.exact.algebra.effort import tick
 from rankdrop.exact.algebra.field import Point, half_evaluator, residue
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.slice import binds_more
-from rankdrop.exact.algebra.solving import Form, Solved, at, factors, form, free_in, linear, put, unit
+from rankdrop.exact.algebra.solving import (
+    Form,
+    Solved,
+    at,
+    binds_more,
+    combined,
+    divisions,
+    eliminable,
+    factors,
+    form,
+    free_in,
+    linear,
+    pairs,
+    put,
+    remainder,
+    unit,
+)
 from rankdrop.exact.algebra.variety import Variety, independent
-from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.work import Work, tick
 
 Done = frozenset[tuple[str, str, int]]
 """Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""

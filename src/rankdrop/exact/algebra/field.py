@@ -14,10 +14,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom
-from rankdrop.exact.algebra.effort import tick
-from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import tick
 
 _BELOW = (
     11_913, 636_873, 2_465_193, 5_454_201, 7_198_593, 8_757_921, 9_646_521, 10_176_081, 10_526_961, 11_201_481,

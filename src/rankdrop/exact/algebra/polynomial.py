@@ -1,11 +1,33 @@
-"""Polynomials over the rationals, whatever their ring: variables, coefficients, primitive form."""
+"""Polynomials over the rationals, by python-flint, and the irreducible conditions that they are on the torus.
+
+python-flint is asked for only where it is used. An irreducible condition is a joint at a simple angle, or a polynomial
+in half-angle tangents = 0.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import gcd, lcm
+from types import ModuleType
 from typing import Any
 
-from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.errors import MissingExtraError
+
+Polynomial = Any
+"""A `flint.fmpq_mpoly`; which ring it lives in is said where the name is used."""
+
+
+def flint() -> ModuleType:
+    """The module `flint`.
+
+    Raises:
+        MissingExtraError: python-flint is not installed.
+    """
+    try:
+        import flint as module
+    except ImportError as error:
+        raise MissingExtraError("python-flint", "exact", "deriving exact conditions") from error
+    return module
 
 
 def used(f: Polynomial) -> list[int]:
@@ -33,3 +55,66 @@ def primitive(f: Polynomial) -> Polynomial:
     if values[0] < 0:
         top = -top
     return f * flint().fmpq(bottom, top)
+
+
+SIMPLE = ("0", "pi", "pi/2", "-pi/2")
+"""Angles a revolute joint can be pinned at: tan(θ/2) = 0, ∞, 1, −1."""
+COS_SIN = {"0": (1, 0), "pi": (-1, 0), "pi/2": (0, 1), "-pi/2": (0, -1)}
+"""(cos, sin) there."""
+TANGENT = {"0": 0, "pi/2": 1, "-pi/2": -1}
+"""tan(θ/2) there; infinite at π."""
+
+
+@dataclass(frozen=True)
+class Atom:
+    """One irreducible condition: joint `joint` stands at `value`, or the polynomial `f` vanishes.
+
+    Attributes:
+        joint: number of a revolute joint that is pinned; 0 where `f` holds the condition.
+        value: one of `SIMPLE`; "" where `f` holds the condition.
+        f: irreducible primitive polynomial of the half-angle ring; None for a pinned joint.
+        key: text that is the same for equal atoms; equality and hash are its.
+    """
+
+    joint: int
+    value: str
+    f: Polynomial
+    key: str
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Atom) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the condition is one joint at a simple angle."""
+        return self.f is None
+
+    @property
+    def weight(self) -> int:
+        """How long the condition is: 1 for a pinned joint, else 2 + number of terms."""
+        return 1 if self.f is None else 2 + len(self.f)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """A trigonometric polynomial on the torus, taken apart.
+
+    Attributes:
+        content: rational factor.
+        letters: factors in lengths alone, with multiplicities: they vanish for special arms only.
+        atoms: factors that depend on the configuration, with multiplicities.
+    """
+
+    content: Any
+    letters: tuple[tuple[Polynomial, int], ...]
+    atoms: tuple[tuple[Atom, int], ...]
+
+
+def order(atom: Atom) -> tuple[Any, ...]:
+    """Sort key of atoms: pinned joints by number and value, then polynomials by length."""
+    if atom.pinned:
+        return (0, atom.joint, SIMPLE.index(atom.value), "")
+    return (1, len(atom.f), 0, atom.key)

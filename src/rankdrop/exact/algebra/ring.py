@@ -17,11 +17,19 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from rankdrop.exact.algebra.atom import COS_SIN, TANGENT, Atom, Factors, order
-from rankdrop.exact.algebra.effort import tick
-from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
-from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.exact.algebra.polynomial import (
+    COS_SIN,
+    TANGENT,
+    Atom,
+    Factors,
+    Polynomial,
+    coefficients,
+    flint,
+    order,
+    primitive,
+    used,
+)
+from rankdrop.exact.algebra.work import OutOfTime, tick
 
 _BITS = 500  # of a coefficient: twice as many take four times as long to factor
 MANY = 20_000
@@ -295,3 +303,17 @@ class Ring:
 
         found = minor(tuple(range(n)))
         return -found if swaps % 2 else found
+
+
+def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:
+    """A trigonometric polynomial that vanishes where an atom holds, and nowhere else."""
+    if not atom.pinned:
+        return ring.trig_zero_set(atom.f)
+    c, s = ring.c[atom.joint], ring.s[atom.joint]
+    return {"0": 1 - c, "pi": 1 + c, "pi/2": 1 - s, "-pi/2": 1 + s}[atom.value]
+
+
+def letters_polynomial(ring: Ring, f: Polynomial) -> Polynomial:
+    """A half-angle polynomial in lengths alone as an element of the trigonometric ring."""
+    skipped = (0,) * (2 * ring.angles + len(ring.prismatic))
+    return ring.trig.from_dict({(*skipped, *powers[ring.moving :]): value for powers, value in f.terms()})

@@ -10,10 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rankdrop.exact.algebra.atom import COS_SIN, Atom
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.flint import Polynomial, flint
-from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, flint, primitive, used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, at, divides, factors, form, free_in, linear, substituted
 from rankdrop.exact.algebra.variety import Variety, independent

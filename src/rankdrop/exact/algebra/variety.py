@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
-from rankdrop.exact.algebra.atom import TANGENT
 from rankdrop.exact.algebra.field import (
     PRIMES,
     Evaluator,
@@ -29,8 +28,7 @@ from rankdrop.exact.algebra.field import (
     stands,
     trig_evaluator,
 )
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import used
+from rankdrop.exact.algebra.polynomial import TANGENT, Polynomial, used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved
 

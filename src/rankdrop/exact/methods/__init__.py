@@ -22,10 +22,8 @@ from collections.abc import Callable
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.methods.cofactors import cofactors
-from rankdrop.exact.methods.decomposition import decomposition
+from rankdrop.exact.methods.by_minors import cofactors, decomposition, determinant
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
-from rankdrop.exact.methods.determinant import determinant
 from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity
 from rankdrop.exact.methods.singular_vector import singular_vector

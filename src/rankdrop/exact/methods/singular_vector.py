@@ -11,12 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rankdrop.exact.algebra.atom import order
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial, order
 from rankdrop.exact.algebra.work import OutOfTime
-from rankdrop.exact.methods.case import Case, Factors, branches
 from rankdrop.exact.methods.derivation import Equality
-from rankdrop.exact.methods.draft import Columns, Draft, pieces
+from rankdrop.exact.methods.draft import Case, Columns, Draft, Factors, branches, pieces
 
 
 @dataclass(frozen=True)

@@ -2,30 +2,185 @@
 
 The condition is taken apart into irreducible sets U_i, as the singular set is into S_j. It is too small where some S_j
 does not satisfy it, too large where the Jacobian has its full rank almost everywhere on some U_i. Both are decided at
-random points modulo a prime, and shown at a real configuration of the arm.
+random points modulo a prime, and shown at a real configuration of the arm, with round angles
+where the set leaves them free.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import degrees
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from math import degrees, radians
 from typing import Any
 
 import numpy as np
 
-from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.split import cut_half, pinned
 from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.merge import merge
-from rankdrop.exact.reading.example import real_points, words
-from rankdrop.exact.reading.parse import Parsed, parse_conditions
-from rankdrop.exact.reading.record import Difference, Example, LintResult
+from rankdrop.exact.reading.meaning import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.exact.writing.condition import RADIANS, Condition, pin_text
+from rankdrop.family.equation import Equation
+from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind
-from rankdrop.units import into_units
+from rankdrop.units import into_units, out_of_units
+
+_ZERO = 1e-12  # σ below it is printed as 0
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A configuration that shows the difference.
+
+    Attributes:
+        q: joint variables [rad, m].
+        degrees: the same with angles in degrees, slides in m.
+        value: of the user's condition there, the largest in size where there are several.
+        sigma: the singular value that is zero at a singularity.
+    """
+
+    q: tuple[float, ...]
+    degrees: tuple[float, ...]
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A set of configurations about which the condition is wrong.
+
+    Attributes:
+        conditions: what the set is, in words.
+        example: on it.
+    """
+
+    conditions: str
+    example: Example
+
+
+@dataclass(frozen=True, slots=True)
+class LintResult:
+    """A user's condition against the singular set.
+
+    Attributes:
+        text: the condition.
+        verdict: "exact", "too small", "too large", or "both", for the arm's own lengths.
+        missing: singular sets that the condition leaves out.
+        extra: sets of regular configurations that it takes in.
+        real: whether it holds at any real configuration.
+        any_lengths: whether it is exact for all lengths that are symbols, special ones aside; None where none is.
+        complete: whether everything could be decided; else the verdict speaks of the rest, and `remarks` tell what is
+            left.
+        remarks: what else is to be known.
+    """
+
+    text: str
+    verdict: str
+    missing: tuple[Difference, ...]
+    extra: tuple[Difference, ...]
+    real: bool
+    any_lengths: bool | None
+    complete: bool
+    remarks: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+    def sentences(self) -> tuple[str, ...]:
+        """The result in words."""
+        said = {
+            "exact": "is exactly the singular set",
+            "too small": "is too small: some singular configurations do not satisfy it",
+            "too large": "is too large: some regular configurations satisfy it",
+            "both": "is too small and too large",
+        }[self.verdict]
+        start = "The condition" if self.complete else "As far as could be decided, the condition"
+        found = [f"{start} {said}." if self.real else f"{start} has no real zero: it {said}."]
+        for one in self.missing:
+            at = _at(one.example)
+            found.append(
+                f"Singular but left out: {one.conditions}; at {at} it is {_number(one.example.value)}, "
+                f"σ = {0 if one.example.sigma < _ZERO else _number(one.example.sigma, 2)}."
+            )
+        for one in self.extra:
+            at = _at(one.example)
+            found.append(f"Taken in but regular: {one.conditions}; at {at} σ = {_number(one.example.sigma)}.")
+        if self.any_lengths is False and self.verdict == "exact":
+            found.append("That is so for the lengths of this arm, not for all lengths.")
+        return (*found, *self.remarks)
+
+
+def _at(example: Example) -> str:
+    return f"q = ({', '.join(_number(value, 6) for value in example.degrees)}) [°, m]"
+
+
+def _number(value: float, digits: int = 4) -> str:
+    return f"{value + 0.0:.{digits}g}".replace("-", "−")
+
+
+STARTS = 60
+"""Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
+_STEPS = 40
+_ARRIVED = 1e-13  # of residuals whose largest coefficient is 1
+_ROUND = radians(5.0)  # free angles are multiples of this
+
+
+def words(piece: Variety) -> str:
+    """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
+    pins = [pin_text(joint, (value,)) for joint, value in sorted(piece.pins.items())]
+    return " and ".join([*pins, *(Condition(piece.ring, f).text() for f in piece.equations)]) or "every configuration"
+
+
+def real_points(piece: Variety, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
+    """Real points of a set at the arm's own lengths, one per start that arrives.
+
+    Args:
+        piece: its conditions are solved, for as many of its variables as there are conditions, by Newton's method.
+        chain: gives the lengths and the room of the slides.
+        seed: of the starts.
+
+    Yields:
+        (n,) angles θ [rad], variables of slides [m].
+    """
+    rng = np.random.default_rng(seed)
+    conditions = [Condition(piece.ring, chain.own_polynomial(f)) for f in piece.equations]
+    equations = [condition.equation(chain.own_numbers, chain.n) for condition in conditions]
+    moving = sorted({j for condition in conditions for j in condition.joints} - set(piece.pins))
+    low, high = sampling_box(chain.own, chain.own_task, limits=False)
+    for _ in range(STARTS):
+        theta = np.where([j in piece.ring.revolute for j in range(1, chain.n + 1)],
+                         np.round(rng.uniform(-np.pi, np.pi, chain.n) / _ROUND) * _ROUND,
+                         np.round(rng.uniform(low, high), 2))  # fmt: skip
+        for joint, value in piece.pins.items():
+            theta[joint - 1] = RADIANS[value]
+        if equations:
+            chosen = rng.choice(moving, min(len(equations), len(moving)), replace=False) - 1
+            if not _solve(equations, theta, chosen):
+                continue
+            turning = [j - 1 for j in piece.ring.revolute]
+            theta[turning] = np.pi - np.remainder(np.pi - theta[turning], 2 * np.pi)
+        yield out_of_units(chain.robot, theta)
+
+
+def _solve(equations: list[Equation], theta: Array, chosen: Array) -> bool:
+    """Newton's method in the chosen variables, in place; whether it arrived."""
+    for _ in range(_STEPS):
+        both = [equation.with_gradient(theta) for equation in equations]
+        values = np.array([float(value) for value, _ in both])
+        if np.abs(values).max() <= _ARRIVED:
+            return True
+        slope = np.array([gradient[chosen] for _, gradient in both])
+        step = np.linalg.lstsq(slope, -values, rcond=None)[0]
+        theta[chosen] += step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-300))
+        if not np.isfinite(theta).all():
+            return False
+    return False
+
 
 ZERO = 1e-9
 """σ and values of conditions at or below this, beside the largest σ or the largest value, are zero."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.suppression.factors import Product, taken_apart

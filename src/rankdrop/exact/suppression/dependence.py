@@ -12,9 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.atom import Atom
 from rankdrop.exact.algebra.field import rank, trig_evaluator
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.suppression.piece import Factor

@@ -12,11 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from rankdrop.exact.algebra.atom import TANGENT, Atom
 from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import primitive
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, primitive
+from rankdrop.exact.algebra.ring import Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
 
@@ -134,14 +132,6 @@ def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
     return found + [Factor(polynomial_of(ring, atom), (atom,)) for atom in left]
 
 
-def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:
-    """A trigonometric polynomial that vanishes where an atom holds, and nowhere else."""
-    if not atom.pinned:
-        return ring.trig_zero_set(atom.f)
-    c, s = ring.c[atom.joint], ring.s[atom.joint]
-    return {"0": 1 - c, "pi": 1 + c, "pi/2": 1 - s, "-pi/2": 1 + s}[atom.value]
-
-
 def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
     """One polynomial that vanishes on each piece where its own remaining atoms do."""
     ring = stratum.ring
@@ -203,12 +193,6 @@ def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) ->
                 break
             p = quotient
     return p
-
-
-def letters_polynomial(ring: Ring, f: Polynomial) -> Polynomial:
-    """A half-angle polynomial in lengths alone as an element of the trigonometric ring."""
-    skipped = (0,) * (2 * ring.angles + len(ring.prismatic))
-    return ring.trig.from_dict({(*skipped, *powers[ring.moving :]): value for powers, value in f.terms()})
 
 
 def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, int]]) -> Polynomial | None:

@@ -10,10 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from rankdrop.exact.algebra.atom import Atom, order
 from rankdrop.exact.algebra.field import Evaluator, P, Point, complete, half_evaluator, holds, put_common_zero, roots
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import coefficients, used
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, order, used
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import plainly_positive
 

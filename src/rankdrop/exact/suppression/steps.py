@@ -1,4 +1,6 @@
-"""Dependent-screw suppression told step by step, as KG does it by hand."""
+"""Dependent-screw suppression told step by step, as KG does it by hand: cases, families, and the text of each step.
+
+"""
 
 from __future__ import annotations
 
@@ -7,12 +9,68 @@ from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Protocol
 
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.basic_screws import triples
-from rankdrop.exact.suppression.cases import Case, SuppressedFamily
-from rankdrop.exact.suppression.dependence import Proof
-from rankdrop.exact.writing.text_of import condition_text, conditions_text, product_text, text_of
+from rankdrop.exact.suppression.basic_screws import Basic, triples
+from rankdrop.exact.suppression.dependence import Dependence, Proof
+from rankdrop.exact.suppression.factors import Product
+from rankdrop.exact.suppression.stratum import Stratum
+from rankdrop.exact.writing.notation import SUPERSCRIPT
+from rankdrop.exact.writing.value import condition_text, text_of
+
+
+@dataclass(frozen=True)
+class Case:
+    """One node of the hand calculation.
+
+    Attributes:
+        number: "1", "1.2", …; "" for the start.
+        stratum: where it holds.
+        joints: numbers of the screws that are left.
+        dependence: of the screw suppressed in it; None where none is.
+        basic: the six screws whose determinant is taken next; None where there is none to take.
+        cases: what it falls into.
+        split: whether the cases are there because no screw is dependent everywhere, not for a determinant's factors.
+        family: number (from 1) of the family that the case is; 0 where it is none.
+    """
+
+    number: str
+    stratum: Stratum
+    joints: tuple[int, ...]
+    dependence: Dependence | None = None
+    basic: Basic | None = None
+    cases: tuple[Case, ...] = ()
+    split: bool = False
+    family: int = 0
+
+
+@dataclass(frozen=True)
+class SuppressedFamily:
+    """One family of singular configurations.
+
+    Attributes:
+        number: from 1.
+        stratum: its conditions = 0 and ≠ 0.
+        chain: the cases on the way to it, from the start to itself.
+        ranks: every rank of all screws found at random points of it modulo p, ascending.
+    """
+
+    number: int
+    stratum: Stratum
+    chain: tuple[Case, ...]
+    ranks: tuple[int, ...]
+
+    @property
+    def equalities(self) -> tuple[Polynomial, ...]:
+        """Trigonometric polynomials that vanish, as they read with pinned joints at their angles."""
+        return self.stratum.closed
+
+    @property
+    def inequalities(self) -> tuple[Polynomial, ...]:
+        """Trigonometric polynomials that do not vanish."""
+        return self.stratum.open
+
 
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 LONG = 60
@@ -206,3 +264,32 @@ def _names(joints: Sequence[int]) -> str:
 
 def _joints(joints: Sequence[int]) -> str:
     return ", ".join(map(str, joints))
+
+
+def conditions_text(stratum: Stratum, most: int | None = None) -> str:
+    """The conditions of a stratum in one line; polynomials of more than `most` terms are not written out."""
+    parts = []
+    for polynomials, sign in ((stratum.closed, "="), (stratum.open, "≠")):
+        for p in polynomials:
+            long = most is not None and len(p) > most
+            parts.append(f"({len(p)} terms) {sign} 0" if long else condition_text(stratum.ring, p, sign))
+    return ", ".join(parts) or "everywhere"
+
+
+def product_text(ring: Ring, product: Product) -> str:
+    """A determinant as the product of its factors, or as it is where that is not how it factors."""
+    if product.outer is None:
+        return text_of(ring, product.polynomial)
+    factors = [*((letters_polynomial(ring, f), power) for f, power in product.letters), *product.written]
+    outer = text_of(ring, product.outer)
+    negative = outer.startswith("−")
+    outer = outer.removeprefix("−")
+    found = [outer] if outer != "1" or not factors else []
+    for f, power in factors:
+        text = text_of(ring, f)
+        if text.startswith("−"):
+            text = text_of(ring, -f)
+            negative ^= power % 2 == 1
+        text = f"({text})" if " + " in text or " − " in text else text
+        found.append(text if power == 1 else text + str(power).translate(SUPERSCRIPT))
+    return ("−" if negative else "") + " ".join(found)

@@ -14,9 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
-from rankdrop.exact.algebra.atom import COS_SIN, SIMPLE
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import primitive
+from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.suppression.piece import Factor, Piece
 

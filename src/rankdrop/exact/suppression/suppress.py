@@ -13,18 +13,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.ring import letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.suppression.basic_screws import Basic, check_basic, choose, determinants, why
-from rankdrop.exact.suppression.cases import Case, SuppressedFamily
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
-from rankdrop.exact.suppression.factors import Product, joined, letters_polynomial, taken_apart
+from rankdrop.exact.suppression.factors import Product, joined, taken_apart
 from rankdrop.exact.suppression.piece import Factor
-from rankdrop.exact.suppression.steps import Step, steps
+from rankdrop.exact.suppression.steps import Case, Step, SuppressedFamily, conditions_text, product_text, steps
 from rankdrop.exact.suppression.stratum import Stratum
-from rankdrop.exact.writing.text_of import conditions_text, product_text
 
 Progress = Callable[[str, int, int], None]
 """Called with (what is done, cases done, cases known so far)."""

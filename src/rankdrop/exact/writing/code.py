@@ -9,10 +9,9 @@ from keyword import iskeyword
 from typing import Protocol
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.writing.condition import Condition, pin_c_code, pin_expression, pin_latex, pin_text
 from rankdrop.exact.writing.notation import latex_angle, latex_name
-from rankdrop.exact.writing.pins import pin_c_code, pin_expression, pin_latex, pin_text
 from rankdrop.exact.writing.value import Value
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})

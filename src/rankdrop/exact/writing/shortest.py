@@ -13,12 +13,9 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from weakref import WeakKeyDictionary
 
-from rankdrop.exact.algebra.atom import Atom, Factors
-from rankdrop.exact.algebra.flint import Polynomial
-from rankdrop.exact.algebra.polynomial import coefficients, primitive, used
+from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, coefficients, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.form import Factor, Product, Sum, Wave, half_of, number_of, product, total
-from rankdrop.exact.writing.fourier import fourier, symbols
+from rankdrop.exact.writing.form import Factor, Product, Sum, Wave, fourier, half_of, number_of, product, symbols, total
 from rankdrop.exact.writing.notation import Text
 
 MANY = 600

@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
-from rankdrop.exact.reading.lint import lint
-from rankdrop.exact.reading.record import LintResult
-from rankdrop.exact.signs.aspects import Between, Flags, between, configuration_flags
+from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
+from rankdrop.exact.reading.lint import LintResult, lint
 from rankdrop.exact.writing.code import Code
 from rankdrop.results.codec import Record, save_record
 from rankdrop.results.conditions.data import ConditionsData
@@ -70,7 +69,7 @@ class Conditions(ConditionsData):
         return configuration_flags(self.chain, q)
 
     def between(self, first: ArrayLike, second: ArrayLike) -> Between:
-        """Which families part two configurations: see `rankdrop.exact.signs.aspects.between`.
+        """Which families part two configurations: see `rankdrop.exact.aspects.between`.
 
         Raises:
             TaskError, ConfigurationError: as `flags`.

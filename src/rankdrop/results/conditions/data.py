@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.check import Check
+from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.derivation import Step
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.pins import pin_text
+from rankdrop.exact.writing.condition import pin_text
 from rankdrop.family.equation import pretty_angle
 from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.results.conditions.wrap import either, formula, sentence

@@ -1,5 +1,17 @@
 """Decoupling: a block triangular Jacobian, its determinant as a product, and the part of the arm behind each factor.
 
+*Beside a planar triple* what is lost is a line along which no point can move. With the rows of the plane across the
+parallel axes first, J = [[P, Q], [0, R]]. Where P is singular the three axes lie in one plane; a motion that has no
+part out of the plane leaves the other joints at rest, R being regular, and moves nothing along the line that crosses
+the three. Where R is singular, wᵀR = 0, the left null vector of J is (0; w): a force along z with a moment across it,
+which is a force along one line parallel to the axes, or a couple. Power zero for every joint means that no point of
+this line moves along it.
+
+*At the centre of a spherical group* it is a direction that the arm's own lines give (JL). With the centre as reference
+point J = [[J11, 0], [J21, J22]]. Where J11 is singular, yᵀJ11 = 0, the left null vector of J is (y; 0): the centre
+cannot translate along y, whatever the wrist does. Where J22 is singular, yᵀJ22 = 0, and J11 is not, a motion that
+leaves the centre at rest leaves the arm at rest, and cannot turn the end effector about y.
+
 ML and JL: with the reference point in the centre of a spherical wrist joints 4, 5, 6 do not move that point,
 
     J = [[J11, 0], [J21, J22]],    det J = det J11 · det J22,
@@ -10,20 +22,117 @@ singular apart. The same is done for spherical shoulders and for joints that mov
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations, pairwise
 from typing import Any
 
-from rankdrop.exact.algebra.atom import Atom, Factors
-from rankdrop.exact.algebra.flint import Polynomial
+import numpy as np
+
+from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.link_jacobian import POSE, BlockForm, block_form
 from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
-from rankdrop.exact.decoupling.across import across_statement
-from rankdrop.exact.decoupling.block_form import POSE, BlockForm, block_form
-from rankdrop.exact.decoupling.centre import centre_statement
-from rankdrop.exact.decoupling.parts import UNSEEN, condition_text, look, merged
-from rankdrop.robot.model import Array
+from rankdrop.exact.signs import UNSEEN, condition_text, look, merged
+from rankdrop.local.scene import Scene
+from rankdrop.robot.model import Array, Robot
 from rankdrop.task import ROWS
 from rankdrop.units import out_of_units
+
+_FORCE = 1e-6
+"""Share of a unit null vector (lengths per reach) below which its force counts as none: a couple."""
+
+
+def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> str:
+    """The motion lost where one block of an arm with a planar triple loses rank one; "" where there is no such line.
+
+    Args:
+        robot: the arm; all joints of `group` and `joints` are revolute.
+        points: (N, n) configurations at which the block loses rank one, the other none.
+        group: the three joints (from 1) with parallel axes.
+        joints: of the block that loses rank: the group or all others.
+    """
+    scene = Scene(robot, points)
+    bundle = [j - 1 for j in group]
+    if joints == group:
+        if not scene.coplanar(bundle).all():
+            return ""
+        return f"motions in the plane across axes {listed(group)} have no part along the line that meets these axes"
+    others = [j - 1 for j in joints]
+    if not _has_line(scene, bundle[0], others):
+        return ""
+    met = tuple(i + 1 for i in others if not scene.parallel(bundle[0], i).any())
+    which = f"axes {listed(met)}" if len(met) > 1 else f"axis {listed(met)}"
+    return f"the points of the line that is parallel to axes {listed(group)} and meets {which} cannot move along it"
+
+
+def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
+    """At every sample the null vector of (z·v, x·ω, y·ω) of the other joints has a force."""
+    z = scene.z[parallel]
+    x = np.cross(z, np.eye(3)[np.abs(z).argmin(axis=1)])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    y = np.cross(z, x)
+    v, w = scene.screws[:, :3, others] / scene.length, scene.screws[:, 3:, others]
+    rows = np.stack([np.einsum("ni,nij->nj", a, b) for a, b in ((z, v), (x, w), (y, w))], axis=1)
+    return bool((np.abs(np.linalg.svd(rows)[0][:, 0, -1]) > _FORCE).all())
+
+
+_LOST = 1e-6
+"""Share of the block's largest velocity below which a direction is lost at a sample."""
+
+
+def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str) -> str:
+    """The motion lost at the centre, by the first of the directions tried that is lost at every sample; else "".
+
+    Args:
+        robot: the arm.
+        points: (N, n) configurations at which one block loses rank one.
+        group: joints (from 1) whose axes meet in the centre.
+        joints: of the block that loses rank: the group or all others.
+        part: "wrist", "shoulder", or else what the group is called.
+    """
+    scene = Scene(robot, points)
+    centre = scene.common_point([j - 1 for j in group])[0]
+    own = [j - 1 for j in joints]
+    name = f"{part} centre" if part in ("wrist", "shoulder") else "centre"
+    if joints == group:
+        for i, j in combinations(own, 2):
+            if _lost(np.cross(scene.z[i], scene.z[j]), scene.screws[:, 3:, own]):
+                where = f"the perpendicular to axes {i + 1} and {j + 1}"
+                return f"with the {name} at rest the end effector cannot rotate about {where}"
+        return ""
+    velocity = scene.screws[:, :3, own] + np.cross(scene.screws[:, 3:, own], centre[:, :, None], axis=1)
+    for text, direction in _directions(scene, centre, own, name):
+        if _lost(direction, velocity):
+            return f"the {name} cannot translate {text}"
+    return ""
+
+
+def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Iterator[tuple[str, Array]]:
+    """Directions that an arm's lines give, the plainest first."""
+    axes = [i for i in own if i in scene.axes]
+    for i, j in pairwise(axes):
+        if scene.meeting(i, j).all():
+            shoulder = "the shoulder, " if (i, j) == (0, 1) else ""
+            meeting = scene.common_point((i, j))[0]
+            yield f"along the line from {shoulder}where axes {i + 1} and {j + 1} meet, to it", centre - meeting
+    for i in axes:
+        yield f"parallel to axis {i + 1}", scene.z[i]
+    for i in axes:
+        offset = centre - scene.p[i]
+        across = offset - scene.z[i] * np.sum(offset * scene.z[i], axis=-1, keepdims=True)
+        yield f"along the perpendicular from axis {i + 1} to it", across
+    for i, j in combinations(own, 2):
+        yield f"perpendicular to axes {i + 1} and {j + 1}", np.cross(scene.z[i], scene.z[j])
+
+
+def _lost(direction: Array, velocities: Array) -> bool:
+    """Whether no column of (N, 3, k) velocities has a part along the direction (N, 3), at every sample."""
+    length = np.linalg.norm(direction, axis=1)
+    if (length < _LOST).any():
+        return False
+    part = np.einsum("ni,nij->nj", direction / length[:, None], velocities)
+    return bool((np.abs(part) <= _LOST * np.abs(velocities).max()).all())
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,14 @@
-"""Factors of a determinant as functions with a sign: which of them have one on the torus, and their values.
+"""The factors of a determinant: their signs, real points on them, and the part of the arm that each is.
+
+As functions with a sign: which of them have one on the torus, and their values.
 
 A factor of the half-angle ring of degree D_j in t_j stands for a function of sin(θ_j/2) and cos(θ_j/2), homogeneous of
 degree D_j in them. A full turn of joint j multiplies it by (−1)^D_j: with an odd degree it has zeros but no sign of
 its own. Products in which odd degrees cancel have one: θ = 0 and θ = π together are sin θ = 0, θ = ±π/2 together are
 cos θ = 0.
+
+Real configurations on which one atom holds are found in floating point: to look at its geometry, not to prove
+anything. There the factor gets the name of a part of the arm, and the motion that is lost is told.
 """
 
 from __future__ import annotations
@@ -14,11 +19,20 @@ from itertools import combinations
 
 import numpy as np
 
-from rankdrop.exact.algebra.atom import Atom
-from rankdrop.exact.algebra.flint import Polynomial
+from rankdrop.errors import ConfigurationError
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.text_of import text_of
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.writing.condition import RADIANS, Condition
+from rankdrop.exact.writing.value import text_of
+from rankdrop.family.naming import name_family
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
+from rankdrop.local.sentences import words
+from rankdrop.reach import reach
 from rankdrop.robot.model import Array
+from rankdrop.tolerances import DEFAULT
+from rankdrop.units import counted_length, out_of_units
 
 _READABLE = 60  # terms above which a factor is not written out
 _PAIRS = (("0", "pi"), ("pi/2", "-pi/2"))
@@ -218,3 +232,141 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
     read = [reading(ring, atom) for atom in atoms]
     text = read[0][0] if len(read) == 1 else "·".join(f"({one})" for one, _ in read)
     return SignedFactor(ring, atoms, text, periodic, int(np.prod([sense for _, sense in read])))
+
+
+_TRIES = 8  # random settings of the other joints per point wanted
+_REAL = 1e-9  # imaginary part of a root below this: real
+
+
+def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
+    """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds, in turn.
+
+    The joints that an atom does not fix stand at random tenths. Fewer than `count` where no real zeros were found.
+    """
+    rng = np.random.default_rng(seed)
+    found: list[Array] = []
+    for attempt in range(_TRIES * count):
+        theta = _random(chain, rng)
+        solved = _solve(chain, atoms[attempt % len(atoms)], theta, rng)
+        if solved is not None:
+            found.append(solved - chain.shifts)
+        if len(found) == count:
+            break
+    return np.array(found).reshape(-1, chain.n)
+
+
+def _random(chain: Chain, rng: np.random.Generator) -> Array:
+    theta = np.round(rng.uniform(-np.pi, np.pi, chain.n), 1)
+    for j in chain.ring.prismatic:
+        theta[j - 1] = np.round(rng.uniform(0.3, 1.0), 1) * reach(chain.own)
+    return theta
+
+
+def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> Array | None:
+    """θ with one joint of the atom, chosen at random, moved to a zero; None where it has no real one."""
+    theta = theta.copy()
+    if atom.pinned:
+        theta[atom.joint - 1] = RADIANS[atom.value]
+        return theta
+    ring = chain.ring
+    moving = [*ring.revolute, *ring.prismatic]
+    degrees = [int(degree) for degree in atom.f.degrees()]
+    place = int(rng.choice([i for i in range(ring.moving) if degrees[i]]))
+    coefficients = np.zeros(degrees[place] + 1)  # highest power first
+    for coefficient, powers in numeric_terms(ring, atom.f, chain.numbers, chain.power):
+        for i, j in enumerate(moving):
+            if i == place:
+                continue
+            x = theta[j - 1]
+            if i < ring.angles:
+                coefficient *= np.sin(x / 2) ** powers[i] * np.cos(x / 2) ** (degrees[i] - powers[i])
+            else:
+                coefficient *= x ** powers[i]
+        coefficients[degrees[place] - powers[place]] += coefficient
+    roots = np.roots(coefficients) if np.isfinite(coefficients).all() and coefficients.any() else np.zeros(0)
+    real = roots[np.abs(roots.imag) < _REAL].real
+    if not len(real):
+        return None
+    root = float(rng.choice(real))
+    theta[moving[place] - 1] = 2 * np.arctan(root) if place < ring.angles else root
+    return theta
+
+
+POINTS = 8
+"""Real configurations at which the geometry of a part is looked at."""
+ROLES = ("shoulder", "elbow", "wrist")
+_PIN = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a part was looked at.
+
+    Attributes:
+        name: as `analyze` names such a family; "" where no configuration is real, or singular of corank 1.
+        roles: out of "shoulder", "elbow", "wrist", as the name says.
+        points: (N, n) real configurations on the part, those of corank 1 where there are such; of `Chain.own`.
+        lost: one sentence on each direction lost, in a frame where it stands still or at the first point.
+    """
+
+    name: str
+    roles: tuple[str, ...]
+    points: Array
+    lost: tuple[str, ...]
+
+
+UNSEEN = Place("", (), np.zeros((0, 0)), ())
+"""A part that was not looked at, or of which no real configuration was found."""
+
+
+def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
+    """Atoms one by one, but θ = 0 with θ = π, and π/2 with −π/2, of one joint together."""
+    groups: list[tuple[Atom, ...]] = []
+    for atom in atoms:
+        pair = next((group for group in groups if simple_pair((*group, atom))), None)
+        if pair is None:
+            groups.append((atom,))
+        else:
+            groups[groups.index(pair)] = (*pair, atom)
+    return tuple(groups)
+
+
+def condition_text(ring: Ring, atoms: Sequence[Atom]) -> str:
+    """When the atoms hold: "θ3 = 0 or π", or a polynomial = 0."""
+    if atoms[0].pinned:
+        return f"θ{atoms[0].joint} = {' or '.join(_PIN[atom.value] for atom in atoms)}"
+    return Condition(ring, atoms[0].f).text()
+
+
+def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
+    """Name a part by the geometry of real configurations on it, and say what is lost there.
+
+    Names and lost directions are seen at `POINTS` random configurations; they are not proofs.
+    """
+    robot, task = chain.own, chain.own_task
+    points = real_points(chain, atoms, POINTS)
+    if not len(points):
+        return UNSEEN
+    rank = generic_rank(robot, task)
+    sigma = singular_values(robot, points, task)
+    simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
+    if not simple.any():  # the part lies in a family of higher corank
+        return Place("", (), points, ())
+    points = points[simple]
+    try:
+        name = name_family(robot, task, points)
+    except ConfigurationError:
+        name = ""
+    head, colon, _ = name.partition(":")
+    roles = tuple(role for role in ROLES if colon and role in head)
+    return Place(name, roles, points, _lost(chain, points))
+
+
+def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
+    robot, task = chain.own, chain.own_task
+    still = lost_over_family(robot, points, task, 1)
+    found = still or lost_in_sparsest_frame(robot, points[0], task, 1)
+    at = out_of_units(chain.robot, points[0])
+    where = "" if still else f" at q = ({', '.join(f'{x:.4g}' for x in at)})"
+    length = counted_length(robot)
+    return tuple(words(direction, found.name, length) + where for direction in np.asarray(found.directions))

@@ -11,8 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rankdrop.errors import RankdropError
-from rankdrop.exact.algebra.atom import Atom, Factors
-from rankdrop.exact.algebra.flint import Polynomial, flint
+from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import WALL, OutOfTime
 

@@ -1,0 +1,236 @@
+"""Letters for the lengths of an arm: what is assumed of them, and what holds where the assumption fails.
+
+Polynomials in lengths alone have a value and a sign for an arm, and a text. An arm derived with letters is held against
+the same arm with numbers (`settled`). What an arm of special lengths adds comes of the derivation done again where an
+assumption on the lengths fails (`assumptions`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rankdrop.exact.algebra.field import residue
+from rankdrop.exact.algebra.polynomial import Polynomial, flint, primitive
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.family import Assumption
+from rankdrop.exact.merge import merge, tidy
+from rankdrop.exact.tree import Drop, Tree, rank_tree
+
+_ZERO = Fraction(1, 10**12)  # share of the terms' sizes below which their sum is rounding of the lengths given
+
+
+def value_of(chain: Chain, f: Polynomial) -> float:
+    """f at the arm's own lengths, a float; f is of the half-angle ring and contains no joint."""
+    return float(sum(_terms(chain, f)))
+
+
+def sign_of(chain: Chain, f: Polynomial) -> int:
+    """Sign of f at the arm's own lengths: −1, 0 or 1."""
+    parts = _terms(chain, f)
+    value, size = sum(parts, Fraction(0)), sum(map(abs, parts), Fraction(0))
+    return 0 if abs(value) <= _ZERO * size else (1 if value > 0 else -1)
+
+
+def _terms(chain: Chain, f: Polynomial) -> list[Fraction]:
+    """Values of the terms at the arm's own lengths, exactly."""
+    parts = []
+    for powers, value in f.terms():
+        part = Fraction(int(value.p), int(value.q))
+        for name, power in zip(chain.ring.names, powers, strict=True):
+            if power:
+                part *= chain.letters[name] ** int(power)
+        parts.append(part)
+    return parts
+
+
+def never_zero(chain: Chain, f: Polynomial) -> bool:
+    """Whether f cannot vanish while every length keeps its sign: all its terms have the same one."""
+    signs = set()
+    for powers, value in f.terms():
+        negative = value < 0
+        for name, power in zip(chain.ring.names, powers, strict=True):
+            if power % 2 and chain.numbers[name] < 0:
+                negative = not negative
+        signs.add(negative)
+    return len(signs) <= 1
+
+
+def letters_text(ring: Ring, f: Polynomial) -> str:
+    """A polynomial in lengths alone, factored: "(d3 − d5 − a6) (d3 − d5 + a6)"; "" for a positive number."""
+    content, factors = f.factor()
+    negative = bool(content < 0)
+    parts = []
+    for factor, power in factors:
+        kept = primitive(factor)
+        if power % 2 and factor.coeffs()[0] < 0:
+            negative = not negative
+        text = sum_text(ring, kept)
+        parts.append((f"({text})" if len(kept) > 1 and len(factors) + power > 2 else text) + _power(int(power)))
+    text = " ".join(parts)
+    return f"−{text}" if negative and text else text
+
+
+def sum_text(ring: Ring, f: Polynomial) -> str:
+    """A polynomial in lengths alone as a sum: "d3² − 2 d3 d5"."""
+    text = ""
+    for powers, value in f.terms():
+        number = abs(value)
+        factors = [f"{name}{_power(int(e))}" for name, e in zip(ring.names, powers, strict=True) if e]
+        body = " ".join(([] if number == 1 and factors else [str(number)]) + factors)
+        if text:
+            text += f" {'−' if value < 0 else '+'} {body}"
+        else:
+            text = ("−" if value < 0 else "") + body
+    return text or "0"
+
+
+def _power(e: int) -> str:
+    return "" if e == 1 else str(e).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+_LONG = 2000  # terms of a condition that is factored at the arm's own lengths
+
+
+def settled(chain: Chain, tree: Tree, plain: Tree) -> bool:
+    """Whether what a tree with letters leaves open, or rules out, makes no difference for the arm's own lengths.
+
+    So it is where the tree with numbers leaves nothing open and has nothing besides. A set that it could not look into
+    is open as much as a system that it could not take apart: either may hold what the tree with letters has not.
+
+    Args:
+        chain: the arm, with letters.
+        tree: of it, with letters; every system was looked into.
+        plain: of the arm with numbers for its lengths.
+    """
+    return tree.complete and plain.finished and covered(chain, tree, plain)
+
+
+def doubled(chain: Chain, tree: Tree) -> bool:
+    """Whether a condition of a drop has a square in it at the arm's own lengths: a5 − d3 sin θ5 has where a5 = d3.
+
+    There it touches zero only, and real points of it are met by chance.
+    """
+    values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in chain.letters.items()}
+    distinct = {str(f): f for drop in tree.drops for f in drop.piece.equations if len(f) <= _LONG}
+    return bool(values) and any(
+        power > 1 and not chain.ring.is_unit(factor)
+        for f in distinct.values()
+        if (own := f.subs(values)) != 0
+        for factor, power in own.factor()[1]
+    )
+
+
+def covered(chain: Chain, tree: Tree, plain: Tree) -> bool:
+    """Whether every drop of the arm with numbers lies in one that was derived with letters.
+
+    Args:
+        chain: the arm, with letters.
+        tree: of it.
+        plain: of the arm with numbers for its lengths.
+    """
+    for drop in plain.drops:
+        points = [
+            point.changed({name: residue(value, point.prime) for name, value in chain.letters.items()})
+            for point in drop.piece.samples
+        ]
+        if not any(other.piece.holds_at(points) for other in tree.drops if other.rank <= drop.rank):
+            return False
+    return True
+
+
+_NUMBERS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four freedoms", 5: "five freedoms"}
+_SHOWN = 3  # families of a special arm that are named in its sentence
+
+
+@dataclass(frozen=True, slots=True)
+class _Equal:
+    """letter = sign · other."""
+
+    letter: str
+    sign: int
+    other: str
+
+
+def assumptions(chain: Chain, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work) -> list[Assumption]:
+    """The factors in lengths alone that were divided by, and what happens where they vanish.
+
+    Factors that no lengths of these signs can make zero are left out. Where a factor says that two lengths are equal
+    or opposite, the arm with such lengths is derived too, and the families that it has besides are told.
+
+    Args:
+        chain: the arm.
+        drops: of its rank.
+        generic_rank: of the task Jacobian.
+        lowest: rank down to which drops were looked for.
+        work: the derivation: its deadline, and what it assumed.
+    """
+    found = []
+    for f in list(work.assumed.values()):
+        if never_zero(chain, f):
+            continue
+        equal = _equal(chain, f)
+        words, derived = "", False
+        if equal is not None:
+            try:
+                words, derived = _words(chain, equal, drops, generic_rank, lowest, work), True
+            except OutOfTime:
+                words = ""
+        if derived and not words:
+            continue  # the special arm has no further families: nothing was assumed
+        found.append(Assumption(_unequal(chain, f, equal), sign_of(chain, f) != 0, words, derived))
+    return found
+
+
+def _unequal(chain: Chain, f: Polynomial, equal: _Equal | None) -> str:
+    if equal is not None:
+        return f"{equal.letter} ≠ {'−' if equal.sign < 0 else ''}{equal.other}"
+    return f"{sum_text(chain.ring, f)} ≠ 0"
+
+
+def _equal(chain: Chain, f: Polynomial) -> _Equal | None:
+    """f = x ∓ y for two lengths; None for another factor."""
+    names = chain.ring.names
+    terms = list(primitive(f).terms())
+    if len(terms) != 2 or f.total_degree() != 1 or any(abs(value) != 1 for _, value in terms):
+        return None
+    (one, first), (two, second) = ((names[list(powers).index(1)], value) for powers, value in terms)
+    return _Equal(one, 1 if first != second else -1, two)
+
+
+def _words(
+    chain: Chain, equal: _Equal, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work
+) -> str:
+    """The families that the special arm has besides, in one sentence; "" for none."""
+    special = chain.with_letters({equal.other: (equal.sign, equal.letter)})
+    inner = Work(work.left)
+    tree = rank_tree(special, inner, lowest=lowest)
+    if not tree.finished:
+        raise OutOfTime  # what else there is for such lengths is not known
+    fresh = [drop for drop in tree.drops if not _known(drop, drops, equal)]
+    rows = []
+    for rank in range(generic_rank - 1, lowest - 1, -1):
+        pieces = [tidy(drop.piece, inner) for drop in fresh if drop.rank == rank]
+        rows += [(row.texts, generic_rank - rank) for row in merge(pieces)]
+    if not rows:
+        return ""
+    told = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
+    more = f", and {len(rows) - _SHOWN} more families" if len(rows) > _SHOWN else ""
+    sign = "−" if equal.sign < 0 else ""
+    return f"if {equal.letter} = {sign}{equal.other}, " + "; ".join(told) + more
+
+
+def _sentence(texts: tuple[str, ...], corank: int) -> str:
+    lost = _NUMBERS.get(corank, str(corank))
+    return f"{texts[0]} alone loses {lost}" if len(texts) == 1 else f"{', '.join(texts)} together lose {lost}"
+
+
+def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:
+    """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
+    points = [
+        point.changed({equal.other: equal.sign * point[equal.letter] % point.prime}) for point in drop.piece.samples
+    ]
+    return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)

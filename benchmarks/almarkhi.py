@@ -5,7 +5,8 @@ from __future__ import annotations
 import measure  # first: sets the number of threads
 from reference import arms
 
-from rankdrop.families.searching import Outcome, search
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import search
 
 
 def main() -> None:

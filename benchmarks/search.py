@@ -8,7 +8,8 @@ import measure  # first: sets the number of threads
 import numpy as np
 from reference import arms, newton
 
-from rankdrop.families.searching import Outcome, refine
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import refine
 from rankdrop.task import resolve_task
 
 

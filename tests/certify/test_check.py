@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from reference import arms, region
 
-from rankdrop.certify import recompute
+from rankdrop.certify import check as recompute
 from rankdrop.certify.ball import certified_radius
-from rankdrop.certify.check import check
-from rankdrop.certify.recompute import Arm
+from rankdrop.certify.check import Arm, check
 from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.frames import Frame

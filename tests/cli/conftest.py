@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rankdrop.cli import main
-from rankdrop.families.vanishing import vanishing_on
+from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
 from rankdrop.results.analysis import Analysis, Settings

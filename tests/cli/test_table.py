@@ -9,8 +9,7 @@ import pytest
 
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.compare.exactly import conditions_of
-from rankdrop.compare.joined import ExactRow, Joined
+from rankdrop.compare.joined import ExactRow, Joined, conditions_of
 from rankdrop.compare.match import Match, Wider
 from rankdrop.families.cells import coupled_conditions, joint_cell
 from rankdrop.family.equation import Equation, Term

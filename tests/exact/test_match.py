@@ -12,9 +12,9 @@ import pytest
 
 from rankdrop.compare.match import Agreement, match
 from rankdrop.exact.family import ExactFamily
+from rankdrop.families.linear import vanishing_on
 from rankdrop.families.row import soundness
 from rankdrop.families.sampling import Setting
-from rankdrop.families.vanishing import vanishing_on
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.system import System
 from rankdrop.results.known import shipped

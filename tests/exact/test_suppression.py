@@ -17,7 +17,8 @@ from rankdrop.exact.suppression.steps import Case
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.suppression.suppress import _Derivation, suppress
 from rankdrop.exact.tree import rank_tree
-from rankdrop.families.searching import Outcome, search
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import search
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 

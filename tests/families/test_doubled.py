@@ -8,9 +8,8 @@ from math import atan, pi
 import numpy as np
 import pytest
 
-from rankdrop.families.doubled import inspect_doubled
-from rankdrop.families.sampling import Setting
-from rankdrop.families.twins import Twin, gathered, gathered_tangent, spread
+from rankdrop.families.irregular import inspect_doubled
+from rankdrop.families.sampling import Setting, Twin, gathered, gathered_tangent, spread
 from rankdrop.family.equation import Equation, Term
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.dh import from_dh

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.vanishing import vanishing_on
+from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term, normalised, pretty_angle
 
 N = 4

@@ -7,8 +7,19 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.fit import Budget, Ground, circuits, cutting, holds, hypersurface
-from rankdrop.families.library import Kind, library, size, sparse_basis, vanishing
+from rankdrop.families.fit import (
+    Budget,
+    Ground,
+    Kind,
+    circuits,
+    cutting,
+    holds,
+    hypersurface,
+    library,
+    size,
+    sparse_basis,
+    vanishing,
+)
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.system import System
 from rankdrop.tolerances import DEFAULT

@@ -8,16 +8,16 @@ from math import cos, pi
 import numpy as np
 import pytest
 
-from rankdrop.families import merge as merge_module
+from rankdrop.families import rows as merge_module
 from rankdrop.families import table as families_module
-from rankdrop.families.elsewhere import elsewhere
-from rankdrop.families.estimate import unseen
 from rankdrop.families.linear import Linear
+from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, verified
 from rankdrop.families.rows import Cover, on_row
 from rankdrop.families.sampling import Setting
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Signature
+from rankdrop.families.unseen import unseen
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, singular_values

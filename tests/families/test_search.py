@@ -9,7 +9,8 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.searching import METHODS, Outcome, refine, search
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import METHODS, refine, search
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh

@@ -10,8 +10,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.errors import OptionError
+from rankdrop.families.cells import inside_limits, outside_text
 from rankdrop.families.distance import family_distances
-from rankdrop.families.inside import inside_limits, outside_text
 from rankdrop.families.share import _near, near_shares
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.report.tables import corank_tables

@@ -7,13 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rankdrop.families.along import sweeps
-from rankdrop.families.contour import curves, surface
+from rankdrop.families.curves import sweeps
 from rankdrop.families.linear import wrap
 from rankdrop.families.members import general_member, members
-from rankdrop.families.slices import Slice, slice_through, telling_joints, telling_slices
-from rankdrop.families.solid import solids
-from rankdrop.families.traced import closed
+from rankdrop.families.slices import Slice, curves, slice_through, surface, telling_joints, telling_slices
+from rankdrop.families.solid import closed, solids
 from rankdrop.families.workspaces import workspace
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample, singular_values

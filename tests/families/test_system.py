@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.families.vanishing import vanishing_on
+from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.system import System
 from rankdrop.results.known import shipped

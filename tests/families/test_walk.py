@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.families.onto import onto
-from rankdrop.families.slicing import in_slice
-from rankdrop.families.walk import Walk
+from rankdrop.families.walk import Walk, in_slice, onto
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.results.known import known_analysis

@@ -15,7 +15,8 @@ from rankdrop._handles import chain_of, task_view
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.families.monitor import Monitor
-from rankdrop.families.searching import METHODS, Search, search
+from rankdrop.families.search_record import Search
+from rankdrop.families.searching import METHODS, search
 from rankdrop.frames import BODY, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
 from rankdrop.local.block import block, decompose, joint_scale

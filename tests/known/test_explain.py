@@ -83,7 +83,8 @@ def test_a_near_miss_is_not_a_singularity() -> None:
     """Gen3's 12 mm offsets: where an arm without them would lose two freedoms σ stays at 4e-5 and above."""
     arm = open_robot("gen3")
     task = resolve_task(None, arm)
-    from rankdrop.families.searching import Outcome, search
+    from rankdrop.families.search_record import Outcome
+    from rankdrop.families.searching import search
 
     cloud = search(arm, 2, task=task, starts=4000)
     missed = cloud.q[(cloud.outcome == Outcome.NEAR_MISS) & (cloud.sigma[:, 4] < 1e-3)]

@@ -14,8 +14,8 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits, main
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
+from rankdrop.families.linear import vanishing_on
 from rankdrop.families.table import families
-from rankdrop.families.vanishing import vanishing_on
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions.conditions import Conditions

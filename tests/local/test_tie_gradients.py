@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rankdrop.families.searching import Outcome, refine
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
 from rankdrop.local.tie_gradients import gradient_tensor, plane_rotation, spread, tied_gradients

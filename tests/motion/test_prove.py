@@ -10,7 +10,8 @@ import pytest
 from reference import region
 
 from rankdrop.certify.ball import settings_of
-from rankdrop.families.searching import Outcome, search
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import search
 from rankdrop.family.equation import Equation, Term
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values

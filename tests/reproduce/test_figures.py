@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families.searching import Outcome
+from rankdrop.families.search_record import Outcome
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, figures, other_pictures

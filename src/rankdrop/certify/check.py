@@ -1,8 +1,11 @@
 """A second opinion on a certificate: plain NumPy, none of the code that made it.
 
-It takes the boxes of a `Certificate`, proves each of them free again with screws, brackets and bounds of its own, and
-checks that the boxes cover the ball without a gap. Of the setting it believes only where to look from (link, point,
-length): reaches, rows, rank, units of motion and what the variables move are worked out anew from the arm.
+An arm seen from a link, and the bound on how far its Jacobian changes in a box, are written a second time on purpose,
+with other formulas where there are any: nothing here comes from the core, from `setting.py`, or from `kinematics`.
+
+The checker takes the boxes of a `Certificate`, proves each of them free again with screws, brackets and bounds of its
+own, and checks that the boxes cover the ball without a gap. Of the setting it believes only where to look from (link,
+point, length): reaches, rows, rank, units of motion and what the variables move are worked out anew from the arm.
 """
 
 from __future__ import annotations
@@ -12,10 +15,179 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.certify.ball import LARGEST, Certificate
-from rankdrop.certify.recompute import Arm
 from rankdrop.errors import OptionError
 from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Array, JointKind, Robot
+
+_ROUNDING = 1e-12  # per unit of M: a thousand times what double precision leaves in these sums
+_FAR = 1e-13  # per unit of the screws in base coordinates, before they are brought to the link
+_TURNED = 1e-15  # per radian of the joint values: a few times the spacing of doubles
+
+
+class Arm:
+    """An arm seen from a point of link `link`, translation rows divided by `length`.
+
+    Attributes:
+        point: (3,) the point at q = 0 in base coordinates [m].
+        reach: (N,) length of the polygon from the point to each axis at q = 0, foot to foot, without slides [m].
+    """
+
+    def __init__(self, robot: Robot, link: int, point: tuple[float, float, float], length: float) -> None:
+        self.robot, self.link, self.length, self.local = robot, link, length, np.array(point)
+        self.count = len(robot.joints)
+        place = {joint.name: i for i, joint in enumerate(robot.variables)}
+        self.driver = [place[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+        self.times = np.array([joint.mimic.multiplier if joint.mimic else 1.0 for joint in robot.joints])
+        self.shift = np.array([joint.mimic.offset if joint.mimic else 0.0 for joint in robot.joints])
+        self.slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.joints])
+        self.screws = np.array([joint.screw for joint in robot.joints])
+        home = self._home(link)
+        self.point: Array = home[:3, :3] @ self.local + home[:3, 3]
+        self.reach = self._reaches()
+
+    def _home(self, link: int) -> Array:
+        if link == 0:
+            return np.eye(4)
+        return self.robot.home if link == self.count + 1 else self.robot.joints[link - 1].frame
+
+    def _sides(self) -> tuple[list[int], list[int]]:
+        """Joints before and after the link, nearest first."""
+        last = min(self.link, self.count)  # the tip goes with the last link
+        return list(range(last - 1, -1, -1)), list(range(last, self.count))
+
+    def _reaches(self) -> Array:
+        lengths = np.zeros(self.count)
+        for side in self._sides():
+            at, total = self.point, 0.0
+            for i in side:
+                if not self.slides[i]:
+                    v, w = self.screws[i, :3], self.screws[i, 3:]
+                    step = np.cross(w, v + np.cross(w, at))  # from `at` to the nearest point of the axis
+                    at, total = at + step, total + float(np.linalg.norm(step))
+                lengths[i] = total
+        return lengths
+
+    def moving(self) -> list[int]:
+        """Variables that move some column against the link."""
+        return sorted({self.driver[k] for side in self._sides() for k in side[:-1]})
+
+    def see(self, q: Array, axes: int | None = None) -> tuple[Array, Array, float]:
+        """(6, N) screws at q times multipliers, (N,) joint values, and the size of what was subtracted on the way."""
+        values = self.times * q[self.driver] + self.shift
+        motion, space, poses = np.eye(4), np.zeros((6, self.count)), [np.eye(4)]
+        for i in range(self.count):
+            space[:, i] = self.times[i] * _adjoint(motion) @ self.screws[i]
+            motion = motion @ _exponential(self.screws[i], values[i])
+            poses.append(motion @ self._home(i + 1))
+        poses.append(motion @ self.robot.home)
+        pose = poses[self.link].copy()
+        pose[:3, 3] += pose[:3, :3] @ self.local
+        size = float(np.abs(space[:3]).sum() + np.abs(pose[:3, 3]).sum() * np.abs(self.times).sum()) / self.length
+        if axes is not None:
+            pose[:3, :3] = poses[axes][:3, :3]
+        seen = _adjoint(_inverse(pose)) @ space
+        seen[:3] /= self.length
+        return seen, values, size
+
+    def jacobian(self, q: Array, axes: int) -> Array:
+        """(6, n) Jacobian at the point, in the axes of a link."""
+        return self._columns(self.see(q, axes)[0])
+
+    def _columns(self, seen: Array) -> Array:
+        columns = np.zeros((6, self.robot.n))
+        np.add.at(columns.T, self.driver, seen.T)
+        return columns
+
+    def bound(self, q: Array, widths: Array, scale: Array, rows: list[int], rank: int) -> tuple[Array, Array]:
+        """(r,) Σ at q and (r, r) bound on U₁ᵀ J V₁ − Σ in the box; `widths` in units of `scale`."""
+        seen, values, size = self.see(q)
+        u, sigma, vt = np.linalg.svd(self._columns(seen)[rows])
+        left = np.zeros((6, rank))
+        left[rows] = u[:, :rank]
+        weight = vt[:rank, self.driver].T  # (N, r): the share of each joint's column in each right vector
+        unit = scale[self.driver]
+        total = np.zeros((rank, rank))
+        for side in self._sides():
+            total += _two_orders(side, seen, seen * unit, left, weight, widths[self.driver])
+        steps = np.abs(self.times) * unit * widths[self.driver]  # rad, m
+        largest, lever = self._derivatives(values, steps, 0 in rows, 3 in rows)
+        total += self._third(largest, lever, steps) @ np.abs(weight)
+        turned = np.where(self.slides, np.abs(values) / self.length, np.abs(values)).sum()
+        total += _ROUNDING * (2 + largest.sum()) + _FAR * size * (0 in rows) + _TURNED * largest.sum() * turned
+        return sigma[:rank], total * (1 + 1e-12)
+
+    def _derivatives(self, values: Array, steps: Array, linear: bool, angular: bool) -> tuple[Array, Array]:
+        """(N,) bounds on derivatives of each column by turns only, and with one slide among them (per length)."""
+        times = np.abs(self.times)
+        pitch = np.where(self.slides, 0.0, np.abs((self.screws[:, :3] * self.screws[:, 3:]).sum(axis=1)))
+        travel = np.abs(values) + steps
+        reach = self.reach * (1 + 1e-12) + pitch
+        longer = np.where(self.slides, travel, np.where(pitch > 0.0, pitch * (travel + 3.0), 0.0))
+        for side in self._sides():
+            for place, i in enumerate(side):
+                reach[i] += longer[side[:place]].sum()
+        turning = np.sqrt(float(angular) + (linear * reach / self.length) ** 2)
+        return times * np.where(self.slides, linear / self.length, turning), times * np.where(self.slides, 0.0, linear)
+
+    def _third(self, largest: Array, lever: Array, steps: Array) -> Array:
+        """(N,) third-order remainder of each column."""
+        out = np.zeros(self.count)
+        for side in self._sides():
+            for place, i in enumerate(side):
+                between = np.array(side[:place], dtype=int)
+                slid = self.slides[between]
+                turned, moved = steps[between][~slid].sum(), steps[between][slid].sum() / self.length
+                out[i] = (largest[i] * turned**3 + 3 * lever[i] * turned**2 * moved) / 6
+        return out
+
+
+def _two_orders(order: list[int], screws: Array, movers: Array, left: Array, weight: Array, widths: Array) -> Array:
+    """First- and second-order part of the bound from the joints on one side, nearest to the link first."""
+    rank = left.shape[1]
+    bound = np.zeros((rank, rank))
+    for place, inner in enumerate(order):
+        later = order[place + 1 :]
+        moved = _bracket(movers[:, inner]) @ (screws[:, later] @ weight[later])  # (6, r): ± dJ(e) V₁
+        bound += widths[inner] * np.abs(left.T @ moved)
+        for outer in order[: place + 1]:
+            twice = np.abs(left.T @ (_bracket(movers[:, outer]) @ moved))
+            bound += widths[inner] * widths[outer] * twice * (0.5 if outer == inner else 1.0)
+    return bound
+
+
+def _exponential(screw: Array, value: float) -> Array:
+    """exp(S q) by Rodrigues."""
+    out = np.eye(4)
+    v, w = screw[:3], screw[3:]
+    if not w.any():
+        out[:3, 3] = v * value
+        return out
+    skew = _skew(w)
+    s, c = np.sin(value), np.cos(value)
+    out[:3, :3] = np.eye(3) + s * skew + (1 - c) * skew @ skew
+    out[:3, 3] = (np.eye(3) * value + (1 - c) * skew + (value - s) * skew @ skew) @ v
+    return out
+
+
+def _inverse(pose: Array) -> Array:
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = pose[:3, :3].T, -pose[:3, :3].T @ pose[:3, 3]
+    return out
+
+
+def _adjoint(motion: Array) -> Array:
+    r, t = motion[:3, :3], motion[:3, 3]
+    return np.block([[r, _skew(t) @ r], [np.zeros((3, 3)), r]])
+
+
+def _bracket(screw: Array) -> Array:
+    """(6, 6) ad_S, with [S, T] = ad_S T, linear part first."""
+    return np.block([[_skew(screw[3:]), _skew(screw[:3])], [np.zeros((3, 3)), _skew(screw[3:])]])
+
+
+def _skew(a: Array) -> Array:
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
 
 _SEAM = 1e-15  # corners of neighbouring boxes are rounded: boxes are tested this much wider [rad]
 

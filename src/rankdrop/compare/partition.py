@@ -19,7 +19,7 @@ from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import wrap
 from rankdrop.families.sampling import Setting
-from rankdrop.family.lost import told
+from rankdrop.family.naming import told
 from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
 from rankdrop.robot.model import Array
 

@@ -29,8 +29,7 @@ from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.lost import told
-from rankdrop.family.naming import name_family, told_apart
+from rankdrop.family.naming import name_family, told, told_apart
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT

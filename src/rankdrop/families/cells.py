@@ -1,12 +1,19 @@
-"""The cells of a table of families, as AM print them: values of a joint, × for free, c for coupled, shares."""
+"""The cells of a table of families, as AM print them: values of a joint, × for free, c for coupled, shares.
+
+Values of pinned joints within the joint limits: moved by whole turns, and those that no turn brings inside named.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from math import degrees, floor, isclose
 
+import numpy as np
+
+from rankdrop.families.distance import nearest_turns
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Family, Share
+from rankdrop.family.record import Family, Pinned, Share
 from rankdrop.robot.model import Robot
 from rankdrop.units import counted_length
 
@@ -89,3 +96,59 @@ def _counted(equation: Equation) -> str:
 def condition_text(equation: Equation) -> str:
     """One condition for reading; a very long one is only counted."""
     return f"{equation.pretty()} = 0" if len(equation.terms) <= _MOST_TERMS else _counted(equation)
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """A row as the limits allow it.
+
+    Attributes:
+        pinned: the pinned joints with the values inside their limits, each moved by as few whole turns as that takes.
+        outside: pinned joints with the values that lie outside at every turn.
+        holds: whether every pinned joint has a value inside; otherwise the whole row lies outside the limits.
+    """
+
+    pinned: tuple[Pinned, ...]
+    outside: tuple[Pinned, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every pinned joint has a value inside its limits."""
+        return all(one.values for one in self.pinned)
+
+    def shown(self, family: Family) -> Family:
+        """The family with the values inside; a joint that has none keeps its values."""
+        kept = (mine if mine.values else given for mine, given in zip(self.pinned, family.pinned, strict=True))
+        return replace(family, pinned=tuple(kept))
+
+
+def inside_limits(family: Family, robot: Robot) -> Inside:
+    """What the limits leave of the values of a family's pinned joints."""
+    kept, left = [], []
+    for one in family.pinned:
+        j = one.number - 1
+        bounds = np.array([robot.lower[j], robot.upper[j]])
+        moved = [_moved(value, bool(robot.periodic[j]), bounds) for value in one.values]
+        kept.append(replace(one, values=tuple(value for value in moved if value is not None)))
+        outside = tuple(value for value, there in zip(one.values, moved, strict=True) if there is None)
+        if outside:
+            left.append(replace(one, values=outside))
+    return Inside(tuple(kept), tuple(left))
+
+
+def _moved(value: float, periodic: bool, bounds: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float | None:
+    options = nearest_turns(np.array([value]), value, periodic, bounds)
+    return None if not len(options) else float(options[np.abs(options - value).argmin()])
+
+
+def outside_text(inside: Inside, robot: Robot) -> str:
+    """What lies outside the limits, with the limits: "θ6 = −2.9218 is outside −0.0175 … 3.7525"."""
+    told = []
+    for one in inside.outside:
+        joint = robot.variables[one.number - 1]
+        kind = str(joint.kind)
+        values = values_text(one.values, kind)
+        verb = "is" if len(one.values) == 1 else "are"
+        limits = f"{joint.lower:.4f} … {joint.upper:.4f} {joint.unit}".replace("-", "−")
+        told.append(f"{joint_symbol(one.number, kind)} = {values} {verb} outside {limits}")
+    return ("" if inside.holds else "the row lies outside the joint limits: ") + "; ".join(told)

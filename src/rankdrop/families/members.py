@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from rankdrop.families.linear import wrap
-from rankdrop.family.record import Family
+from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.system import Mask, System
-from rankdrop.family.unit import family_in_metres
 from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

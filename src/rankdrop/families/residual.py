@@ -1,20 +1,192 @@
-"""The equations that bind the coupled joints of a family: fitted circuit by circuit until they are sound."""
+"""The equations that bind the coupled joints of a family: fitted circuit by circuit until they are sound.
+
+Equations of last resort are minors of the task Jacobian as trigonometric polynomials, interpolated on a grid. Corank ≥
+1 means that every minor of full height vanishes. A minor has harmonics up to 2 in every angle (3 for tasks whose
+columns depend on the reference point), so that its values on a grid of 5 (7) angles per joint give all its coefficients
+by a discrete Fourier transform, without any fit. Minors are long where the arm is generic, and an irreducible condition
+is a factor of them at best; but together they cut off whatever is not singular.
+
+What else solves a row's equations are parts of lower dimension, which no random start finds. Equations of coupled
+joints may all vanish where some joints stand at special values: A·cos θ4 + B·sin θ6 with A and B long, say, at θ4 =
+±π/2, θ6 = 0, whatever the others do. Newton's method from random starts ends on the family itself, almost surely. So
+some joints are held at right angles, or where other rows stand, and the equations are solved in the others. A solution
+there that is not singular belongs to no family: the row is not sound, though random starts say so.
+"""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from math import pi
 
-from rankdrop.families.elsewhere import elsewhere
-from rankdrop.families.fit import Budget, Ground, circuits, cutting, holds, hypersurface, vanishing_spaces
-from rankdrop.families.library import Kind
-from rankdrop.families.minors import minors
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.families.fit import Budget, Ground, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
+from rankdrop.families.linear import Linear, Values
 from rankdrop.families.row import on_combinations
-from rankdrop.families.sampling import Supply
-from rankdrop.families.twins import gathered_tangent
-from rankdrop.family.equation import Equation
+from rankdrop.families.sampling import Setting, Supply, gathered_tangent
+from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array, JointKind
+
+GRID = 20_000  # grid points at most
+LONGEST = 1500  # terms of an equation at most
+NOISE = 1e-12  # coefficients below this share of the largest are rounding
+
+
+def minors(
+    setting: Setting, linear: Linear, values: Values, joints: tuple[int, ...], highest: int, rng: np.random.Generator
+) -> list[Equation]:
+    """Minors of full height on the given combination of values, as equations in the joints; short ones first.
+
+    Args:
+        setting: the arm; only corank 1 of a task of full rank has such minors.
+        linear, values: the linear conditions; joints that they pin are put at their values.
+        joints: from 0; the other joints stand at random values, which is right for joints the family leaves free.
+        highest: twice the largest harmonic.
+        rng: for the joints that are left free.
+    """
+    robot, task = setting.robot, setting.task
+    steps = [highest + 1 if robot.periodic[j] else 4 for j in joints]
+    plain = all(robot.periodic[j] or robot.variables[j].kind is JointKind.PRISMATIC for j in joints)
+    if not plain or setting.rank + 1 != task.m or robot.n < task.m or np.prod(steps) > GRID or not joints:
+        return []
+    nodes = [_nodes(step, bool(robot.periodic[j])) for step, j in zip(steps, joints, strict=True)]
+    grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(joints))
+    q = np.repeat(setting.random(1, rng), len(grid), axis=0)
+    q[:, joints] = grid
+    q = linear.place(q, np.repeat(np.array(values).reshape(1, -1), len(grid), axis=0), rng) if len(linear) else q
+    j = np.asarray(task_jacobian(robot, q, task))
+    found = []
+    for columns in combinations(range(robot.n), task.m):
+        equation = _interpolated(np.linalg.det(j[:, :, columns]).reshape(steps), nodes, setting, joints)
+        if equation is not None and len(equation.terms) <= LONGEST:
+            found.append(equation)
+    return sorted(found, key=lambda equation: len(equation.terms))
+
+
+def _nodes(count: int, periodic: bool) -> Array:
+    nodes = np.arange(count) * (2 * np.pi / count) if periodic else np.linspace(-1.0, 1.0, count)
+    return np.asarray(nodes, dtype=np.float64)
+
+
+def _interpolated(
+    values: Array, nodes: list[Array], setting: Setting, joints: tuple[int, ...]
+) -> Equation | None:
+    """The polynomial with these values on the grid; None for the zero polynomial."""
+    size = np.abs(values).max()
+    if size < 1e-13:
+        return None
+    orders: list[NDArray[np.int64]] = []
+    c = values.astype(np.complex128)
+    for axis, (node, joint) in enumerate(zip(nodes, joints, strict=True)):
+        periodic = bool(setting.robot.periodic[joint])
+        order = np.arange(len(node)) - (len(node) // 2 if periodic else 0)
+        basis = np.exp(1j * np.outer(node, order)) if periodic else node[:, None] ** order
+        c = np.moveaxis(np.tensordot(np.linalg.inv(basis), c, axes=(1, axis)), 0, axis)
+        orders.append(order)
+    return _real(c, orders, setting, joints)
+
+
+def _real(
+    c: NDArray[np.complex128], orders: list[NDArray[np.int64]], setting: Setting, joints: tuple[int, ...]
+) -> Equation | None:
+    """Σ c·e^{i m·q}·q^p with c(−m) = conj c(m), as cosines and sines."""
+    n, periodic = setting.robot.n, setting.robot.periodic
+    floor = NOISE * np.abs(c).max()
+    terms = []
+    for index in zip(*np.nonzero(np.abs(c) > floor), strict=True):
+        harmonics, powers = [0] * n, [0] * n
+        for joint, order, i in zip(joints, orders, index, strict=True):
+            (harmonics if periodic[joint] else powers)[joint] = int(order[i])
+        leading = next((h for h in harmonics if h), 0)
+        if leading < 0:
+            continue
+        factor = 2.0 if leading else 1.0
+        wave = tuple(2 * h for h in harmonics)
+        for part, kind in ((factor * c[index].real, "cos"), (-factor * c[index].imag, "sin")):
+            if abs(part) > floor and (leading or kind == "cos"):
+                terms.append(Term(float(part), kind, wave, tuple(powers)))
+    terms.sort(key=lambda t: (sum(map(abs, t.harmonics)) + 2 * sum(t.powers), t.harmonics, t.powers, t.kind))
+    return normalised(terms) if terms else None
+
+
+RIGHT = (0.0, pi, pi / 2, -pi / 2)
+SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
+EACH = 8  # random starts for each
+REGULAR = 1e-2
+"""σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
+
+
+def elsewhere(
+    setting: Setting,
+    linear: Linear,
+    combinations: Sequence[Values],
+    residual: tuple[Equation, ...],
+    marks: Mapping[int, Sequence[float]],
+    rng: np.random.Generator,
+) -> tuple[int, Array]:
+    """Solve a row's equations with some of their joints held at special values.
+
+    Args:
+        setting: arm, task, corank.
+        linear, combinations, residual: the row; each start takes one combination of values by chance.
+        marks: further values to hold joints (from 0) at, beside right angles: those of other rows [rad or m].
+        rng: of joints, values and starts.
+
+    Returns:
+        How many solutions could be judged, and (S, n) those that are regular.
+    """
+    n = setting.robot.n
+    none = np.zeros((0, n))
+    if not residual:
+        return 0, none
+    system = System(residual)
+    fixed = set(linear.pivots)
+    joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
+    tested, strangers = 0, [none]
+    for held in _held(setting, joints, marks, rng):
+        numbers = list(held)
+        chosen = [combinations[i] for i in rng.integers(len(combinations), size=EACH)]
+        q = setting.random(EACH, rng)
+        q[:, numbers] = list(held.values())
+        q = linear.place(q, np.array(chosen, dtype=np.float64).reshape(EACH, -1), rng)
+        along = _free(linear, numbers, n)
+        if not along.shape[1]:
+            continue
+        q, good = system.solve(q, along=along, iterations=60)
+        q = q[good & setting.allowed(q)]
+        sigma = singular_values(setting.robot, q, setting.task)[:, setting.rank]
+        regular = sigma > REGULAR
+        tested += int((regular | (sigma <= setting.tolerances.singular)).sum())
+        strangers.append(q[regular])
+    return tested, np.concatenate(strangers)
+
+
+def _held(
+    setting: Setting, joints: list[int], marks: Mapping[int, Sequence[float]], rng: np.random.Generator
+) -> list[dict[int, float]]:
+    """Joints and the values they are held at: each alone, then several by chance."""
+    periodic = setting.robot.periodic
+    values = {j: list(dict.fromkeys([*(RIGHT if periodic[j] else (0.0,)), *marks.get(j, ())])) for j in joints}
+    single = [{j: v} for j in joints for v in values[j]]
+    if len(single) > SINGLE:
+        single = [single[i] for i in rng.choice(len(single), SINGLE, replace=False)]
+    several = []
+    for _ in range(SEVERAL if len(joints) > 1 else 0):
+        some = rng.choice(joints, size=int(rng.integers(2, len(joints) + 1)), replace=False)
+        several.append({int(j): values[int(j)][int(rng.integers(len(values[int(j)])))] for j in some})
+    return single + several
+
+
+def _free(linear: Linear, held: list[int], n: int) -> Array:
+    """(n, d) orthonormal basis of the motions that keep the linear values and the joints held."""
+    rows = np.concatenate([linear.covectors.astype(np.float64).reshape(-1, n), np.eye(n)[held]])
+    return np.asarray(np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :].T)
+
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
 SEED = 12  # points at which ranks are looked at

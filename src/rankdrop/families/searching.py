@@ -16,9 +16,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from enum import IntEnum
-from functools import cached_property
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -27,11 +25,10 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
-from rankdrop.families.overview import search_overview
-from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, singular_values
-from rankdrop.local.tied import brought_down, stays_up
+from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
+from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample
+from rankdrop.local.tied import stays_up
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import html
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
@@ -40,143 +37,14 @@ Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
 
 METHODS = ("lm", "gradient", "almarkhi")
-AM_THRESHOLD = 1e-6
-"""AM's ε: the two descent methods stop a start here [1]."""
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
 LARGEST_SEED = 2**63 - 1  # what the core takes
 MOST_THREADS = 1024
 _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
 """What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
-_ITERATIONS = {"lm": 200, "gradient": 300, "almarkhi": 300}
+_ITERATIONS = {"lm": MOST, "gradient": 300, "almarkhi": 300}
 MOST_ITERATIONS = 1_000_000
 MOST_SHARE = 2.0  # of the step to linearised zero: from there on σ grows where it is linear
-_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
-_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
-
-
-class Outcome(IntEnum):
-    """How one start ended."""
-
-    CONVERGED = 0
-    """σ beyond the kept rank is zero within the tolerance: a singular configuration."""
-    NEAR_MISS = 1
-    """A local minimum that is not zero: no singularity, however small σ is there."""
-    SLOW = 2
-    """The iterations ran out on the way."""
-    NOT_RUN = 3
-    """Stopped before this start was done."""
-    CREASE = 4
-    """Stuck, and at no local minimum: σ ties with the next one, and another direction leads on down; descent only."""
-
-
-@dataclass(frozen=True, eq=False)
-class History:
-    """What happened on the way, per start and iteration; NaN after the end (AM Figures 1–3).
-
-    Attributes:
-        sigma: (N, iterations + 1, min(m, n)) singular values.
-        turning: (N, iterations + 1) angle between the gradients followed in this iteration and the one before [rad];
-            NaN in the first, and where a start ended; descent only.
-    """
-
-    sigma: Array
-    turning: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Search:
-    """The outcome of every start, in the order of the starts.
-
-    Attributes:
-        robot, task: what was searched.
-        corank: k, task freedoms lost.
-        rank: the kept rank, generic rank − k.
-        method, seed, limits, tolerances: how.
-        step, tie, most: rule of the steps (None: line search), gap that counts as a tie, most iterations.
-        q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
-        sigma: (N, min(m, n)) singular values there.
-        outcome: (N,) `Outcome`.
-        iterations: (N,) iterations used.
-        history: per-iteration values, if asked for.
-    """
-
-    robot: Robot
-    task: Task
-    corank: int
-    rank: int
-    method: str
-    seed: int
-    limits: bool
-    tolerances: Tolerances
-    q: Array
-    sigma: Array
-    outcome: NDArray[np.int8]
-    iterations: NDArray[np.int32]
-    history: History | None = None
-    step: float | None = None
-    tie: float = TIE
-    most: int = _ITERATIONS["lm"]
-
-    @property
-    def converged(self) -> Array:
-        """(C, n) the singular configurations found."""
-        found: Array = self.q[self.outcome == Outcome.CONVERGED]
-        return found
-
-    @property
-    def complete(self) -> bool:
-        """Whether every start was run to its end."""
-        return not bool((self.outcome == Outcome.NOT_RUN).any())
-
-    @cached_property
-    def smallest_near_miss(self) -> float | None:
-        """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
-
-        Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
-        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
-        go down to zero as well, there is none.
-        """
-        missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
-        if not len(missed):
-            return None
-        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
-        if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
-            return float(self.sigma[lowest[0], self.rank])
-        robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
-        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
-        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
-        best = quick.q[np.argsort(quick.value, kind="stable")]
-        for first in range(0, len(best), _FINISHED):
-            some = best[first : first + _FINISHED]
-            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
-            least = found.value
-            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
-                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
-            if len(least):
-                return float(f"{least.min():.{_DIGITS}g}")
-        return None
-
-    def count(self, outcome: Outcome) -> int:
-        """Number of starts that ended so."""
-        return int((self.outcome == outcome).sum())
-
-    def _repr_html_(self) -> str:
-        """For notebooks: what became of the starts."""
-        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
-        smallest = self.smallest_near_miss
-        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
-
-    def residual(self) -> float:
-        """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
-        found = self.converged
-        if not len(found):
-            return 0.0
-        return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
-
-
-def outcome_word(outcome: Outcome) -> str:
-    """For people: "near miss", "stuck on a crease"."""
-    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
 
 
 def search(

@@ -19,21 +19,27 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.elsewhere import elsewhere
-from rankdrop.families.estimate import none_found, unseen
 from rankdrop.families.linear import wrap
-from rankdrop.families.row import Row, soundness
+from rankdrop.families.residual import elsewhere
+from rankdrop.families.row import Row, soundness, witness
 from rankdrop.families.rows import Cover, find_rows
 from rankdrop.families.sampling import Setting
-from rankdrop.families.searching import Outcome, Search, search
+from rankdrop.families.search_record import Outcome, Search
+from rankdrop.families.searching import search
 from rankdrop.families.signature import Inspection
-from rankdrop.families.unnamed import Leftover, leftovers
-from rankdrop.families.witness import witness
+from rankdrop.families.unseen import Leftover, leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.lost import told
-from rankdrop.family.naming import name_family, told_apart
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
-from rankdrop.family.unit import family_out_of_units
+from rankdrop.family.naming import name_family, told, told_apart
+from rankdrop.family.record import (
+    CorankFamilies,
+    CorankSummary,
+    Family,
+    Pinned,
+    Share,
+    Soundness,
+    family_out_of_units,
+    numbered,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units

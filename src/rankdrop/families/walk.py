@@ -1,24 +1,82 @@
-"""Walking along a family: a step in its tangent space, then back onto it.
+"""Along the singular set: back onto it, along one family, and all of it in a slice.
 
-The tangent space at a point of the family is the kernel of the derivatives of its equations; for a family without
-equations it is ker D of the block of its corank. Both are taken in scaled joint coordinates.
+Back onto the set leads Gauss–Newton on the block F with D as its derivative, along chosen directions. Along a family a
+step is made in its tangent space, then back onto it. The tangent space at a point of the family is the kernel of the
+derivatives of its equations; for a family without equations it is ker D of the block of its corank. Both are taken in
+scaled joint coordinates.
+
+A slice of joint space: some joints vary, the others stand where they are.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.families.onto import onto
+from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
-from rankdrop.family.system import REACHED, System
-from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
+from rankdrop.family.system import REACHED, System, shortest
+from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+
+ITERATIONS = 30
+STEP = 0.3  # longest step [rad; slides in length scales]
+
+
+def onto(
+    robot: Robot,
+    task: Task,
+    starts: Array,
+    rank: int,
+    along: Array,
+    *,
+    iterations: int = ITERATIONS,
+    tolerances: Tolerances = DEFAULT,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Move configurations within q + span(along) until the rank is at most `rank`.
+
+    Each step is the shortest least-squares solution of D(Δ) = −F with Δ in the span, measured in scaled joint
+    coordinates. A start near which the span does not meet the set does not arrive, and says so.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`.
+        starts: (N, n) configurations [rad, m].
+        rank: the rank that is kept, generic rank − k for corank k.
+        along: (n, d) orthonormal directions in scaled joint coordinates (`joint_scale`).
+        iterations: at most.
+        tolerances: `singular` decides what has arrived, `target` where a start stops.
+
+    Returns:
+        (N, n) end points and (N,) whether σ beyond the rank is zero there.
+
+    Raises:
+        ConfigurationError: starts have the wrong shape.
+        OptionError: there is no block beyond that rank.
+    """
+    scale = joint_scale(robot, task)
+    q = np.array(starts, dtype=np.float64)
+    active = np.arange(len(q))
+    for _ in range(iterations):
+        here = block(robot, q[active], task, rank)
+        going = here.sigma[:, rank] > tolerances.target
+        active = active[going]
+        if not len(active):
+            break
+        f = here.f[going].reshape(len(active), -1)
+        d = here.d[going].reshape(len(active), f.shape[1], robot.n)
+        delta = -shortest((d * scale) @ along, f) @ along.T
+        length = np.linalg.norm(delta, axis=1, keepdims=True)
+        q[active] += scale * delta * np.minimum(1.0, STEP / np.maximum(length, 1e-300))
+        active = active[length[:, 0] > 1e-15]
+    return q, np.asarray(singular_values(robot, q, task)[:, rank] <= tolerances.singular)
+
 
 _INDEPENDENT = 1e-6  # singular values of the scaled derivatives below this share of the largest are zero
 _STANDS = 1e-6  # a joint whose tangent motion is shorter does not move along the family
@@ -105,3 +163,86 @@ class Walk:
     @property
     def _rank(self) -> int:
         return generic_rank(self.robot, self.task) - self.family.corank
+
+
+MOST_STARTS = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class SlicePoints:
+    """Singular configurations in a slice.
+
+    Attributes:
+        joints: numbers (from 1) of the joints that vary.
+        q: (N, n) configurations [rad, m]; turning joints in (−π, π] unless limits were asked for.
+        corank: (N,) at each of them.
+        starts: how many starts there were; those that did not arrive are not in q.
+    """
+
+    joints: tuple[int, ...]
+    q: Array
+    corank: NDArray[np.int64]
+    starts: int
+
+
+def in_slice(
+    robot: Robot,
+    task: Task,
+    q: ArrayLike,
+    joints: Sequence[int],
+    *,
+    starts: int = 2000,
+    limits: bool = False,
+    seed: int = 0,
+    tolerances: Tolerances = DEFAULT,
+) -> SlicePoints:
+    """Points of the singular set in the slice through q along some joints.
+
+    Uniform starts in the slice are driven onto corank 1 by Gauss–Newton on the block, moving the chosen joints only
+    (`onto`). A slice of two joints shows curves where the set has codimension 1 and points where it has 2; where q
+    itself is singular whatever the chosen joints do, the whole slice is. Nothing found is not a proof of absence.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`.
+        q: (n,) the other joints stand here [rad, m].
+        joints: numbers from 1 of the joints that vary.
+        starts: how many.
+        limits: only points within the joint limits.
+        seed: of the starts.
+        tolerances: `singular` decides.
+
+    Raises:
+        ConfigurationError: q is not one configuration of this arm.
+        OptionError: joints that do not exist or are named twice, or a number of starts outside what is allowed.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("scara")
+        >>> found = in_slice(arm, resolve_task(None, arm), [0.0] * 4, (1, 2), starts=50)
+        >>> bool(abs(np.sin(found.q[:, 1])).max() < 1e-9)  # sin θ2 = 0
+        True
+    """
+    centre = one_configuration(robot, q)
+    chosen = [joint - 1 for joint in joints]
+    if not chosen or len(set(chosen)) != len(chosen) or not all(0 <= j < robot.n for j in chosen):
+        raise OptionError("these joints span no slice", got=list(joints), allowed=f"different numbers, 1 … {robot.n}")
+    if not 1 <= starts <= MOST_STARTS:
+        raise OptionError("starts is outside the range", got=starts, allowed=f"1 … {MOST_STARTS}")
+    low, high = sampling_box(robot, task, limits=limits)
+    rows = np.repeat(centre[None], starts, axis=0)
+    rows[:, chosen] = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
+    full = generic_rank(robot, task)
+    if full == 0:
+        return SlicePoints(tuple(joints), rows[:0], np.zeros(0, dtype=np.int64), starts)
+    ends, arrived = onto(robot, task, rows, full - 1, np.eye(robot.n)[:, chosen], tolerances=tolerances)
+    ends = ends[arrived]
+    if not limits:
+        turning = robot.periodic & np.isin(np.arange(robot.n), chosen)
+        ends = np.where(turning, np.pi - np.mod(np.pi - ends, 2 * np.pi), ends)
+    slack = tolerances.value
+    inside = ((ends[:, chosen] >= low[chosen] - slack) & (ends[:, chosen] <= high[chosen] + slack)).all(axis=1)
+    ends = ends[inside]
+    rank = np.minimum((singular_values(robot, ends, task) > tolerances.singular).sum(axis=1), full)
+    return SlicePoints(tuple(joints), ends, np.asarray(full - rank, dtype=np.int64), starts)

@@ -1,14 +1,23 @@
-"""The records of the atlas: one family (a row of the table), one corank's summary, and their parts."""
+"""What a family is, whoever found it: one family (a row of the table), one corank's summary, and their parts.
+
+Between an arm's own unit of length and the one it was given in angles stay as they are; values of slides change, and so
+do the coefficients of equations in which slides stand. Lost directions are told in `counted` lengths and stay, and
+sentences speak of the given unit from the start.
+
+A `LocalFamily` is one as the neighbourhood of one configuration shows it.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rankdrop.family.equation import Equation
-from rankdrop.robot.model import Array
+from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,3 +191,174 @@ def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Famil
 
     ordered = sorted(rows, key=place)
     return tuple(replace(row, id=f"k{corank}.f{number}") for number, row in enumerate(ordered, after + 1))
+
+
+_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad)")
+
+
+def family_out_of_units(family: Family, robot: Robot) -> Family:
+    """A family of `in_units(robot)` as one of the arm itself."""
+    return _moved(family, robot, exponent(robot), out_of_units(robot, family.witness).tolist())
+
+
+def family_in_units(family: Family, robot: Robot) -> Family:
+    """A family of an arm as one of `in_units(robot)`."""
+    return _moved(family, robot, -exponent(robot), into_units(robot, family.witness).tolist())
+
+
+def family_from_metres(family: Family, robot: Robot, power: int) -> Family:
+    """A family of an arm in metres as one of the same arm with lengths 10 to a power as large in numbers."""
+    witness = [shifted(x, power) if i in slides_of(robot) else x for i, x in enumerate(family.witness)]
+    words = tuple(_retold(one, power) for one in family.lost_words)
+    return replace(_moved(family, robot, power, witness), lost_words=words)
+
+
+def _retold(sentence: str, power: int) -> str:
+    """A sentence on a lost motion with its rates in the other unit."""
+
+    def moved(match: re.Match[str]) -> str:
+        value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
+        return f"{value:.3g} {match[2]}".replace("-", "−")
+
+    return _RATE.sub(moved, sentence)
+
+
+def family_in_metres(family: Family, robot: Robot) -> Family:
+    """A family of an arm as one of `in_metres(robot)`: always another object."""
+    moved = _moved(family, robot, -metre_exponent(robot), into_metres(robot, family.witness).tolist())
+    return replace(moved) if moved is family else moved
+
+
+def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Family:
+    if isinstance(robot, UnitRobot) or not power or not slides_of(robot):
+        return family
+    return replace(
+        family,
+        pinned=tuple(_pinned(one, robot, power) for one in family.pinned),
+        equations=tuple(rescaled(one, slides_of(robot), power) for one in family.equations),
+        witness=tuple(witness),
+    )
+
+
+def slides_of(robot: Robot) -> tuple[int, ...]:
+    """Variables (from 0) that are lengths."""
+    return tuple(i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC)
+
+
+def _pinned(one: Pinned, robot: Robot, power: int) -> Pinned:
+    if robot.variables[one.number - 1].kind is not JointKind.PRISMATIC:
+        return one
+    return replace(one, values=tuple(shifted(value, power) for value in one.values))
+
+
+def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
+    """The equation where the numbers of slides are 10 to a power times as large; its largest coefficient is 1 again.
+
+    Args:
+        equation: of one arm.
+        slides: variables (from 0) that are lengths; powers of helical joints are powers of an angle.
+        power: of ten.
+
+    Example:
+        >>> from rankdrop.family.equation import Term
+        >>> slide = Equation((Term(1.0, "cos", (0, 0), (0, 1)), Term(-0.3, "cos", (2, 0), (0, 0))))
+        >>> print(slide, "|", rescaled(slide, [1], 3))
+        q2 − 0.3 cos θ1 | 0.003333 q2 − cos θ1
+    """
+    lengths = [sum(term.powers[i] for i in slides) for term in equation.terms]
+    if not power or not any(lengths):
+        return equation
+    values = [shifted(term.coefficient, -power * n) for term, n in zip(equation.terms, lengths, strict=True)]
+    largest = max(map(abs, values))
+    return Equation(
+        tuple(replace(term, coefficient=value / largest) for value, term in zip(values, equation.terms, strict=True))
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LocalFamily:
+    """The family that a configuration lies on, as its neighbourhood shows it.
+
+    Attributes:
+        name: as in an atlas; "meeting point of families: …" where several meet.
+        corank: of the configuration.
+        dimension: of the family in joint space; of the largest one where several meet.
+        pinned: joints at a fixed value on the family, and that value: only the one met here, while a row of an atlas
+            holds all of them.
+        free: numbers of the joints that the family does not depend on.
+        coupled: numbers of the joints bound together by a condition.
+        relations: whole-number relations between joints in words, "θ3 + θ5 = 0".
+        equations: every condition; empty where joints are coupled and their equation was not asked for or not found.
+        words: the conditions as sentences.
+        parts: the families that meet at q, each as above; empty where q lies on one only.
+        points: how many neighbours speak for it.
+        evidence: how it was found.
+    """
+
+    name: str
+    corank: int
+    dimension: int
+    pinned: tuple[Pinned, ...]
+    free: tuple[int, ...]
+    coupled: tuple[int, ...]
+    relations: tuple[str, ...]
+    equations: tuple[Equation, ...]
+    words: tuple[str, ...]
+    parts: tuple[LocalFamily, ...]
+    points: int
+    evidence: str
+
+    @property
+    def meeting(self) -> bool:
+        """Whether several families meet at the configuration."""
+        return bool(self.parts)
+
+
+def condition_words(
+    robot: Robot,
+    pinned: Sequence[Pinned],
+    relations: Sequence[str],
+    bound: Sequence[int],
+    equations: Sequence[Equation],
+) -> tuple[str, ...]:
+    """The conditions of a family: "θ4 = 0", "θ3 + θ5 = π", and the equations of coupled joints or their numbers.
+
+    Args:
+        robot: the arm.
+        pinned: with one value each.
+        relations: from `relation_words`.
+        bound: numbers of the joints that further equations bind; empty where there are none.
+        equations: all conditions, those of `pinned` and `relations` first; empty where the rest was not fitted.
+    """
+    told = [f"{_symbol(robot, one.number)} = {_value(robot, one)}" for one in pinned] + list(relations)
+    if bound and equations:
+        told += [f"{equation.pretty()} = 0" for equation in equations[len(pinned) + len(relations) :]]
+    elif bound:
+        told.append(f"coupled: joints {_listed(bound)}")
+    return tuple(told)
+
+
+def relation_words(covector: Sequence[int], value: float) -> str:
+    """m·q = c: "θ3 + θ5 = π", "2 θ2 − θ4 = 0"."""
+    text = ""
+    for number, m in enumerate(covector, start=1):
+        if m:
+            sign = ("−" if m < 0 else "") if not text else (" − " if m < 0 else " + ")
+            text += sign + (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
+    return f"{text} = {pretty_angle(value)}"
+
+
+def _symbol(robot: Robot, number: int) -> str:
+    slides = robot.variables[number - 1].kind is JointKind.PRISMATIC
+    return f"q{number}" if slides else f"θ{number}"
+
+
+def _value(robot: Robot, one: Pinned) -> str:
+    if robot.variables[one.number - 1].kind is JointKind.PRISMATIC:
+        return f"{one.values[0]:.4g} m".replace("-", "−")
+    return pretty_angle(one.values[0])
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    words = [str(number) for number in numbers]
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else words[0]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation
+from rankdrop.family.record import rescaled, slides_of
 from rankdrop.family.system import System, shortest
-from rankdrop.family.unit import rescaled, slides_of
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot

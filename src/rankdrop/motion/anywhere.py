@@ -14,7 +14,8 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.families.searching import Outcome, search
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import search
 from rankdrop.family.system import shortest
 from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import idle_joints

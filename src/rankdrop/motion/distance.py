@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop._handles import configurations
-from rankdrop.families.coupled import nearest_turns
-from rankdrop.family.record import Family, Pinned
+from rankdrop.families.distance import nearest_turns
+from rankdrop.family.record import Family, Pinned, family_in_metres
 from rankdrop.family.system import REACHED, System, shortest
-from rankdrop.family.unit import family_in_metres
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.motion.anywhere import Anywhere
 from rankdrop.motion.curve import Index

@@ -11,10 +11,8 @@ import numpy as np
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import RankdropError
-from rankdrop.families.local_family import LocalFamily
 from rankdrop.families.on_the_spot import name_on_the_spot
-from rankdrop.family.record import Family
-from rankdrop.family.unit import family_in_metres
+from rankdrop.family.record import Family, LocalFamily, family_in_metres
 from rankdrop.family.which import families_at
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame

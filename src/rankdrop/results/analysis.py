@@ -11,9 +11,8 @@ import numpy as np
 
 from rankdrop.compare.joined import Joined, joined_from_dict
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.inside import inside_limits
-from rankdrop.families.overview import overview
-from rankdrop.families.share import Near
+from rankdrop.families.cells import inside_limits
+from rankdrop.families.share import Near, overview
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import (

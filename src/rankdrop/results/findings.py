@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families.searching import History, Outcome, Search
+from rankdrop.families.search_record import History, Outcome, Search
 from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.version import VERSION
 

@@ -16,8 +16,7 @@ from importlib.resources.abc import Traversable
 import numpy as np
 
 from rankdrop.errors import ResultFileError
-from rankdrop.family.record import Family, Pinned
-from rankdrop.family.unit import family_from_metres
+from rankdrop.family.record import Family, Pinned, family_from_metres
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.sentences import words
 from rankdrop.results.analysis import Analysis

@@ -9,8 +9,7 @@ from rankdrop._handles import check_robot
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families
-from rankdrop.family.record import CorankFamilies
-from rankdrop.family.unit import family_out_of_units
+from rankdrop.family.record import CorankFamilies, family_out_of_units
 from rankdrop.local.block import generic_rank
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.model import Robot

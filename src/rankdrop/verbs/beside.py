@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from rankdrop.families.members import lies, wrapped
 from rankdrop.family.equation import Equation
+from rankdrop.family.record import rescaled, slides_of
 from rankdrop.family.system import System
-from rankdrop.family.unit import rescaled, slides_of
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.codec import Record, plain, robot_to_dict

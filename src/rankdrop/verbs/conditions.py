@@ -8,8 +8,7 @@ from functools import partial
 from time import monotonic
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.cloud import cloud, explained
-from rankdrop.compare.pointless import pointless
+from rankdrop.compare.cloud import cloud, explained, pointless
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain

@@ -10,7 +10,8 @@ import numpy as np
 from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import FamilyDistance, family_distances
-from rankdrop.families.searching import Outcome, refine
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import refine
 from rankdrop.family.which import Met
 from rankdrop.local.nearest import Nearest, nearest_singularity
 from rankdrop.results.explanation.data import Asked, Far

@@ -1,0 +1,173 @@
+"""What a search found: the outcome of every start, what happened on the way, and how small a near miss is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.local.block import singular_values
+from rankdrop.local.tied import brought_down
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import Section, html
+from rankdrop.task import Task
+from rankdrop.tolerances import TIE, Tolerances
+from rankdrop.units import in_units, into_units, task_in_units
+
+AM_THRESHOLD = 1e-6
+"""AM's ε: the two descent methods stop a start here [1]."""
+MOST = 200
+"""Iterations of block-LM for each start, unless told otherwise."""
+_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
+_DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
+
+
+class Outcome(IntEnum):
+    """How one start ended."""
+
+    CONVERGED = 0
+    """σ beyond the kept rank is zero within the tolerance: a singular configuration."""
+    NEAR_MISS = 1
+    """A local minimum that is not zero: no singularity, however small σ is there."""
+    SLOW = 2
+    """The iterations ran out on the way."""
+    NOT_RUN = 3
+    """Stopped before this start was done."""
+    CREASE = 4
+    """Stuck, and at no local minimum: σ ties with the next one, and another direction leads on down; descent only."""
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """What happened on the way, per start and iteration; NaN after the end (AM Figures 1–3).
+
+    Attributes:
+        sigma: (N, iterations + 1, min(m, n)) singular values.
+        turning: (N, iterations + 1) angle between the gradients followed in this iteration and the one before [rad];
+            NaN in the first, and where a start ended; descent only.
+    """
+
+    sigma: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The outcome of every start, in the order of the starts.
+
+    Attributes:
+        robot, task: what was searched.
+        corank: k, task freedoms lost.
+        rank: the kept rank, generic rank − k.
+        method, seed, limits, tolerances: how.
+        step, tie, most: rule of the steps (None: line search), gap that counts as a tie, most iterations.
+        q: (N, n) where each start ended; angles in (−π, π] unless `limits` [rad or m].
+        sigma: (N, min(m, n)) singular values there.
+        outcome: (N,) `Outcome`.
+        iterations: (N,) iterations used.
+        history: per-iteration values, if asked for.
+    """
+
+    robot: Robot
+    task: Task
+    corank: int
+    rank: int
+    method: str
+    seed: int
+    limits: bool
+    tolerances: Tolerances
+    q: Array
+    sigma: Array
+    outcome: NDArray[np.int8]
+    iterations: NDArray[np.int32]
+    history: History | None = None
+    step: float | None = None
+    tie: float = TIE
+    most: int = MOST
+
+    @property
+    def converged(self) -> Array:
+        """(C, n) the singular configurations found."""
+        found: Array = self.q[self.outcome == Outcome.CONVERGED]
+        return found
+
+    @property
+    def complete(self) -> bool:
+        """Whether every start was run to its end."""
+        return not bool((self.outcome == Outcome.NOT_RUN).any())
+
+    @cached_property
+    def smallest_near_miss(self) -> float | None:
+        """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
+
+        Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
+        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
+        go down to zero as well, there is none.
+        """
+        missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
+        if not len(missed):
+            return None
+        lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
+        if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
+            return float(self.sigma[lowest[0], self.rank])
+        robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
+        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
+        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
+        best = quick.q[np.argsort(quick.value, kind="stable")]
+        for first in range(0, len(best), _FINISHED):
+            some = best[first : first + _FINISHED]
+            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
+            least = found.value
+            if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
+                least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
+            if len(least):
+                return float(f"{least.min():.{_DIGITS}g}")
+        return None
+
+    def count(self, outcome: Outcome) -> int:
+        """Number of starts that ended so."""
+        return int((self.outcome == outcome).sum())
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what became of the starts."""
+        counts = [(outcome_word(outcome), self.count(outcome)) for outcome in Outcome]
+        smallest = self.smallest_near_miss
+        return html([search_overview(self.robot, self.corank, counts, smallest, self.method, self.seed)])
+
+    def residual(self) -> float:
+        """Largest σ[rank] over the converged starts, evaluated anew; 0.0 where there is none."""
+        found = self.converged
+        if not len(found):
+            return 0.0
+        return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
+
+
+def outcome_word(outcome: Outcome) -> str:
+    """For people: "near miss", "stuck on a crease"."""
+    return "stuck on a crease" if outcome is Outcome.CREASE else outcome.name.lower().replace("_", " ")
+
+
+def search_overview(
+    robot: Robot, corank: int, counts: Sequence[tuple[str, int]], smallest: float | None, method: str, seed: int
+) -> Section:
+    """What became of the starts of one search.
+
+    Args:
+        robot: the arm.
+        corank: what was searched for.
+        counts: (outcome, how many starts).
+        smallest: smallest σ of a nonzero local minimum; None where there was none.
+        method, seed: how.
+    """
+    near = "" if smallest is None else f"smallest near miss σ = {smallest:.4g}, not singular"
+    return Section(
+        f"{robot.name}: search for corank {corank}",
+        f"method {method}, seed {seed}",
+        columns=("outcome", "starts"),
+        rows=tuple((name, f"{count:,}") for name, count in counts if count),
+        after=(near,) if near else (),
+    )

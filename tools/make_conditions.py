@@ -17,8 +17,7 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
-from rankdrop.results.conditions.known import conditions_names, known_conditions
-from rankdrop.results.conditions.stored import to_stored
+from rankdrop.results.conditions.known import conditions_names, known_conditions, to_stored
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.conditions import conditions
 

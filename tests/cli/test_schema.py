@@ -13,7 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.record import far_to_dict, way_out_to_dict
+from rankdrop.results.explanation.explanation import far_to_dict, way_out_to_dict
 from rankdrop.results.findings import find_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot

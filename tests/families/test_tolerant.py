@@ -14,7 +14,7 @@ from rankdrop.families.tolerant import most_tolerant
 from rankdrop.local.block import sample
 from rankdrop.local.failures import worst_case
 from rankdrop.results.codec import json_text
-from rankdrop.results.explanation.tolerant import tolerant_sections, tolerant_to_dict
+from rankdrop.results.explanation.failures import tolerant_sections, tolerant_to_dict
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.sections import text

@@ -21,7 +21,7 @@ from rankdrop.frames import BODY
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import known as shelf
 from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.stored import from_stored, to_stored
+from rankdrop.results.conditions.known import from_stored, to_stored
 from rankdrop.results.known import candidates
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.analyze import analyze

@@ -12,7 +12,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.directions import Sight, frame_name, lost_directions, lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.sentences import words
+from rankdrop.local.screws import words
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot

@@ -7,7 +7,7 @@ import pytest
 from reference.readable import entries, random_rotation
 
 from rankdrop.errors import OptionError
-from rankdrop.local.readable import readable_basis
+from rankdrop.local.directions import readable_basis
 from rankdrop.robot.model import Array
 
 AM_BEFORE = np.array(

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.local.screws import Screw, rewrite_wrench, screw_of
-from rankdrop.local.sentences import blocked_words, words
+from rankdrop.local.screws import Screw, blocked_words, rewrite_wrench, screw_of, words
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from rankdrop.errors import TaskError
 from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
-from rankdrop.local.displacement import Displacement, told_by_pose
 from rankdrop.local.null_motion import REACHED, self_motion
+from rankdrop.local.orientation import Displacement, told_by_pose
 from rankdrop.local.second_order import distinct
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot

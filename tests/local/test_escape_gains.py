@@ -11,8 +11,7 @@ from reference import arms
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import singular_values
-from rankdrop.local.departure import departures
-from rankdrop.local.finite_motions import measured_gains
+from rankdrop.local.departure import departures, measured_gains
 from rankdrop.local.place import Place, place_at
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Robot

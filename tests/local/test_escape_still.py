@@ -8,12 +8,11 @@ from reference import arms
 
 from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
-from rankdrop.local import still
+from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
-from rankdrop.local.displacement import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, told_by_pose
 from rankdrop.local.place import place_at
-from rankdrop.local.second_order import definite, forms, null_basis, vanishing
-from rankdrop.local.still import trace
+from rankdrop.local.second_order import definite, forms, null_basis, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot

@@ -12,11 +12,8 @@ from reference import arms
 from rankdrop.errors import OptionError, RankdropError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
-from rankdrop.local.lie import motion
-from rankdrop.local.ordered import OrderedScrewSet, ordered_subsets
-from rankdrop.local.ordered_report import report
-from rankdrop.local.ordered_session import session
-from rankdrop.local.ordered_text import render
+from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
+from rankdrop.local.ordered_report import render, report, session
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task

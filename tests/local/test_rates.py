@@ -13,9 +13,7 @@ from scipy.optimize import linprog
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import sample
-from rankdrop.local.rate_limits import rate_limits
-from rankdrop.local.rates import joint_rates, rate_growth
-from rankdrop.local.speed import largest_speeds
+from rankdrop.local.rates import joint_rates, largest_speeds, rate_growth, rate_limits
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

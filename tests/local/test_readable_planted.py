@@ -7,7 +7,7 @@ import pytest
 from reference.readable import entries, random_rotation
 from reference.readable import readable_basis as plain
 
-from rankdrop.local.readable import readable_bases, readable_basis
+from rankdrop.local.directions import readable_bases, readable_basis
 from rankdrop.robot.model import Array
 
 EACH = 120  # planted bases of each size: 600 in all

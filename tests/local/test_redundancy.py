@@ -11,9 +11,15 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import decompose, sample, singular_values
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.factored import factor
-from rankdrop.local.objectives import away_from_limits, away_from_singularity, towards
-from rankdrop.local.redundant import null_space_motion, readable_parts, redundancy
+from rankdrop.local.inverse import factor
+from rankdrop.local.redundant import (
+    away_from_limits,
+    away_from_singularity,
+    null_space_motion,
+    readable_parts,
+    redundancy,
+    towards,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -12,8 +12,8 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.frames import BODY, SPACE
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local.block import joint_scale, sample
-from rankdrop.local.displacement import Displacement
 from rankdrop.local.null_motion import BRANCHES, CLOSED, LIMIT, NONE, REACHED, SelfMotion, self_motion
+from rankdrop.local.orientation import Displacement
 from rankdrop.local.redundant import redundancy
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

@@ -13,8 +13,7 @@ from reference import arms
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
-from rankdrop.local.subgroups import closure
-from rankdrop.local.systems import ScrewSystem, always_singular_reason, systems_at
+from rankdrop.local.systems import ScrewSystem, always_singular_reason, closure, systems_at
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws, helical, prismatic, revolute

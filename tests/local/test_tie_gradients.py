@@ -9,8 +9,7 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
-from rankdrop.local.tie_gradients import gradient_tensor, plane_rotation, spread, tied_gradients
-from rankdrop.local.tied import brought_down, stays_up
+from rankdrop.local.tied import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 

@@ -19,7 +19,7 @@ _SWEPT = 12  # starts that are swept
 
 
 def readable_basis(B: ArrayLike) -> Array:
-    """Orthonormal basis of span(B) with the fewest non-zero entries: see `rankdrop.local.readable`.
+    """Orthonormal basis of span(B) with the fewest non-zero entries: see `rankdrop.local.directions`.
 
     Starts are bases that depend on the subspace only; for k ≥ 3 the most promising ones are swept, plane after plane.
     """

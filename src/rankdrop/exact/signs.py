@@ -28,7 +28,7 @@ from rankdrop.exact.writing.value import text_of
 from rankdrop.family.naming import name_family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.sentences import words
+from rankdrop.local.screws import words
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT

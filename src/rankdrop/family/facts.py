@@ -14,7 +14,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from rankdrop.frames import TIP
-from rankdrop.local.scene import Scene, Verdicts
+from rankdrop.local.lines import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 

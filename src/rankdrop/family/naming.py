@@ -16,11 +16,11 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.family.facts import Fact, Structure, candidate_facts, structure_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.local.circuit_words import describe, line_meets_all
 from rankdrop.local.circuits import to_blame
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.scene import Scene
-from rankdrop.local.sentences import words
+from rankdrop.local.lines import Scene
+from rankdrop.local.relations import describe, line_meets_all
+from rankdrop.local.screws import words
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import counted_length

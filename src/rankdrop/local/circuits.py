@@ -19,8 +19,8 @@ from rankdrop import _core
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, structural_sample
-from rankdrop.local.circuit_words import describe
-from rankdrop.local.scene import Scene
+from rankdrop.local.lines import Scene
+from rankdrop.local.relations import describe
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -24,7 +24,7 @@ from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.minimax import Evaluate, Model
-from rankdrop.local.sentences import words
+from rankdrop.local.screws import words
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

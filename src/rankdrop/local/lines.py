@@ -1,16 +1,22 @@
-"""The arm as lines in space at one configuration, mimic joints too, and what two of the lines have in common.
+"""The arm as lines in space, at one configuration and at many, and what the lines have in common.
 
-`scene` asks the same of many configurations at once, about the variables.
+`Lines` are those of one configuration, mimic joints too; `Scene` asks the same of many configurations at once, about
+the variables.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.frames import SPACE
-from rankdrop.kinematics import jacobian
-from rankdrop.local.unlocked import unlocked
-from rankdrop.local.vectors import cross
+from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.bracket import cross
+from rankdrop.local.taylor import unlocked
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.tolerances import ALIGNED
@@ -66,3 +72,114 @@ class Lines:
         s = float(cross(apart, self.z[j]) @ skew) / float(skew @ skew)
         point = np.asarray(self.p[i] + s * self.z[i])
         return point if self.through(point)[j] else None
+
+
+Verdicts = NDArray[np.bool_]  # one per configuration
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Joint axes at N configurations, in the base frame. Joints are numbered from 0 here.
+
+    An axis (revolute joint) is the line p_i + s z_i with z = ω, p = ω × v. The questions below take axes only.
+    """
+
+    robot: Robot
+    q: Array  # (N, n)
+    tolerance: float = ALIGNED
+
+    @cached_property
+    def screws(self) -> Array:
+        """(N, 6, n) joint screws about the base origin."""
+        return jacobian(self.robot, self.q, SPACE)
+
+    @cached_property
+    def kinds(self) -> tuple[JointKind | None, ...]:
+        """Kind of each variable; None where a mimic joint follows: then it is not one screw."""
+        leaders = {joint.mimic.leader for joint in self.robot.joints if joint.mimic is not None}
+        return tuple(None if joint.name in leaders else joint.kind for joint in self.robot.variables)
+
+    @cached_property
+    def axes(self) -> tuple[int, ...]:
+        """Indices of the revolute joints."""
+        return tuple(i for i, kind in enumerate(self.kinds) if kind is JointKind.REVOLUTE)
+
+    @cached_property
+    def z(self) -> Array:
+        """(n, N, 3) unit directions of the axes; those of the slides for prismatic joints."""
+        slides = [kind is JointKind.PRISMATIC for kind in self.kinds]
+        parts = [self.screws[:, :3, i] if slide else self.screws[:, 3:, i] for i, slide in enumerate(slides)]
+        return np.stack(parts)
+
+    @cached_property
+    def p(self) -> Array:
+        """(n, N, 3) the points of the axes nearest to the base origin [m]."""
+        return np.stack([np.cross(self.screws[:, 3:, i], self.screws[:, :3, i]) for i in range(self.robot.n)])
+
+    @cached_property
+    def tip(self) -> Array:
+        """(N, 3) the tip [m]."""
+        return pose(self.robot, self.q)[..., :3, 3]
+
+    @cached_property
+    def length(self) -> float:
+        """Reach of the arm [m]; distances are judged against it."""
+        return reach(self.robot)
+
+    def moved(self, joint: int, by: float) -> Scene:
+        """The scene after one joint has moved by `by` [rad, m]."""
+        q = self.q.copy()
+        q[:, joint] += by
+        return Scene(self.robot, q, self.tolerance)
+
+    def parallel(self, i: int, j: int) -> Verdicts:
+        """|z_i × z_j| = 0."""
+        return self._small(np.cross(self.z[i], self.z[j]))
+
+    def perpendicular(self, i: int, j: int) -> Verdicts:
+        """z_i · z_j = 0."""
+        return np.abs(_dot(self.z[i], self.z[j])) < self.tolerance
+
+    def aligned(self, i: int, j: int) -> Verdicts:
+        """One line: parallel, and (p_j − p_i) × z_i = 0."""
+        return self.parallel(i, j) & self.on_axis(self.p[j], i)
+
+    def on_axis(self, point: Array, i: int) -> Verdicts:
+        """(point − p_i) × z_i = 0 for a point (N, 3)."""
+        return self._small(np.cross(point - self.p[i], self.z[i]) / self.length)
+
+    def meeting(self, i: int, j: int) -> Verdicts:
+        """Not parallel and in one plane: (p_j − p_i) · (z_i × z_j) = 0."""
+        volume = _dot(self.p[j] - self.p[i], np.cross(self.z[i], self.z[j]))
+        return ~self.parallel(i, j) & (np.abs(volume) < self.tolerance * self.length)
+
+    def common_point(self, axes: Sequence[int]) -> tuple[Array, Verdicts]:
+        """(N, 3) the point nearest to some axes, Σ (1 − z zᵀ)(x − p) = 0, and whether it is on all of them."""
+        normal = np.eye(3) - self.z[list(axes)][..., :, None] * self.z[list(axes)][..., None, :]  # (a, N, 3, 3)
+        total = normal.sum(axis=0)
+        right = (normal @ self.p[list(axes)][..., None]).sum(axis=0)
+        regular = np.linalg.eigvalsh(total)[:, 0] > self.tolerance  # 0 where all are parallel
+        point = np.linalg.solve(np.where(regular[:, None, None], total, np.eye(3)), right)[..., 0]
+        on = np.stack([self.on_axis(point, i) for i in axes]).all(axis=0)
+        return point, on & regular
+
+    def in_plane(self, point: Array, i: int, direction: Array) -> Verdicts:
+        """In the plane through axis i along `direction` (N, 3): (point − p_i) · (z_i × direction) = 0."""
+        return np.abs(_dot(point - self.p[i], np.cross(self.z[i], direction))) < self.tolerance * self.length
+
+    def coplanar(self, axes: Sequence[int], point: Array | None = None) -> Verdicts:
+        """All axes (and the point) in one plane."""
+        first = axes[0]
+        spans = [self.z[i] for i in axes] + [(self.p[i] - self.p[first]) / self.length for i in axes[1:]]
+        if point is not None:
+            spans.append((point - self.p[first]) / self.length)
+        # remove the freedom along the first axis from the points: only their offset from it counts
+        stacked = np.stack([s - self.z[first] * _dot(s, self.z[first])[:, None] for s in spans], axis=1)  # (N, s, 3)
+        return np.linalg.svd(stacked, compute_uv=False)[:, 1] < self.tolerance
+
+    def _small(self, vector: Array) -> Verdicts:
+        return np.asarray(np.linalg.norm(vector, axis=-1) < self.tolerance)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("...i,...i->...", a, b))

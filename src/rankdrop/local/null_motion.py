@@ -1,7 +1,7 @@
 """Self-motion: the curve of configurations that leave the task where it is, traced step by step.
 
 Predictor: a step along the null space. Corrector: Gauss–Newton on the displacement from the start
-(`rankdrop.local.displacement`), so that every point is right to rounding and errors do not add up. At a singular
+(`rankdrop.local.orientation`), so that every point is right to rounding and errors do not add up. At a singular
 configuration null motions that are no tangents of a curve are told at second order, and never followed.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.local.displacement import WEAK, Displacement
-from rankdrop.local.factored import task_sigma
+from rankdrop.local.inverse import task_sigma
+from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.place import Place, place_at
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.local.verdict import one_configuration, rank_at

@@ -11,19 +11,101 @@ Three answers for every joint of an ordered screw set at a singular configuratio
    that counts: with U₂ a basis of the lost directions and V₂ of the λ, the rank of U₂ᵀ([S_j, S_i])_{i>j} V₂ is gained.
    One product outside is not enough: the weighted sum may vanish.
 3. The judge: the rank after a finite motion of the joint.
+
+A session with GR's instructions: each prints what theirs prints, on any ordered screw set.
+
+A report on an ordered screw set as text: the printed session, the motion carried to the end, the judge.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from rankdrop.errors import OptionError
 from rankdrop.local.block import STRUCTURE_SEED
-from rankdrop.local.lie import lie_product
-from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset
-from rankdrop.local.ordered_session import GREATEST_RUN, Instruction, Step, session
+from rankdrop.local.ordered import OrderedScrewSet, OrderedSubset, lie_product
+from rankdrop.robot.model import Array
+
+Instruction = tuple[str, int, int]
+
+PRINTED_IN_GR: tuple[Instruction, ...] = (
+    ("readoss", 1, 7),
+    ("msos", 1, 5),
+    ("subspace", 1, 5),
+    ("newscrews", 4, 5),
+    ("dimension", 1, 5),
+    ("dimension", 1, 6),
+    ("readoss", 4, 5),
+    ("newscrews", 3, 5),
+    ("dimension", 1, 5),
+    ("dimension", 1, 6),
+    ("dimension", 2, 7),
+)
+"""The instructions of GR's section 5, in their order."""
+
+GREATEST_RUN = 6
+"""GR section 2.2: a run has at most six screws."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One instruction of a session and the lines it prints."""
+
+    instruction: str
+    lines: tuple[str, ...]
+
+
+def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINTED_IN_GR) -> tuple[Step, ...]:
+    """Run GR's instructions, each printing what theirs print; `newscrews` changes the set until `readoss` restores it.
+
+    Raises:
+        OptionError: an instruction or a run that does not exist.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> steps = session(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7))
+        >>> [step.lines for step in steps if step.instruction.startswith("newscrews")]
+        [('S(5) = [1, 0, -1, 0, 5, 0]',), ('S(4) = [0, 1, 0, 5, 0, 5]', 'S(5) = [1, 0, -1, 0, 0, 0]')]
+    """
+    current, steps = screws, []
+    for name, first, last in instructions:
+        lines: tuple[str, ...]
+        if name == "readoss":
+            rows = current.screws.copy()
+            rows[first - 1 : last] = screws.readoss(first, last)
+            current = OrderedScrewSet(rows, screws.tolerance)
+            lines = tuple(_row(row) for row in screws.readoss(first, last))
+        elif name == "newscrews":
+            current = current.newscrews(first, last)
+            lines = tuple(f"S({k}) = {_row(current.screws[k - 1])}" for k in range(first + 1, last + 1))
+        elif name == "dimension":
+            lines = (str(current.dimension(first, last)),)
+        elif name == "msos":
+            lines = _msos_lines(current.msos(first, last))
+        elif name == "subspace":
+            found = current.subspace(first, last)
+            lines = tuple(f"[{u}, {v}] {'yes' if inside else 'no'}" for u, v, inside in found.entries)
+            lines += tuple(f"actuating screw {u} can restore ({first}, {last})" for u in found.actuators)
+        else:
+            allowed = "readoss, msos, subspace, newscrews, dimension"
+            raise OptionError("there is no such instruction", got=repr(name), allowed=allowed)
+        steps.append(Step(f"{name}({first}, {last})", lines))
+    return tuple(steps)
+
+
+def _msos_lines(found: OrderedSubset) -> tuple[str, ...]:
+    if found.last - found.first > GREATEST_RUN:  # the guard as printed: 6 < j − i
+        return ("more than seven screws: take a shorter run",)
+    end = "a minimal singular ordered subset" if found.msos else "not a minimal singular ordered subset"
+    return (f"dimension = {found.dimension}", f"lost freedoms = {found.loss}", end)
+
+
+def _row(screw: Array) -> str:
+    return f"[{', '.join(f'{x + 0.0:.6g}' for x in np.where(np.abs(screw) < 1e-12, 0.0, screw))}]"
+
 
 _AMOUNTS = (0.37, -0.23, 0.1)  # finite motions that judge [rad, or the set's unit of length]: no simple fractions of π
 
@@ -257,3 +339,67 @@ def _elsewhere(screws: OrderedScrewSet, seed: int) -> OrderedScrewSet:
 
 def _clean(value: float) -> float:
     return 0.0 if abs(value) < 1e-9 else value
+
+
+def render(report: OrderedReport) -> str:
+    """The whole report, one line a fact; lines end without blanks.
+
+    Example:
+        >>> from rankdrop.local.ordered import OrderedScrewSet
+        >>> from rankdrop.local.ordered_report import report
+        >>> from rankdrop.robot.open import open_robot
+        >>> text = render(report(OrderedScrewSet.of(open_robot("rcrrrr"), [0.0] * 7)))
+        >>> print(text.splitlines()[0])
+        7 screws of dimension 5, elsewhere 6: 1 task freedom lost, 2 dependencies
+    """
+    return "\n".join(_lines(report)) + "\n"
+
+
+def _lines(report: OrderedReport) -> Iterator[str]:
+    screws = report.dimension + report.dependencies
+    lost = f"{report.lost} task freedom{'' if report.lost == 1 else 's'} lost" if report.lost else "not singular"
+    both = f"{report.dependencies} dependenc{'y' if report.dependencies == 1 else 'ies'}"
+    yield f"{screws} screws of dimension {report.dimension}, elsewhere {report.generic}: {lost}, {both}"
+    if report.subsets:
+        yield ""
+        yield "Runs with a loss (screws, dimension, loss):"
+        for run in report.subsets:
+            marks = (", passes the msos test" if run.msos else "") + (", minimal" if run.minimal else "")
+            yield f"  {run.first}–{run.last}  {run.dimension}  {run.loss}{marks}"
+    yield ""
+    yield "As printed (screws moved up to the end of the run only):"
+    for step in report.steps:
+        yield f"  {step.instruction};"
+        yield from (f"    {line}" for line in step.lines)
+    if report.lost:
+        yield f"  conclusion: actuate {_list(report.printed)}"
+        yield ""
+        yield from _corrected(report)
+
+
+def _corrected(report: OrderedReport) -> Iterator[str]:
+    for trial in report.trials:
+        if trial.dimensions != trial.carried:
+            yield (
+                f"newscrews({trial.actuator}, {trial.subset[1]}): dimensions {_dimensions(trial, carried=False)} as "
+                f"printed, {_dimensions(trial, carried=True)} with every later screw carried along"
+            )
+    yield ""
+    yield "Every joint, carried to the end of the chain, and judged by finite motion:"
+    for joint in report.joints:
+        runs = " ".join(f"{i}–{j}:{d}" for i, j, d in joint.dimensions)
+        verdict = "escapes" if joint.escapes else f"gains {joint.gain}" if joint.gain else "does not escape"
+        yield f"  joint {joint.number}  {verdict}, rate {joint.rate:.4f}, dimensions {runs}"
+    yield f"  conclusion: actuate {_list(report.escapes)}"
+    if report.disagreements:
+        yield ""
+        yield "Disagreements with the printed procedure:"
+        yield from (f"  {told}" for told in report.disagreements)
+
+
+def _dimensions(trial: Trial, *, carried: bool) -> str:
+    return " ".join(f"{i}–{j}:{d}" for i, j, d in (trial.carried if carried else trial.dimensions))
+
+
+def _joined_list(numbers: tuple[int, ...]) -> str:
+    return ", ".join(f"{number}" for number in numbers) or "none"

@@ -1,19 +1,168 @@
-"""What the axes of an arm have in common at one configuration: lines that coincide, are parallel, meet in a point."""
+"""What the axes of an arm have in common at one configuration: lines that coincide, are parallel, meet in a point.
+
+A dependent set of joints in words: what its axes and slides have in common.
+
+The patterns are those of Paden and Sastry (two collinear axes, three parallel coplanar ones, four that meet in a point,
+four in a plane, a slide normal to the plane of two parallel axes, six that meet a line) and what they leave out.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import structural_sample
-from rankdrop.local.circuit_words import numbers
-from rankdrop.local.lines import Lines
+from rankdrop.local.lines import Lines, Scene
 from rankdrop.local.verdict import one_configuration
-from rankdrop.robot.model import Robot
-from rankdrop.task import resolve_task
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import ALIGNED
+
+_POSITION, _ORIENTATION = {0, 1, 2}, {3, 4, 5}
+
+
+def describe(scene: Scene, circuit: tuple[int, ...], task: Task) -> str:
+    """A circuit in words: what its axes and slides have in common at every configuration of the scene.
+
+    In the full pose two dependent axes are one line; three lie in one plane and meet in one point or are parallel; four
+    that all meet, are all parallel or lie in one plane span a system of rank 3. Without a pattern: "screws 1, 3, 4
+    dependent".
+
+    Args:
+        scene: one or more configurations.
+        circuit: indices of joints from 0, a minimal dependent set at every configuration of the scene.
+        task: the rows that are dependent.
+    """
+    names = numbers(circuit)
+    if len(circuit) == 1:
+        return f"joint {names} moves nothing"
+    axes = [i for i in circuit if i in scene.axes]
+    slides = [i for i in circuit if scene.kinds[i] is JointKind.PRISMATIC]
+    told = None
+    if len(axes) + len(slides) == len(circuit):
+        if task.m == 6:
+            told = _axes(scene, circuit) if not slides else _slides(scene, slides) if not axes else None
+            told = told or (_mixed(scene, axes, slides) if axes and slides else None) or _transversal(scene, circuit)
+        elif set(task.rows) <= _POSITION and not slides:
+            told = _through_the_tip(scene, circuit)
+        elif set(task.rows) <= _ORIENTATION and not slides:
+            told = _directions(scene, circuit)
+    return told or f"{'screws' if task.m == 6 else 'joints'} {names} dependent"
+
+
+def line_meets_all(scene: Scene, task: Task) -> bool:
+    """Is there a line that meets every axis (or is parallel to it) at every point of the scene?
+
+    The blocked wrench (f; τ) of a corank-1 point, f·v_i + τ·ω_i = 0 for every joint, is a pure force along that line
+    when its pitch f·τ/|f|² is zero: a force does no work on a rotation about an axis it meets. In a task without
+    rotation the wrench is always a force, through the tip.
+    """
+    jacobians = task_jacobian(scene.robot, scene.q, task)
+    if len(scene.axes) < scene.robot.n:
+        return False
+    left = np.linalg.svd(jacobians)[0][..., -1]  # (N, m)
+    return _pure_force(six_rows(left, task))
+
+
+def numbers(members: Sequence[int]) -> str:
+    """ "2–6" for a run of four or more, "1, 3, 4" otherwise, numbers from 1."""
+    if len(members) > 3 and members[-1] - members[0] == len(members) - 1:
+        return f"{members[0] + 1}–{members[-1] + 1}"
+    return ", ".join(str(i + 1) for i in members)
+
+
+def _axes(scene: Scene, axes: tuple[int, ...]) -> str | None:
+    """Axes alone, in the full pose."""
+    names = numbers(axes)
+    if len(axes) == 2:
+        return f"axes {names} aligned"
+    if len(axes) > 4:
+        return None  # parallel, concurrent or coplanar axes have rank 3: no circuit is larger than four
+    parallel = _parallel(scene, axes)
+    concurrent = not parallel and bool(scene.common_point(axes)[1].all())
+    if len(axes) == 3:
+        word = "parallel" if parallel else "concurrent" if concurrent else None
+        return word and f"axes {names} {word} and coplanar"
+    coplanar = not parallel and not concurrent and bool(scene.coplanar(axes).all())
+    for told, word in ((parallel, "parallel"), (concurrent, "concurrent"), (coplanar, "coplanar")):
+        if told:
+            return f"axes {names} {word}"
+    return None
+
+
+def _slides(scene: Scene, slides: Sequence[int]) -> str:
+    """Slides alone: directions of which one too many lie on a line, in a plane, in space."""
+    names = numbers(slides)
+    if len(slides) == 2:
+        return f"slides {names} parallel"
+    return f"slides {names} {'parallel to one plane' if len(slides) == 3 else 'are four translations of space'}"
+
+
+def _mixed(scene: Scene, axes: Sequence[int], slides: Sequence[int]) -> str | None:
+    """Axes and slides: turning forth and back about parallel axes is a translation, and the slides make it too."""
+    if not _parallel(scene, axes):
+        return None
+    both, sliding = f"axes {numbers(axes)}", f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)}"
+    normal = all(scene.perpendicular(axes[0], i).all() for i in slides)
+    if len(axes) == 2 and len(slides) == 1:
+        return f"axes {numbers(axes)} parallel, {sliding} normal to their plane"
+    if normal:
+        return f"{both} parallel, {sliding} normal to them"
+    return f"{both} parallel, {sliding} along what they translate"
+
+
+def _transversal(scene: Scene, circuit: tuple[int, ...]) -> str | None:
+    """Six axes that meet one line; a line at infinity is met by axes and slides parallel to one plane."""
+    if len(circuit) != 6:
+        return None
+    about = scene.tip[:, None, :]  # moments about the tip: rounding stays small
+    columns = scene.screws[..., list(circuit)].transpose(0, 2, 1)
+    moved = (columns[..., :3] + np.cross(columns[..., 3:], about)) / scene.length
+    left = np.linalg.svd(np.concatenate([moved, columns[..., 3:]], axis=-1))[2][:, -1]  # the blocked wrench
+    if not _pure_force(left):
+        return None
+    slides = [i for i in circuit if i not in scene.axes]
+    axes = [i for i in circuit if i in scene.axes]
+    if slides:
+        also = f"slide{'s' if len(slides) > 1 else ''} {numbers(slides)} normal to it"
+        return f"axes {numbers(axes)} meet one line, {also}"
+    return f"axes {numbers(circuit)} meet one line"
+
+
+def _through_the_tip(scene: Scene, axes: tuple[int, ...]) -> str | None:
+    """Axes in a position task: planes and lines through the tip."""
+    names = numbers(axes)
+    if len(axes) == 2 and bool(scene.coplanar(axes, scene.tip).all()):
+        return f"axes {names} and the tip in one plane"
+    return None
+
+
+def _directions(scene: Scene, axes: tuple[int, ...]) -> str | None:
+    """Axes in an orientation task: only their directions count."""
+    if len(axes) == 2 and _parallel(scene, axes):
+        return f"axes {numbers(axes)} parallel"
+    if len(axes) == 3:
+        volume = np.einsum("...i,...i->...", scene.z[axes[0]], np.cross(scene.z[axes[1]], scene.z[axes[2]]))
+        if (np.abs(volume) < ALIGNED).all():
+            return f"axes {numbers(axes)} parallel to one plane"
+    return None
+
+
+def _parallel(scene: Scene, axes: Sequence[int]) -> bool:
+    return all(bool(scene.parallel(axes[0], i).all()) for i in axes[1:])
+
+
+def _pure_force(wrench: Array) -> bool:
+    """Wrenches (N, 6), moments per length scale: forces without a moment along them, and not moments alone."""
+    force, moment = wrench[:, :3], wrench[:, 3:]
+    pitch = np.abs(np.einsum("ni,ni->n", force, moment))
+    return bool((pitch < 1e-6).all() and (np.linalg.norm(force, axis=1) > 1e-6).all())
+
 
 _SAMPLES = 2  # random configurations at which a relation has to hold to be structure
 _ORDER = ("aligned", "concurrent", "intersecting", "parallel")

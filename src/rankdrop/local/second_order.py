@@ -8,6 +8,11 @@ is what the joints cannot take back: the end effector moves along u at second or
 space. Where it is not zero, the lost direction can be reached so (type 1); where it vanishes, only an internal motion
 leaves (type 2). A self-motion needs Q_u(Δ) = 0 for every u; where some Q_u is definite there is none through q, not
 even one that starts with a cusp: the leading term c sᵏ of an analytic curve has Q_u(c) = 0 too.
+
+Leaving a singularity with the end effector still: which self-motions go through q, and what they restore.
+
+Which null motions can be tangents of one is told at second order (see above); those are traced a short way, all
+at once: steps ahead, each put back to where the end effector was (`displacement`).
 """
 
 from __future__ import annotations
@@ -17,10 +22,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.local.block import singular_values
+from rankdrop.local.bracket import unit
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.place import Place
+from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.place import Place, room
 from rankdrop.local.taylor import taylor
-from rankdrop.local.vectors import unit
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted
@@ -170,3 +177,200 @@ def _lost_motion(row: Array, form: Array) -> LostMotion:
 
 def _symmetric(matrices: Array) -> Array:
     return np.asarray((matrices + np.swapaxes(matrices, -1, -2)) / 2)
+
+
+_MOST = 4  # tangents that are traced, both ways
+_STEPS = 4  # of a trace
+_LENGTH = 0.12  # at least so far, so that the ends are 0.1 rad away even where the curve bends
+_LEFT = 1e-5  # σ_r that a trace has to reach: where it is of second order an error of 1e-12 hides σ of 1e-6
+_STAYED = 1e-6  # σ_r up to which a trace counts as singular all along
+_FIRST = 1e-6  # singular values of D along a tangent below this are zero
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Short self-motions from q, one per tangent.
+
+    Attributes:
+        q: (c, steps + 1, n) configurations, the first is q itself [rad, m].
+        sigma: (c, steps + 1) σ_r there, r the generic rank.
+        ranks: (c,) rank at the last one.
+        error: (c,) largest displacement of the task on the way, translations over the length scale.
+        length: (c,) how far the last one is from q, in scaled coordinates.
+        valid: (c,) the end effector stood still and the arm did move.
+    """
+
+    q: Array
+    sigma: Array
+    ranks: NDArray[np.intp]
+    error: Array
+    length: Array
+    valid: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Stillness:
+    """What was found.
+
+    Attributes:
+        tangent: (n,) unit tangent at q of the traced self-motion that restores most, scaled coordinates; None if none.
+        gain: rank at its end minus rank at q.
+        order, rate: σ_r ≈ rate · s^order along it; from D where that is of full rank, else from the trace.
+        length: distance of its end from q, scaled coordinates.
+        sigma_after: σ_r there.
+        error: largest task error on the way.
+        within_limits: the whole trace stays inside the limits.
+        avoidable, words: see `Escape`.
+        forms: (m − rank, s, s) the forms on the null space.
+    """
+
+    tangent: Array | None
+    gain: int
+    order: int | None
+    rate: float
+    length: float
+    sigma_after: float
+    error: float
+    within_limits: bool
+    avoidable: bool | None
+    words: str
+    forms: Array
+
+
+def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
+    """Look for a self-motion through q that restores the rank, and say what is known if there is none.
+
+    Args:
+        place: where.
+        basis: (n, s) of the null space, scaled coordinates.
+        step: length of a trace, at least 0.12.
+        seed: of random starts.
+    """
+    each = forms(place, basis)
+    if not basis.shape[1]:
+        return _none(each, False, "the null space is empty: no joint motion keeps the end effector still")
+    if place.corank and definite(each, seed):
+        words = "no self-motion goes through q: at second order every null motion Δ moves the end effector"
+        return _none(each, False, words + " (u · dJ(Δ)Δ is definite for a lost direction u)")
+    if not told_by_pose(place.task):
+        return _none(each, None, "not looked for: self-motions are not traced for these rows in this frame")
+    vectors, all_vanish = vanishing(each, seed)
+    if not len(vectors):
+        return _none(each, None, "no second-order direction of a self-motion was found; that is no proof")
+    tangents, promise = _chosen(place, vectors @ basis.T)
+    traced = trace(place, tangents, max(step, _LENGTH))
+    return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
+
+
+def trace(place: Place, tangents: Array, length: float) -> Trace:
+    """Follow self-motions with the given tangents.
+
+    Args:
+        place: where they start.
+        tangents: (c, n) unit vectors in scaled coordinates, in the null space of J.
+        length: how far to go, in scaled coordinates.
+
+    Returns:
+        What came of each; `valid` is False where the corrector did not bring the end effector back.
+    """
+    where = Displacement(place.robot, place.q, place.task)
+    path, valid = [np.broadcast_to(place.q, tangents.shape)], np.ones(len(tangents), dtype=bool)
+    ahead = tangents
+    for _ in range(_STEPS):
+        reached, arrived = where.back(path[-1] + ahead * (length / _STEPS) * place.scale)
+        ahead = unit((reached - path[-1]) / place.scale)
+        path.append(reached)
+        valid &= arrived
+    q = np.stack(path, axis=1)
+    sigma = singular_values(place.robot, q, place.task)[..., : place.generic]
+    gone = np.linalg.norm((q[:, -1] - place.q) / place.scale, axis=1)
+    return Trace(
+        q=q,
+        sigma=sigma[..., -1],
+        ranks=(sigma[:, -1] > place.floor).sum(axis=-1),
+        error=np.linalg.norm(where.error(q), axis=-1).max(axis=1),
+        length=gone,
+        valid=valid & (gone >= 0.6 * length),
+    )
+
+
+def _few(each: Array) -> bool:
+    """Whether the directions on which the forms vanish are a few lines, which are then all found.
+
+    One form on a plane vanishes on two lines at most, a semidefinite one on its kernel only.
+    """
+    size = each.shape[-1]
+    if size == 1 or (size == 2 and len(each) == 1):
+        return True
+    if len(each) != 1:
+        return False
+    eigenvalues = np.linalg.eigvalsh(each[0])
+    one_sided = eigenvalues[0] >= -FLAT or eigenvalues[-1] <= FLAT
+    return bool(one_sided and (np.abs(eigenvalues) <= FLAT).sum() == 1)
+
+
+def _chosen(place: Place, tangents: Array) -> tuple[Array, Array]:
+    """The most promising tangents, both ways, and the k-th singular value of D along each."""
+    tangents = unit(tangents)
+    series = taylor(place.robot, place.q, place.task, tangents * place.scale, 1)[1]
+    if place.corank:
+        first = place.u2.T @ series @ place.v2
+        promise = np.linalg.svd(first, compute_uv=False)[:, place.corank - 1]
+    else:
+        r = place.generic - 1
+        promise = np.abs(place.u[:, r] @ series @ place.v[:, r])
+    kept = distinct(tangents, np.lexsort((np.arange(len(promise)), -np.round(promise, 9))))[:_MOST]
+    return np.concatenate([tangents[kept], -tangents[kept]]), np.concatenate([promise[kept], promise[kept]])
+
+
+def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: Trace, complete: bool) -> Stillness:
+    """The best of the traces that stood still."""
+    down, up = room(place)
+    moved = (traced.q - place.q) / place.scale
+    inside = np.asarray(((moved >= -down - 1e-9) & (moved <= up + 1e-9)).all(axis=(1, 2)))
+    least = max(_LEFT, place.floor) if place.corank else traced.sigma[:, 0]
+    leaves = np.asarray(traced.valid & (traced.sigma[:, -1] > least))
+    if not leaves.any():
+        return _stays(place, each, traced, complete)
+    value = np.where(leaves, traced.sigma[:, -1] + 1e3 * inside, -1.0)
+    best = int(np.argmax(value))
+    sigma = traced.sigma[best]
+    order, rate = _along(sigma, float(promise[best]), float(traced.length[best]))
+    words = (
+        f"a self-motion of {traced.length[best]:.3g} rad was traced: σ_r = {sigma[-1]:.3g} at its end, the end "
+        f"effector where it was to {max(1e-12, float(traced.error[best])):.0e}"
+        + ("" if inside[best] else "; it leaves the joint limits")
+    )
+    avoidable = True if place.corank else None
+    return Stillness(
+        tangents[best], int(traced.ranks[best]) - place.rank, order, rate, float(traced.length[best]), float(sigma[-1]),
+        float(traced.error[best]), bool(inside[best]), avoidable, words if place.corank else "regular: " + words, each,
+    )  # fmt: skip
+
+
+def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillness:
+    """No trace restores the rank: say whether those were all there are."""
+    if not place.corank:
+        return _none(each, None, "regular: nothing to avoid")
+    stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
+    if complete and stayed and traced.valid.all():
+        return _none(each, False, "every self-motion traced through q stays singular (traced, not proven)")
+    if stayed and traced.valid.any():
+        return _none(each, None, "the self-motions that were traced stay singular; there may be others")
+    if traced.valid.any():
+        return _none(each, None, "σ_r along the self-motions traced is too small to tell leaving from error")
+    return _none(each, None, "no self-motion could be traced from q; that is no proof")
+
+
+def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:
+    """Order and rate of σ_r along a trace with evenly spaced points."""
+    if promise > _FIRST:
+        return 1, promise
+    quarter = length / (len(sigma) - 1)
+    ratio = float(sigma[2] / max(sigma[1], 1e-300))
+    order = max(1, round(np.log2(max(ratio, 1e-300))))
+    return order, float(sigma[1]) / quarter**order
+
+
+def _none(each: Array, avoidable: bool | None, words: str) -> Stillness:
+    return Stillness(None, 0, None, 0.0, 0.0, 0.0, 0.0, False, avoidable, words, each)

@@ -4,6 +4,8 @@ A joint a moved alone changes the block of the lost directions by D(e_a) = U₂�
 products [S_a, S_i]; its rank is the rank regained at first order, its singular values the rates. Where it falls short,
 higher orders decide (`departure`). Every prediction is judged by a finite motion; σ is that of the task Jacobian with
 translation rows over the length scale, so rates depend on that scale, while ranks, orders and joints do not.
+
+Actuators and receptors: which joint carries which screws out of what the screws span (GR sections 3 and 4).
 """
 
 from __future__ import annotations
@@ -14,19 +16,41 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.local import finite_motions
+from rankdrop.kinematics import jacobian
+from rankdrop.local import departure as finite_motions
+from rankdrop.local.bracket import brackets
 from rankdrop.local.departure import Departure, departures
 from rankdrop.local.notebook import escape_html
 from rankdrop.local.place import LEAST, Place, place_at, room
-from rankdrop.local.receptors import receptors
-from rankdrop.local.second_order import LostMotion, boundary, lost_motions, null_basis
-from rankdrop.local.still import Stillness, find_still
-from rankdrop.local.taylor import taylor
+from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
+from rankdrop.local.taylor import taylor, unlocked
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+
+
+def receptors(place: Place) -> tuple[tuple[int, ...], ...]:
+    """Per actuator a, the joints i (from 1) whose change leaves the span of all screws, and that are dependent at q.
+
+    For the whole pose the change is [S_a, S_i], i > a. Tasks with fewer rows take the change of the task Jacobian's
+    column, which is also there for joints before a when the reference point moves.
+
+    What the receptors bring can cancel: an actuator with receptors need not restore the rank. D says whether it does.
+    """
+    if not place.corank:
+        return ((),) * len(place.q)
+    chain, values, _ = unlocked(place.robot, place.q)
+    if place.task.m == 6 and chain is place.robot:
+        change = brackets(jacobian(chain, values, place.task.frame))
+        change[:, :3] /= place.task.scale(place.robot)
+    else:
+        change = taylor(place.robot, place.q, place.task, np.eye(len(place.q)), 1)[1]
+    leaves = np.linalg.norm(np.einsum("mp,ami->api", place.u2, change), axis=1) > ENTRY
+    depends = np.linalg.norm(place.v2, axis=1) > ENTRY
+    return tuple(tuple(int(i) + 1 for i in np.flatnonzero(row & depends)) for row in leaves)
+
 
 _NEARBY = "q is only near a singularity; if it were one"
 

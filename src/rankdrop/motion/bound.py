@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop._handles import chain_of
 from rankdrop.certify.setting import Setting, enclose
-from rankdrop.local.unlocked import unlocked
+from rankdrop.local.taylor import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 
 Mask = NDArray[np.bool_]

@@ -21,7 +21,7 @@ from rankdrop.motion.result import PathCheck
 from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.which import known_families
+from rankdrop.results.explanation.parts import known_families
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

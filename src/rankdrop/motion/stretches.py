@@ -17,8 +17,8 @@ from rankdrop.family.which import families_at
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.local.rate_limits import rate_limits
-from rankdrop.local.sentences import words
+from rankdrop.local.rates import rate_limits
+from rankdrop.local.screws import words
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
 from rankdrop.motion.distance import Ruler

@@ -1,6 +1,6 @@
 from .analysis import Analysis as Analysis
-from .checks import sampled as sampled
-from .checks import unseen as unseen
+from .analysis import sampled as sampled
+from .analysis import unseen as unseen
 from .codec import Record as Record
 from .codec import json_text as json_text
 from .codec import plain as plain
@@ -9,12 +9,12 @@ from .conditions.known import known_conditions as known_conditions
 from .conditions.text import arm_lines as arm_lines
 from .conditions.text import steps_text as steps_text
 from .explanation.explanation import Explanation as Explanation
-from .explanation.record import far_to_dict as far_to_dict
-from .explanation.record import way_out_to_dict as way_out_to_dict
-from .explanation.tolerant import tolerant_sections as tolerant_sections
-from .explanation.tolerant import tolerant_to_dict as tolerant_to_dict
-from .explanation.verdict import first_verdict as first_verdict
-from .explanation.which import known_families as known_families
+from .explanation.explanation import far_to_dict as far_to_dict
+from .explanation.explanation import way_out_to_dict as way_out_to_dict
+from .explanation.failures import tolerant_sections as tolerant_sections
+from .explanation.failures import tolerant_to_dict as tolerant_to_dict
+from .explanation.parts import first_verdict as first_verdict
+from .explanation.parts import known_families as known_families
 from .explanation.words import angle as angle
 from .explanation.words import angle_below as angle_below
 from .explanation.words import motion as motion

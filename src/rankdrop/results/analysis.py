@@ -1,4 +1,7 @@
-"""The result of an analysis: a frozen record that goes to JSON and back unchanged and can re-check itself."""
+"""The result of an analysis: a frozen record that goes to JSON and back unchanged and can re-check itself.
+
+How an analysis was checked, in sentences that the terminal and the report share; every number is in the JSON too.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import numpy as np
 
 from rankdrop.compare.joined import Joined, joined_from_dict
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.cells import inside_limits
+from rankdrop.families.cells import inside_limits, share_text
 from rankdrop.families.share import Near, overview
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
@@ -282,3 +285,28 @@ class Analysis:
                 error.what, where=str(path), got=error.got, allowed=error.allowed, mend=error.mend,
                 typed=error.typed,
             ) from error
+
+
+def sampled(analysis: Analysis) -> str:
+    """How many solutions of the rows' conditions are singular, how many fresh points the rows explain; "" for none."""
+    if not analysis.families:
+        return ""
+    solved = sum(row.soundness.tested for row in analysis.families)
+    singular = sum(row.soundness.singular for row in analysis.families)
+    fresh = sum(row.completeness.tested for row in analysis.coranks)
+    explained = sum(row.completeness.explained for row in analysis.coranks)
+    return (
+        f"Sampled: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
+        f"(σ ≤ {analysis.settings.tolerances.singular:g}), and the rows explain {explained:,} of {fresh:,} fresh "
+        f"singular points, none of which made them ({share_text(explained, fresh)})."
+    )
+
+
+def unseen(analysis: Analysis) -> str:
+    """What the searches may have missed, at the corank where that is most; "" where nothing converged."""
+    found = [row for row in analysis.coranks if row.converged]
+    if not found:
+        return ""
+    worst = max(found, key=lambda row: row.unseen.upper)
+    share = f"an estimated {worst.unseen.estimate:.2%} of where searches end, {worst.unseen.upper:.2%} at most (95 %)"
+    return f"Not seen by sampling: {share}, worst at corank {worst.corank} ({worst.unseen.how})."

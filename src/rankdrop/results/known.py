@@ -18,7 +18,7 @@ import numpy as np
 from rankdrop.errors import ResultFileError
 from rankdrop.family.record import Family, Pinned, family_from_metres
 from rankdrop.local.directions import lost_in_sparsest_frame
-from rankdrop.local.sentences import words
+from rankdrop.local.screws import words
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
 from rankdrop.robot.model import Robot

@@ -26,10 +26,7 @@ from rankdrop.local.ways_out import JointEscape, escape
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Blame, ExplainSettings, Far
 from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.far import how_far
-from rankdrop.results.explanation.lost import lost_of
-from rankdrop.results.explanation.verdict import verdict_of
-from rankdrop.results.explanation.which import known_families, met_at
+from rankdrop.results.explanation.parts import how_far, known_families, lost_of, met_at, verdict_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SMALL, Tolerances

@@ -13,8 +13,7 @@ from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
 from rankdrop.exact.reading.lint import LintResult, lint
 from rankdrop.exact.writing.code import Code
 from rankdrop.results.codec import Record, save_record
-from rankdrop.results.conditions.data import ConditionsData
-from rankdrop.results.conditions.record import conditions_to_dict
+from rankdrop.results.conditions.data import ConditionsData, conditions_to_dict
 from rankdrop.results.conditions.text import sections_of
 from rankdrop.sections import Section, html, text
 

@@ -2,27 +2,201 @@
 
 They answer one question, that of `rankdrop conditions NAME` without options. What is asked about has to be the same
 arm: screws, link frames (in which lost motions are told) and home pose, letters for lengths, and the same task.
+
+Exact conditions as a file holds them, and back: the record of docs/json.md, and the polynomials beside it.
+
+What JSON says in words is kept in words, and the polynomials from which those words were made are kept too, each as its
+terms. Read back, a derivation prints, writes LaTeX, code and JSON as it did before. It no longer has the irreducible
+sets that its families were merged from: `Conditions.test` derives them anew.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
+from typing import Any
+
+import numpy as np
 
 from rankdrop.errors import ResultFileError
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.results.codec import Record
+from rankdrop.exact.algebra.polynomial import Polynomial, flint
+from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.verify import Check
+from rankdrop.exact.derivation import Step
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.writing.condition import Condition
+from rankdrop.family.equation import Equation
+from rankdrop.results.codec import Record, known
 from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionsData
-from rankdrop.results.conditions.stored import from_stored, is_of
+from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
 from rankdrop.results.known import candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
+
+_SAME = 1e-12  # screws and frames that agree to this are the same arm, as for the shipped analyses
+_AGAIN = ("robot", "equations", "determinants")
+"""Entries of the record that are made again: from the robot asked about, and from `terms`; determinants belong to
+steps, which are not stored."""
+
+
+def to_stored(found: ConditionsData) -> Record:
+    """A complete derivation as plain data: `from_stored` is its inverse, given the same arm.
+
+    Raises:
+        ResultFileError: a derivation that is not complete; nothing of it can be vouched for later.
+    """
+    if not found.complete or found.interrupted:
+        raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
+    record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
+    record["generic_rank"] = found.generic_rank
+    record["families"] = [
+        {key: value for key, value in written.items() if key not in _AGAIN}
+        | {"pins": [[joint, list(values)] for joint, values in family.pins]}
+        | {"polynomials": [_terms(one.polynomial) for one in family.conditions]}
+        for written, family in zip(record["families"], found.families, strict=True)
+    ]
+    return record
+
+
+def is_of(record: Record, robot: Robot, task: Task) -> bool:
+    """Whether a stored derivation is that of this arm and task: kinds, screws, frames and home pose, letters, rows."""
+    mine, own = _arm(robot), record["arm"]
+    exact = all(mine[key] == own[key] for key in ("kinds", "lengths")) and _task(task) == own["task"]
+    return exact and all(
+        np.abs(np.array(mine[key]) - own[key]).max() <= _SAME for key in ("screws", "frames", "home")
+    )
+
+
+def _arm(robot: Robot) -> Record:
+    return {
+        "kinds": [str(joint.kind) for joint in robot.joints],
+        "lengths": dict(robot.lengths),
+        "screws": [joint.screw.tolist() for joint in robot.joints],
+        "frames": [joint.frame[:3].tolist() for joint in robot.joints],
+        "home": robot.home.tolist(),
+    }
+
+
+def _task(task: Task) -> Record:
+    frame = task.frame
+    return {"name": task.name, "rows": list(task.rows), "axes": frame.axes, "origin": frame.origin,
+            "point": list(frame.point)}  # fmt: skip
+
+
+def from_stored(
+    record: Record, robot: Robot, task: Task, chain: Chain, *, anew: Callable[[], ConditionsData] | None = None
+) -> Conditions:
+    """The derivation of a record made by `to_stored`.
+
+    Args:
+        record: as it was stored.
+        robot, task: the arm asked about: the same joints, lengths and frames as those it was derived for.
+        chain: that arm made exact, with letters where it has them.
+        anew: derives it once more, for what the record does not hold.
+
+    Raises:
+        ResultFileError: another schema, or entries that are missing or make no sense.
+    """
+    if record.get("schema") != SCHEMA:
+        raise ResultFileError("these are not conditions that can be read", got=repr(record.get("schema")),
+                              allowed=SCHEMA)  # fmt: skip
+    try:
+        return _read(record, robot, task, chain, anew)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        what = f"no entry {error}" if isinstance(error, KeyError) else str(error)
+        raise ResultFileError("the stored conditions are damaged", where=robot.name, got=what) from error
+
+
+def _read(
+    record: Record, robot: Robot, task: Task, chain: Chain, anew: Callable[[], ConditionsData] | None
+) -> Conditions:
+    if not record["letters"]:
+        chain = replace(chain, letters={}, written={})  # with letters it took longer than it might
+    return Conditions(
+        robot=robot,
+        task=task,
+        generic_rank=record["generic_rank"],
+        letters=dict(record["letters"]),
+        shifts=tuple(record["shifts"]),
+        remarks=tuple(record["remarks"]),
+        method=record["method"],
+        reason=record["reason"],
+        steps=tuple(Step(one["title"], tuple(one["lines"])) for one in record["steps"]),
+        families=tuple(_family(one, chain) for one in record["families"]),
+        lowest=record["lowest"],
+        assumptions=tuple(Assumption(**known(Assumption, one)) for one in record["assumptions"]),
+        not_real=tuple(record["not_real"]),
+        explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
+        disagreements=tuple(record["disagreements"]),
+        complete=record["complete"],
+        interrupted=record["interrupted"],
+        left=tuple(record["left"]),
+        seconds=0.0,
+        settings=ConditionSettings(**known(ConditionSettings, record["settings"])),
+        chain=chain,
+        anew=anew,
+    )
+
+
+def _family(record: Record, chain: Chain) -> ExactFamily:
+    """A family with what was written of it: it need not be put shortly once more, which takes the longest."""
+    found = ExactFamily(
+        id=record["id"],
+        name=record["name"],
+        corank=record["corank"],
+        dimension=record["dimension"],
+        codimension=record["codimension"],
+        pins=tuple((joint, tuple(values)) for joint, values in record["pins"]),
+        conditions=tuple(Condition(chain.ring, _polynomial(chain.ring, terms)) for terms in record["polynomials"]),
+        free=tuple(record["free"]),
+        coupled=tuple(record["coupled"]),
+        reality=record["reality"],
+        witness=tuple(record["witness"]),
+        lost_words=tuple(record["lost_words"]),
+        rank_check=Check(**known(Check, record["rank_check"])),
+        numbers=chain.numbers,
+        shifts=tuple(float(x) for x in chain.shifts),
+        pieces=(),
+    )
+    written: dict[str, Any] = {
+        "texts": tuple(record["conditions"]),
+        "latex": tuple(record["latex"]),
+        "equations": tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"]),
+    }
+    vars(found).update(written)  # where functools.cached_property keeps them
+    return found
+
+
+def _terms(f: Polynomial) -> list[list[Any]]:
+    """[[variable, power, …], coefficient] per term, coefficients as whole numbers or "p/q"."""
+    names = f.context().names()
+    found = []
+    for exponents, value in f.terms():
+        powers = [part for name, power in zip(names, exponents, strict=True) if power for part in (name, int(power))]
+        number = Fraction(int(value.p), int(value.q))
+        found.append([powers, str(number)])
+    return found
+
+
+def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
+    """The polynomial of the half-angle ring with these terms."""
+    module, found = flint(), {}
+    for powers, value in terms:
+        exponents = [0] * len(ring.names)
+        for name, power in zip(powers[::2], powers[1::2], strict=True):
+            exponents[ring.index[name]] = power
+        number = Fraction(value)
+        found[tuple(exponents)] = module.fmpq(number.numerator, number.denominator)
+    return ring.half.from_dict(found)
 
 
 def known_conditions(

@@ -1,16 +1,144 @@
-"""The explanation of one configuration: its data, and how it goes to JSON, to text and to a notebook."""
+"""The explanation of one configuration: its data, and how it goes to JSON, to text and to a notebook.
+
+An explanation as plain data: the names of docs/json.md and schema/explanation.schema.json.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from rankdrop.results.codec import Record, save_record
-from rankdrop.results.explanation.data import ExplanationData
-from rankdrop.results.explanation.record import explanation_to_dict
+from rankdrop.certify.ball import Certificate
+from rankdrop.family.which import Met
+from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
+from rankdrop.results.explanation.data import ExplanationData, Lost
+from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of
+from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section, html, text
+
+SCHEMA = "rankdrop/explanation/1"
+
+
+def explanation_to_dict(found: ExplanationData) -> Record:
+    """Every part; what is asked for most stands at the top level."""
+    rank = found.rank
+    return {
+        "schema": SCHEMA,
+        "robot": robot_to_dict(found.robot, found.task, rank.generic_rank),
+        "settings": plain(found.settings),
+        "q": found.q.tolist(),
+        "outside_limits": list(found.outside_limits),
+        "at_limits": list(found.at_limits),
+        "verdict": found.verdict,
+        "reason": found.reason,
+        "sentence": of_explanation(found),
+        **plain(rank),
+        "nearly_lost": found.nearly_lost,
+        "focus": found.focus.tolist(),
+        "family": met_to_dict(found.met[0]) if found.met else None,
+        "families": [met_to_dict(one) for one in found.met],
+        "family_source": found.source,
+        "relations": plain(found.relations),
+        **_lost(found.lost),
+        "circuits": [list(circuit.numbers) for circuit in found.blame.circuits],
+        "blame": plain(found.blame),
+        "escape": plain(found.escape),
+        "joint_rates": plain(found.rates),
+        "nearest": nearest_to_dict(found),
+        "families_away": [
+            {
+                "id": one.family.id,
+                "name": one.family.name,
+                **{key: value for key, value in plain(one).items() if key != "family"},
+            }
+            for one in found.far.families
+        ],
+        "certified_radius": found.certified_radius,
+        "certificate": None if found.far.certificate is None else certificate_to_dict(found.far.certificate),
+        "uncertified": found.far.uncertified,
+        "near_miss": plain(found.far.near_miss),
+        **failures_to_dict(found.failures),
+        "ellipsoids": plain(found.ellipsoids),
+        "redundancy": plain(found.redundancy),
+        "representations": plain(found.representations),
+        "disagreements": list(found.disagreements),
+    }
+
+
+def met_to_dict(met: Met) -> Record:
+    """A family that holds: what it is called, its conditions, and how well they hold."""
+    family: Any = met.family
+    record = plain(family)
+    keys = ("id", "name", "corank", "dimension", "pinned", "free", "coupled")
+    conditions = [str(equation) for equation in getattr(family, "equations", ())]
+    return {
+        **{key: record.get(key) for key in keys},
+        "conditions": conditions or list(getattr(family, "words", ())),
+        "equations": [equation.text() for equation in getattr(family, "equations", ())],
+        "residual": met.residual,
+        "source": met.source,
+    }
+
+
+def _lost(lost: Lost) -> Record:
+    framed = lost.framed
+    return {
+        "lost_directions": lost.directions.tolist(),
+        "lost_words": list(lost.words),
+        "blocked_wrenches": lost.directions.tolist(),
+        "blocked_words": list(lost.blocked_words),
+        "lost_frame": None
+        if framed is None
+        else {
+            "name": framed.name,
+            **plain(framed.frame),
+            "directions": framed.directions.tolist(),
+            "twist_screws": plain(lost.twist_screws),
+            "wrench_screws": plain(lost.wrench_screws),
+        },
+        "weakest_direction": lost.weakest.tolist(),
+        "never_possible": lost.never.tolist(),
+    }
+
+
+def nearest_to_dict(found: ExplanationData) -> Record | None:
+    """The nearest singular configuration: q itself where it is one."""
+    name = None if found.far.nearest_family is None else met_to_dict(found.far.nearest_family)
+    if found.rank.corank:
+        still = [0.0] * found.robot.n
+        first = met_to_dict(found.met[0]) if found.met else None
+        return {"distance": 0.0, "q": found.q.tolist(), "delta": still, "corank": found.rank.corank, "family": first}
+    return None if found.far.nearest is None else {**plain(found.far.nearest), "family": name}
+
+
+def far_to_dict(found: ExplanationData) -> Record:
+    """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
+    return _picked(found, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
+                   "uncertified", "near_miss")  # fmt: skip
+
+
+def way_out_to_dict(found: ExplanationData, procedure: Any) -> Record:
+    """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
+    picked = _picked(found, "rankdrop/escape/1", "circuits", "blame", "escape")
+    return {**picked, "lie": plain(procedure)}
+
+
+def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
+    whole = explanation_to_dict(found)
+    always = (
+        "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
+        "nullity", "sigma",
+    )  # fmt: skip
+    return {"schema": schema, **{name: whole[name] for name in (*always, *names, "disagreements")}}
+
+
+def certificate_to_dict(certificate: Certificate) -> Record:
+    """The certificate without its boxes."""
+    return {key: value for key, value in plain(certificate).items() if key != "boxes"}
+
 
 _SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 

@@ -1,0 +1,222 @@
+"""The parts of an explanation: which families, what is lost, how far a singularity is, and the verdict in words.
+
+Families are known beforehand, or those that the configuration lies on. What is lost: directions, the frame in which
+they are read, screws, and what the arm never makes. How far: the nearest found, each known family, a radius that is
+proven free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
+from rankdrop.errors import OptionError
+from rankdrop.families.distance import FamilyDistance, family_distances
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.search_record import Outcome
+from rankdrop.families.searching import refine
+from rankdrop.family.record import Family
+from rankdrop.family.which import Met, families_at
+from rankdrop.local.block import decompose
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, readable_basis
+from rankdrop.local.nearest import Nearest, nearest_singularity
+from rankdrop.local.screws import blocked_words, screw_of, words
+from rankdrop.local.verdict import Rank
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation.data import Asked, Far, Lost
+from rankdrop.results.explanation.words import angle, angle_below, short
+from rankdrop.results.known import known_analysis
+from rankdrop.robot.fingerprint import geometry
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import NEAR, SMALL, Tolerances
+from rankdrop.units import counted, counted_length
+
+
+def known_families(
+    robot: Robot, task: Task, analysis: Analysis | None, tolerances: Tolerances
+) -> tuple[tuple[Family, ...], str]:
+    """Known families and where they come from: the analysis given, else the atlas that is shipped, else nowhere.
+
+    Raises:
+        OptionError: the analysis is about another arm or other rows.
+    """
+    if analysis is None:
+        known = known_analysis(robot, task)
+        return (known.families, "catalogue") if known else ((), "on the spot")
+    if not isinstance(analysis, Analysis):
+        raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
+    mine, other = geometry(robot), geometry(analysis.robot)
+    if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
+        raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
+    if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
+        raise OptionError("the analysis is about another task", got=analysis.task.name, allowed=task.name)
+    return analysis.families, "analysis"
+
+
+def met_at(asked: Asked, q: Array, corank: int) -> tuple[Met, ...]:
+    """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
+    robot, task, settings = asked.robot, asked.task, asked.settings
+    found = families_at(asked.families, robot, q, task, settings.tolerances, asked.source)
+    if found and found[0].family.corank >= corank:
+        return found
+    local = name_on_the_spot(robot, q, task, corank, seed=settings.seed)
+    return (Met(local, 0.0, "on the spot"), *found)
+
+
+def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
+    """What is lost at the focus (`corank` directions; none where it is 0), and what is weakest at q."""
+    robot, q, task, rank = asked.robot, asked.q, asked.task, asked.rank
+    never = _never(robot, q, task, rank)
+    empty = np.zeros((0, 6))
+    weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
+    if not corank:
+        return Lost(empty, weakest, (), (), None, (), (), never)
+    length = counted_length(robot)
+    framed = lost_in_sparsest_frame(robot, focus, task, corank)
+    return Lost(
+        directions=lost_directions(robot, focus, task, corank),
+        weakest=weakest,
+        words=tuple(words(one, framed.name, length) for one in framed.directions),
+        blocked_words=tuple(blocked_words(one, framed.name, length) for one in framed.directions),
+        framed=framed,
+        twist_screws=tuple(screw_of(one).in_lengths(length) for one in framed.directions),
+        wrench_screws=tuple(screw_of(np.roll(one, 3)).in_lengths(length) for one in framed.directions),
+        never=never,
+    )
+
+
+def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
+    """Readable basis of what is beyond the generic rank: the arm makes it nowhere near q."""
+    beyond = task.m - rank.generic_rank
+    if beyond == 0:
+        return np.zeros((0, 6))
+    away = q + np.random.default_rng(0).uniform(-1e-3, 1e-3, robot.n) if rank.corank else q
+    rows = np.zeros((beyond, 6))
+    rows[:, list(task.rows)] = decompose(robot, away, task).u[:, rank.generic_rank :].T
+    rows[:, :3] *= counted(robot) / task.scale(robot)
+    return readable_basis(rows.T).T
+
+
+_SEEDS = 8  # nearest points of families that the search begins from
+
+
+def how_far(asked: Asked) -> Far:
+    """Distances from the configuration asked about."""
+    away, rank, settings = _families_away(asked), asked.rank, asked.settings
+    if rank.corank:
+        return Far(None, None, away, None, "the configuration is singular")
+    if rank.generic_rank == 0:
+        return Far(None, None, away, None, "the arm moves nothing")
+    try:
+        nearest = nearest_singularity(
+            asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed,
+            seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=settings.tolerances,
+        )  # fmt: skip
+    except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
+        return Far(None, None, away, None, f"{error.what}: {error.got}")
+    certificate, reason = _certificate(asked, nearest)
+    miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= settings.small else None
+    if nearest is None:
+        return Far(None, None, away, certificate, reason, miss)
+    there = met_at(asked, np.array(nearest.q), nearest.corank)
+    closer = sorted((_no_farther(one, nearest, there) for one in away), key=lambda one: one.distance)
+    return Far(nearest, there[0], tuple(closer), certificate, reason, miss)
+
+
+def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
+    """Families that were reached and do not hold here."""
+    settings = asked.settings
+    targets = [one for one in asked.families if one.corank <= asked.coranks]
+    every = family_distances(targets, asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed)
+    least = settings.tolerances.explained if asked.rank.corank else -np.inf
+    return tuple(one for one in every if least < one.distance < np.inf)
+
+
+def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Met]) -> FamilyDistance:
+    """A family through the point that the search found is no farther away than that point."""
+    through = any(met.family is record.family for met in there)
+    if not through or record.distance <= nearest.distance:
+        return record
+    return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
+
+
+def _certificate(asked: Asked, nearest: Nearest | None) -> tuple[Certificate | None, str]:
+    """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
+    bounded = nearest is not None and not asked.settings.limits
+    at_most = min(LARGEST, nearest.distance * (1 + 1e-9)) if nearest is not None and bounded else LARGEST
+    evaluations = asked.settings.evaluations
+    try:
+        return certified_radius(asked.robot, asked.q, asked.task, at_most=at_most, evaluations=evaluations), ""
+    except OptionError as error:
+        if error.got == evaluations:  # no budget; else a task that cannot be certified
+            raise
+        return None, error.what
+
+
+def _near_miss(asked: Asked) -> float | None:
+    """σ_r at the nonzero local minimum that a descent from q ends in; None where it ends in a singularity."""
+    settings = asked.settings
+    found = refine(
+        asked.robot, asked.q[None, :], 1, task=asked.task, seed=settings.seed, tolerances=settings.tolerances, threads=1
+    )
+    return found.smallest_near_miss if found.outcome[0] == Outcome.NEAR_MISS else None
+
+
+def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]:
+    """The verdict and one sentence for it; see `rankdrop.explain.explain`."""
+    r = rank.generic_rank
+    sigma = float(rank.sigma[r - 1]) if r else 0.0
+    lost = f"rank {rank.rank} of {r}"
+    if rank.corank:
+        times = "task freedom is" if rank.corank == 1 else "task freedoms are"
+        return "singular", f"{lost}: {rank.corank} {times} lost{_nearly(rank, small)}"
+    if rank.always_singular:
+        return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
+    if far.near_miss is not None:
+        least = f"σ{r} = {short(sigma, 3)} is small, but a descent from here ends at σ{r} = {short(far.near_miss, 3)}"
+        return "near", f"{lost}; near miss: {least}, not at zero"
+    if far.nearest is not None and far.nearest.distance <= near:
+        there = f"a singular configuration is {angle(far.nearest.distance)} away"
+        return "near", f"{lost}, but {there}{_several(rank, small)}"
+    if sigma <= small:
+        return "near", f"{lost}, but σ{r} = {short(sigma, 3)} is at most {short(small)}"
+    if far.nearest is None:
+        proven = f"none lies within {angle_below(far.certificate.radius)}" if far.certificate else "that is no proof"
+        return "regular", f"{lost}; no singular configuration was found, and {proven}"
+    return "regular", f"{lost}; the nearest singular configuration found is {angle(far.nearest.distance)} away"
+
+
+def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
+                  small: float = SMALL) -> str:  # fmt: skip
+    """The verdict by what a monitor sees, before any search: near within the first-order distance.
+
+    Args:
+        corank: at the configuration.
+        generic_rank: r.
+        smallest: min(m, n) of the task and the arm.
+        sigma: σ_r [1].
+        distance: σ_r/‖∇σ_r‖ [rad].
+        near, small: as in `rankdrop.explain.explain`.
+    """
+    if corank:
+        return "singular"
+    if generic_rank < smallest:
+        return "always-singular"
+    return "near" if distance <= near or sigma <= small else "regular"
+
+
+def _several(rank: Rank, small: float) -> str:
+    """Where more is small than what vanishes nearby: an arm without its offsets would lose it all."""
+    count = int((rank.sigma[: rank.rank] <= small).sum())
+    first = rank.rank - count
+    return f"; {count} task freedoms are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}" if count > 1 else ""
+
+
+def _nearly(rank: Rank, small: float) -> str:
+    """What is small beside what is zero: Gen3's offsets of 12 mm keep σ above zero where it would vanish without."""
+    kept = rank.sigma[: rank.rank]
+    return f", and σ{rank.rank} = {short(kept[-1], 3)} is nearly zero" if len(kept) and kept[-1] <= small else ""

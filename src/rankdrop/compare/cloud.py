@@ -22,7 +22,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import real_points
 from rankdrop.exact.tree import Tree
-from rankdrop.families.searching import search
+from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
 from rankdrop.family.system import System
 from rankdrop.family.which import families_at
@@ -34,6 +34,8 @@ from rankdrop.units import into_units
 
 ROUNDS = 20
 """The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
+FURTHER = 1e-2
+"""Longest way that a configuration is searched on [rad]: what moves on was not singular to begin with."""
 WITHIN = 1e-3
 """Longest way from a point of a cloud to a family that is walked [rad]."""
 
@@ -122,8 +124,29 @@ def explained(
         if not len(left):
             break
     crossing = [_Given(system.equations) for system in systems]
-    over = [i for i in left if not families_at(crossing, points.robot, points.q[i], points.task, tolerances)]
-    return Check(len(points.q), len(points.q) - len(over)), np.array(over, dtype=np.int64)
+
+    def over(indices: NDArray[np.int64], q: Array) -> NDArray[np.int64]:
+        on = [families_at(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
+        return indices[[not one for one in on]]
+
+    left = over(left, points.q)
+    if len(left):
+        left = over(left, _further(points, left))
+    return Check(len(points.q), len(points.q) - len(left)), left
+
+
+def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
+    """The configurations, those of the indices searched on from where the search ended.
+
+    Where σ has a zero of fourth order, σ of 1e-11 is met 4e-3 rad before it: too far to tell of what it is a zero.
+    """
+    q = points.q.copy()
+    for corank in np.unique(points.corank[indices]):
+        mine = indices[points.corank[indices] == corank]
+        found = refine(points.robot, q[mine], int(corank), task=points.task).q
+        near = np.abs(found - q[mine]).max(axis=1) <= FURTHER
+        q[mine[near]] = found[near]
+    return q
 
 
 @dataclass(frozen=True)

@@ -58,6 +58,7 @@ def test_a_condition_that_touches_zero_for_these_lengths_is_not_lost() -> None:
     assert found.left == 0
 
 
+@pytest.mark.slow
 def test_a_configuration_beside_a_zero_of_fourth_order_is_on_its_family() -> None:
     """σ is 1e-11 already 4e-3 rad from the configurations that are singular: 24 of 1,449 were said to be on none."""
     found = lost(structured(73))

@@ -16,7 +16,7 @@ from rankdrop.kinematics import task_jacobian
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.verbs import link_jacobian
-from rankdrop.verbs.seen_from import numeric
+from rankdrop.verbs.jacobian_in_frame import numeric
 
 Q = [0.3, -0.8, 1.1, 0.4, 0.9, -0.6]
 
@@ -82,7 +82,7 @@ def test_numbers_are_the_core_jacobian_turned_and_moved(at: int | None) -> None:
 
 def test_a_wrong_closed_form_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check is against the core's Jacobian, which knows nothing of the closed form."""
-    import rankdrop.verbs.seen_from as verb
+    import rankdrop.verbs.jacobian_in_frame as verb
 
     right = verb.frame_jacobian
     monkeypatch.setattr(verb, "frame_jacobian", lambda chain, k, at: [[-x for x in row] for row in right(chain, k, at)])

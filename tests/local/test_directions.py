@@ -11,7 +11,13 @@ import pytest
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local.directions import Sight, frame_name, lost_directions, lost_in_sparsest_frame, lost_over_family
+from rankdrop.local.directions import (
+    frame_name,
+    lost_directions,
+    lost_in_sparsest_frame,
+    lost_over_family,
+    seen_in_frames,
+)
 from rankdrop.local.screws import words
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
@@ -107,7 +113,7 @@ def test_what_is_blocked_is_blocked_in_every_frame_it_is_rewritten_in(pa10: Robo
     q = np.array(SINGULAR[4][0])
     lost = lost_directions(pa10, q, resolve_task("pose", pa10, frame=own), 2)
     frames = [own, *(Frame(axes, origin) for axes in (*range(8), TIP) for origin in (*range(8), TIP))]
-    seen = Sight(link_poses(pa10, q), own, frames)(lost)
+    seen = seen_in_frames(lost, link_poses(pa10, q), own, frames)
     for rows, frame in zip(seen, frames, strict=True):
         assert np.abs(rows @ jacobian(pa10, q, frame)).max() < 1e-12
 

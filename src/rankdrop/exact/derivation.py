@@ -20,7 +20,8 @@ from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.derivation import Words
 from rankdrop.exact.real import real_points
 from rankdrop.exact.suppression.basic_screws import check_basic
-from rankdrop.exact.suppression.suppress import Suppression, suppress
+from rankdrop.exact.suppression.steps import Suppression
+from rankdrop.exact.suppression.suppress import suppress
 from rankdrop.exact.tree import Tree
 from rankdrop.local.block import sample, singular_values
 from rankdrop.units import out_of_units

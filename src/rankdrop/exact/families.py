@@ -279,11 +279,6 @@ def _family(
 _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
-@dataclass(frozen=True, slots=True)
-class _Pinned:
-    number: int
-
-
 def described(
     chain: Chain, generic_rank: int, corank: int, points: Array, pins: Mapping[int, tuple[str, ...]], coupled: bool
 ) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
@@ -299,7 +294,7 @@ def described(
     """
     robot, task = chain.own, chain.own_task
     at = _witness(chain, generic_rank - corank, points, pins)
-    name = name_family(robot, task, points, [_Pinned(joint) for joint in sorted(pins)], coupled=coupled)
+    name = name_family(robot, task, points, sorted(pins), coupled=coupled)
     _, sentences = told(robot, at, points, task, corank)
     return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
 

@@ -201,7 +201,7 @@ def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic:
     directions, sentences = _lost(setting, at, generic)
     return Family(
         id="",
-        name=name_family(robot, setting.task, generic, pinned, coupled=bool(signature.coupled)),
+        name=name_family(robot, setting.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,

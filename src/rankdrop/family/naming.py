@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,16 +53,8 @@ _LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AW
 _PARTS = ("shoulder", "elbow", "wrist")
 
 
-class PinnedJoint(Protocol):
-    """What is read of a pinned joint: its number from 1."""
-
-    @property
-    def number(self) -> int:
-        """Counted from 1."""
-
-
 def name_family(
-    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[PinnedJoint] = (), *, coupled: bool = True
+    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[int] = (), *, coupled: bool = True
 ) -> str:
     """A short name for a family of singular configurations.
 
@@ -82,7 +73,7 @@ def name_family(
         robot: the arm.
         task: the rows that matter.
         points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are used.
-        pinned: the family's pinned joints, if known.
+        pinned: numbers of the family's pinned joints, if known.
         coupled: whether conditions bind joints beside the pinned ones.
 
     Raises:
@@ -97,7 +88,7 @@ def name_family(
     if corank == 0:
         raise ConfigurationError("these points are not all singular", mend="polish them, or drop the regular ones")
     structure = structure_of(robot, task, generic)
-    matter = _joints_that_matter(scene, task, generic - corank) | {joint.number - 1 for joint in pinned}
+    matter = _joints_that_matter(scene, task, generic - corank) | {number - 1 for number in pinned}
     facts, covered = _explain(structure, scene, matter, corank)
     if facts:
         others = "" if matter <= covered else ", others coupled" if coupled else ", others fixed"

@@ -149,8 +149,9 @@ def lost_in_sparsest_frame(
     configuration = one_configuration(robot, q)
     blocked, always = _blocked(robot, configuration, task, corank, without)
     frames = _candidates(task.frame, len(robot.joints))
-    see = Sight(link_poses(robot, configuration), task.frame, frames, counted(robot))
-    found = _readable(see(blocked), see(always), corank)
+    links, length = link_poses(robot, configuration), counted(robot)
+    seen, never = (seen_in_frames(some, links, task.frame, frames, length) for some in (blocked, always))
+    found = _readable(seen, never, corank)
     best = _sparsest(found)
     return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
 
@@ -181,7 +182,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     for q in np.asarray(points, dtype=np.float64):
         blocked, always = _blocked(robot, one_configuration(robot, q), task, corank)
         own = _readable(blocked[None], always[None], corank)[0]
-        bases.append(_orthonormal(Sight(link_poses(robot, q), task.frame, frames, counted(robot))(own)))
+        bases.append(_orthonormal(seen_in_frames(own, link_poses(robot, q), task.frame, frames, counted(robot))))
     if not bases:
         return None
     projectors = np.stack([basis @ basis.swapaxes(1, 2) for basis in bases])  # (P, F, 6, 6)
@@ -201,27 +202,26 @@ def _every_frame(own: Frame, joints: int) -> list[Frame]:
     return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
 
 
-class Sight:
+def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: list[Frame], length: float = 1.0) -> Array:
     """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration.
 
     Args:
+        wrenches: (k, 6) in the frame `own`.
         links: (N + 2, 4, 4) from `link_poses`.
         own: the frame they are written in.
         frames: the F frames they are wanted in.
         length: what the wrenches are written with for a unit of length [m].
+
+    Returns:
+        (F, k, 6).
     """
-
-    def __init__(self, links: Array, own: Frame, frames: list[Frame], length: float = 1.0) -> None:
-        joints = len(links) - 2
-        axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
-        old = links[link_index(own.axes, joints, "axes"), :3, :3]
-        points = np.stack([_point(links, frame, joints) for frame in frames]) - _point(links, own, joints)
-        self.turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
-        self.offsets = points @ old / length  # (F, 3) the new points seen from the old one
-
-    def __call__(self, wrenches: Array) -> Array:
-        """(k, 6) -> (F, k, 6)."""
-        return rewrite_wrench(wrenches, self.turns, self.offsets[:, None])
+    joints = len(links) - 2
+    axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
+    old = links[link_index(own.axes, joints, "axes"), :3, :3]
+    points = np.stack([_point(links, frame, joints) for frame in frames]) - _point(links, own, joints)
+    turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
+    offsets = points @ old / length  # (F, 3) the new points seen from the old one
+    return rewrite_wrench(wrenches, turns, offsets[:, None])
 
 
 def frame_name(frame: Frame, power: int = 0) -> str:

@@ -24,6 +24,7 @@ from .findings import find_to_dict as find_to_dict
 from .findings import find_to_npz as find_to_npz
 from .findings import history_to_csv as history_to_csv
 from .findings import history_to_npz as history_to_npz
+from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
 from .verdict import Verdict as Verdict
 from .verdict import of_analysis as of_analysis

@@ -7,5 +7,4 @@ from .beside import idealised as idealised
 from .beside import moved_section as moved_section
 from .beside import nearby as nearby
 from .beside import there_section as there_section
-from .seen_from import LinkJacobian as LinkJacobian
-from .seen_from import link_jacobian as link_jacobian
+from .jacobian_in_frame import link_jacobian as link_jacobian

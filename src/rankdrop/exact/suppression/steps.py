@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
-from typing import Protocol
 
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
@@ -90,43 +89,56 @@ class Step:
     lines: tuple[str, ...]
 
 
-class Derived(Protocol):
-    """What is read of a `Suppression`, whose attributes these are."""
+@dataclass(frozen=True)
+class Suppression:
+    """What dependent-screw suppression found.
+
+    Attributes:
+        chain: the arm over the exact ring.
+        frame: link in whose frame (z along its axis, x along the normal after it) the screws are written.
+        frame_reason: why that one.
+        columns: the screws (v; ω) there.
+        start: the first case, which holds all others.
+        families: disjoint; together, with what is `left`, every singular configuration.
+        assumptions: polynomials in lengths alone (trigonometric ring) that were taken for ≠ 0.
+        left: what was not finished, in words.
+    """
+
+    chain: Chain
+    frame: int
+    frame_reason: str
+    columns: list[list[Polynomial]]
+    start: Case
+    families: tuple[SuppressedFamily, ...]
+    assumptions: tuple[Polynomial, ...]
+    left: tuple[str, ...]
 
     @property
-    def chain(self) -> Chain:
-        """The arm over the exact ring."""
+    def complete(self) -> bool:
+        """Whether nothing was left unfinished."""
+        return not self.left
 
     @property
-    def frame(self) -> int:
-        """Link in whose frame the screws are written."""
+    def basic(self) -> tuple[int, ...]:
+        """The basic screws of step 1; empty where the time was up before it."""
+        return self.start.basic.joints if self.start.basic is not None else ()
 
     @property
-    def frame_reason(self) -> str:
-        """Why that one."""
+    def determinant(self) -> str:
+        """The determinant of the basic screws, factored, as text; empty as `basic`."""
+        return product_text(self.chain.ring, self.start.basic.product) if self.start.basic is not None else ""
 
     @property
-    def columns(self) -> list[list[Polynomial]]:
-        """The screws (v; ω) there."""
+    def factors(self) -> tuple[Polynomial, ...]:
+        """The factors of that determinant which depend on the configuration."""
+        return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
-    @property
-    def start(self) -> Case:
-        """The first case."""
-
-    @property
-    def families(self) -> tuple[SuppressedFamily, ...]:
-        """The families found."""
-
-    @property
-    def assumptions(self) -> tuple[Polynomial, ...]:
-        """Polynomials in lengths alone taken for ≠ 0."""
-
-    @property
-    def left(self) -> tuple[str, ...]:
-        """What was not finished."""
+    def steps(self) -> tuple[Step, ...]:
+        """The derivation step by step, as it is done by hand."""
+        return steps(self)
 
 
-def steps(suppression: Derived) -> tuple[Step, ...]:
+def steps(suppression: Suppression) -> tuple[Step, ...]:
     """The whole derivation: screws, basic determinant, every case with its dependent screw, families."""
     found = [Step("Screws", tuple(_screws(suppression)))]
     if suppression.start.basic is not None:
@@ -138,7 +150,7 @@ def steps(suppression: Derived) -> tuple[Step, ...]:
     return tuple(found)
 
 
-def _screws(suppression: Derived) -> Iterator[str]:
+def _screws(suppression: Suppression) -> Iterator[str]:
     ring = suppression.chain.ring
     yield f"$j = (v; ω) of joint j in the frame of link {suppression.frame}, z along its axis, x along the next normal"
     yield f"why this frame: {suppression.frame_reason}"
@@ -150,7 +162,7 @@ def _screw(j: int, entries: Sequence[str]) -> str:
     return f"${j} = ({', '.join(entries[:3])}; {', '.join(entries[3:])})"
 
 
-def _first(suppression: Derived) -> Iterator[str]:
+def _first(suppression: Suppression) -> Iterator[str]:
     start, chain = suppression.start, suppression.chain
     assert start.basic is not None
     joints = start.basic.joints
@@ -168,7 +180,7 @@ def _triples(chain: Chain, joints: Sequence[int]) -> str:
     return "; " + ", ".join(said) if said else ""
 
 
-def _cases(suppression: Derived, case: Case) -> Iterator[Step]:
+def _cases(suppression: Suppression, case: Case) -> Iterator[Step]:
     """A step for every case below that is not a family yet, in order."""
     for inner in case.cases:
         lines = tuple(_case(suppression, inner))
@@ -177,7 +189,7 @@ def _cases(suppression: Derived, case: Case) -> Iterator[Step]:
         yield from _cases(suppression, inner)
 
 
-def _case(suppression: Derived, case: Case) -> Iterator[str]:
+def _case(suppression: Suppression, case: Case) -> Iterator[str]:
     ring, dependence = suppression.chain.ring, case.dependence
     if dependence is not None:
         yield from _put_in(suppression, case)
@@ -202,7 +214,7 @@ def _case(suppression: Derived, case: Case) -> Iterator[str]:
     yield from _branches(case)
 
 
-def _put_in(suppression: Derived, case: Case) -> Iterator[str]:
+def _put_in(suppression: Suppression, case: Case) -> Iterator[str]:
     """The screws of the circuit with the case's angles put in, where that changes short ones."""
     assert case.dependence is not None
     ring = suppression.chain.ring
@@ -213,7 +225,7 @@ def _put_in(suppression: Derived, case: Case) -> Iterator[str]:
             yield f"here {_screw(j, [text_of(ring, x) for x in short])}"
 
 
-def _proof(suppression: Derived, proof: Proof, on: Sequence[int]) -> Iterator[str]:
+def _proof(suppression: Suppression, proof: Proof, on: Sequence[int]) -> Iterator[str]:
     ring = suppression.chain.ring
     there = "" if proof.frame == suppression.frame else f" in the frame of link {proof.frame}"
     if proof.kind == "gram":
@@ -233,7 +245,7 @@ def _branches(case: Case) -> Iterator[str]:
         yield f"{name}: {conditions_text(inner.stratum)}"
 
 
-def _families(suppression: Derived) -> Iterator[str]:
+def _families(suppression: Suppression) -> Iterator[str]:
     ring = suppression.chain.ring
     for family in suppression.families:
         yield f"family {family.number}: {conditions_text(family.stratum)}"
@@ -242,7 +254,7 @@ def _families(suppression: Derived) -> Iterator[str]:
         yield f"assumed: {text_of(ring, p)} ≠ 0"
 
 
-def _disjointness(suppression: Derived) -> Iterator[str]:
+def _disjointness(suppression: Suppression) -> Iterator[str]:
     """Why no two families meet: conditions that hold on some and not on others, until every pair is told apart."""
     families, ring = suppression.families, suppression.chain.ring
     apart = ((one.number, two.number, one.stratum.apart(two.stratum)) for one, two in combinations(families, 2))

@@ -10,7 +10,7 @@ way. An arm of six joints has step 1 alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.polynomial import Polynomial
@@ -22,7 +22,7 @@ from rankdrop.exact.suppression.basic_screws import Basic, check_basic, choose, 
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.suppression.factors import Product, joined, taken_apart
 from rankdrop.exact.suppression.piece import Factor
-from rankdrop.exact.suppression.steps import Case, Step, SuppressedFamily, conditions_text, product_text, steps
+from rankdrop.exact.suppression.steps import Case, SuppressedFamily, Suppression, conditions_text
 from rankdrop.exact.suppression.stratum import Stratum
 
 Progress = Callable[[str, int, int], None]
@@ -31,55 +31,6 @@ DEEPEST = 4
 """Most equations of a piece beside its pinned joints: more do not occur in an arm of eight joints without a fault."""
 SHORT = 30
 """Most terms of a polynomial that is written out where something is said to be left."""
-
-
-@dataclass(frozen=True)
-class Suppression:
-    """What dependent-screw suppression found.
-
-    Attributes:
-        chain: the arm over the exact ring.
-        frame: link in whose frame (z along its axis, x along the normal after it) the screws are written.
-        frame_reason: why that one.
-        columns: the screws (v; ω) there.
-        start: the first case, which holds all others.
-        families: disjoint; together, with what is `left`, every singular configuration.
-        assumptions: polynomials in lengths alone (trigonometric ring) that were taken for ≠ 0.
-        left: what was not finished, in words.
-    """
-
-    chain: Chain
-    frame: int
-    frame_reason: str
-    columns: list[list[Polynomial]]
-    start: Case
-    families: tuple[SuppressedFamily, ...]
-    assumptions: tuple[Polynomial, ...]
-    left: tuple[str, ...]
-
-    @property
-    def complete(self) -> bool:
-        """Whether nothing was left unfinished."""
-        return not self.left
-
-    @property
-    def basic(self) -> tuple[int, ...]:
-        """The basic screws of step 1; empty where the time was up before it."""
-        return self.start.basic.joints if self.start.basic is not None else ()
-
-    @property
-    def determinant(self) -> str:
-        """The determinant of the basic screws, factored, as text; empty as `basic`."""
-        return product_text(self.chain.ring, self.start.basic.product) if self.start.basic is not None else ""
-
-    @property
-    def factors(self) -> tuple[Polynomial, ...]:
-        """The factors of that determinant which depend on the configuration."""
-        return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
-
-    def steps(self) -> tuple[Step, ...]:
-        """The derivation step by step, as it is done by hand."""
-        return steps(self)
 
 
 def suppress(

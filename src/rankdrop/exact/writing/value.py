@@ -202,7 +202,6 @@ def _gather(factor: Factor, joints: set[str]) -> int:
 
 WHOLE = 12
 """Numbers below the line are whole up to this; others go above as decimals."""
-_ONE = Product(Fraction(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +231,7 @@ class Quotient:
         """
         one, two, ring = self.top, self.bottom, self.top.ring
         if one.polynomial == 0:
-            return Product(Fraction(0)), _ONE
+            return Product(Fraction(0)), Product(Fraction(1))
         if one.factors is None or two.factors is None:
             return _with_numbers(one.form, two.form, one.form.number / two.form.number)
         powers: dict[Atom, int] = dict(one.factors.atoms)
@@ -263,7 +262,7 @@ class Quotient:
         """LaTeX, without delimiters."""
         above, below = self.forms
         notation = Latex()
-        if below == _ONE:
+        if below == Product(Fraction(1)):
             return notation.value(above)
         sign = "-" if above.number < 0 else ""
         upper, lower = Product(abs(above.number), above.factors), below
@@ -301,7 +300,7 @@ def number_at(form: Product, theta: Array, letters: Mapping[str, float]) -> floa
 
 
 def _joined(notation: Notation, above: Product, below: Product, line: str) -> str:
-    if below == _ONE:
+    if below == Product(Fraction(1)):
         return notation.value(above)
     upper, lower = _above(notation, above), notation.product(notation.readable(below))
     bracketed = len(below.factors) + (below.number != 1) > 1

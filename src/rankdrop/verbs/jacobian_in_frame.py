@@ -1,0 +1,211 @@
+"""One verb: the Jacobian seen from a link, in closed form and at a configuration, with its closed inverse (ML, KG)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import atan2
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop._handles import check_robot
+from rankdrop.errors import OptionError
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.geometry import first_and_last
+from rankdrop.exact.arm.link_jacobian import check_frame, frame_jacobian, sizes
+from rankdrop.exact.determinants import ClosedInverse, closed_inverse
+from rankdrop.exact.writing.value import Quotient, number_at, single_angles
+from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.block import sample
+from rankdrop.local.verdict import one_configuration
+from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task
+from rankdrop.units import out_of_units
+
+TRIED = 5
+"""Random configurations at which the closed forms are held against the numeric Jacobian."""
+AGREE = 1e-9
+"""They agree to this part of the largest entry."""
+
+
+def link_jacobian(
+    robot: Robot,
+    frame: int | None = None,
+    task: str | Task | None = None,
+    *,
+    at: int | None = None,
+    q: ArrayLike | None = None,
+    symbolic: bool = True,
+    inverse: bool = False,
+    lengths: str | Mapping[str, float] = "auto",
+    seconds: float = 60.0,
+) -> LinkJacobian:
+    """The Jacobian seen from a link, in closed form, at a configuration, or both.
+
+    Args:
+        robot: revolute and prismatic joints, each a variable of its own.
+        frame: link 1 … n whose axes are taken; None for the one in which it is shortest (numbers alone: link 1).
+        task: as in `resolve_task`.
+        at: reference point: the origin of this link's frame; None for the tip.
+        q: a configuration [rad, m] for numbers.
+        symbolic: closed forms; needs python-flint.
+        inverse: the inverse, too: closed where closed forms are asked for, and of the numbers.
+        lengths: as in `exact_chain`.
+        seconds: limit for the closed inverse: three times as long by the clock.
+
+    Raises:
+        RobotError: a helical joint, or one that follows another.
+        TaskError: rows that would be others in the axes of a link.
+        OptionError: no such link; neither closed forms nor a configuration; an inverse of a matrix that is not square;
+            the limit was met.
+        MissingExtraError: closed forms without python-flint.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> found = link_jacobian(open_robot("planar2r"), 1, inverse=True)
+        >>> found.texts()
+        (('−a2 s2', '−a2 s2'), ('a1 + a2 c2', 'a2 c2'))
+        >>> found.inverse_texts()
+        (('c2 / (a1 s2)', '1 / a1'), ('−(a1 + a2 c2) / (a1 a2 s2)', '−1 / a1'))
+    """
+    check_robot(robot)
+    if not symbolic and q is None:
+        raise OptionError("nothing is asked for", mend="closed forms: symbolic=True, or a configuration: q=…")
+    chain = exact_chain(robot, task, lengths=lengths)
+    check_frame(chain, 1 if frame is None else frame, at)
+    if inverse and chain.n != chain.task.m:
+        raise OptionError(
+            "only a square Jacobian has an inverse", where=f"robot {robot.name!r}",
+            got=f"{chain.task.m} rows, {chain.n} joints", mend="a task with as many rows as joints",
+            typed="--task with as many rows as joints",
+        )  # fmt: skip
+    ordered = tuple(sizes(chain)) if symbolic else ()
+    k = frame or (next(link for _, link, point in ordered if point == at) if symbolic else 1)
+    rows: Sequence[Sequence[Polynomial]] = frame_jacobian(chain, k, at) if symbolic else ()
+    closed = _inverse(chain, rows, seconds) if symbolic and inverse else None
+    numbers = None if q is None else _at(chain, one_configuration(robot, q), k, at, inverse)
+    return LinkJacobian(
+        robot=robot,
+        task=chain.task,
+        frame=k,
+        at=at,
+        letters=chain.numbers,
+        shifts=tuple(float(x) for x in chain.shifts),
+        rows=tuple(tuple(row) for row in rows),
+        shortest=ordered,
+        closed=closed,
+        numbers=numbers,
+        checks=tuple(_checks(chain, k, at, rows, closed, numbers)),
+        chain=chain,
+    )
+
+
+def numeric(chain: Chain, q: Array, k: int, at: int | None) -> Array:
+    """(m, n) rows of the task at one configuration, lengths in metres: the core's Jacobian at the tip, turned into the
+    axes of link k and moved to the origin of the frame of link `at`.
+    """
+    robot = chain.robot
+    turn = _frame(chain, q, k)[:3, :3]
+    found = jacobian(robot, q)
+    linear, angular = found[:3], found[3:]
+    if at is not None:
+        way = _frame(chain, q, at)[:3, 3] - pose(robot, q)[:3, 3]
+        linear = linear + np.cross(angular, way, axis=0)
+    whole = np.concatenate([turn.T @ linear, turn.T @ angular])
+    return np.asarray(whole[list(chain.task.rows)])
+
+
+def _frame(chain: Chain, q: Array, k: int) -> Array:
+    """(4, 4) pose in the base of the frame of link k: z along axis k, x along the normal after it."""
+    found = first_and_last(chain.robot)[0]
+    for j, section in enumerate(chain.sections[:k], 1):
+        angle = atan2(float(section.phase.sin), float(section.phase.cos)) + section.shift
+        slide = float(section.d)
+        if section.kind is JointKind.REVOLUTE:
+            angle += float(q[j - 1])
+        else:
+            slide += float(q[j - 1])
+        found = found @ _screwed(angle, slide, 2)
+        if j < k:
+            twist = atan2(float(section.twist.sin), float(section.twist.cos))
+            found = found @ _screwed(twist, float(section.a), 0)
+    return np.asarray(found)
+
+
+def _screwed(angle: float, slide: float, axis: int) -> Array:
+    """(4, 4) a turn about and a slide along one axis."""
+    found, (i, j) = np.eye(4), ((axis + 1) % 3, (axis + 2) % 3)
+    found[i, i] = found[j, j] = np.cos(angle)
+    found[j, i], found[i, j] = np.sin(angle), -np.sin(angle)
+    found[axis, 3] = slide
+    return found
+
+
+def _inverse(chain: Chain, rows: Sequence[Sequence[Polynomial]], seconds: float) -> ClosedInverse:
+    try:
+        return closed_inverse(chain.ring, rows, Work(seconds))
+    except OutOfTime as end:
+        raise OptionError(
+            "the closed inverse takes longer than it may", got=str(end),
+            mend="allow more time, another frame, or numbers: q=… with symbolic=False",
+            typed="allow more time (--time-limit), another frame, or numbers alone: --q",
+        ) from end  # fmt: skip
+
+
+def _at(chain: Chain, q: Array, k: int, at: int | None, inverse: bool) -> Numbers:
+    matrix = numeric(chain, q, k, at)
+    sigma = np.linalg.svd(matrix, compute_uv=False)
+    square = matrix.shape[0] == matrix.shape[1]
+    inverted = inverse and square and regular(matrix)
+    return Numbers(
+        tuple(float(x) for x in q), matrix, float(np.linalg.det(matrix)) if square else None,
+        np.asarray(np.linalg.inv(matrix), dtype=np.float64) if inverted else None,
+        tuple(float(x) for x in sigma),
+    )  # fmt: skip
+
+
+def _checks(
+    chain: Chain,
+    k: int,
+    at: int | None,
+    rows: Sequence[Sequence[Polynomial]],
+    closed: ClosedInverse | None,
+    numbers: Numbers | None,
+) -> Iterator[Agreement]:
+    if rows:
+        places = list(out_of_units(chain.robot, sample(chain.own, chain.own_task, TRIED, 0)))
+        forms = [[single_angles(chain.ring, x) for x in row] for row in rows]
+        worst, gap = 0.0, 0.0
+        for q in places:
+            theta, wanted = q + chain.shifts, numeric(chain, q, k, at)
+            found = np.array([[number_at(form, theta, chain.numbers) for form in row] for row in forms])
+            worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
+            if closed is not None:
+                gap = max(gap, _gap(closed.entries, theta, chain.numbers, wanted))
+        yield Agreement(
+            f"the closed form is the numeric Jacobian, turned, at {TRIED} random configurations", worst <= AGREE, worst
+        )
+        if closed is not None:
+            yield Agreement(
+                f"J · adj J = det J · 1 at {closed.agree} of {closed.tested} random points modulo 2^61 − 11913",
+                closed.agree == closed.tested, None,
+            )  # fmt: skip
+            yield Agreement(
+                f"the closed inverse times the numeric Jacobian is the identity at {TRIED} random configurations",
+                gap <= AGREE, gap,
+            )  # fmt: skip
+    if numbers is not None and numbers.inverse is not None:
+        worst = float(np.abs(numbers.inverse @ numbers.matrix - np.eye(len(numbers.q))).max())
+        yield Agreement(
+            "the inverse times the Jacobian is the identity at the configuration given", worst <= AGREE, worst
+        )
+
+
+def _gap(entries: Sequence[Sequence[Quotient]], theta: Array, letters: Mapping[str, float], matrix: Array) -> float:
+    """Largest entry of J⁻¹ J − 1, over the size of J⁻¹ times that of J."""
+    found = np.array([[x.at(theta, letters) for x in row] for row in entries])
+    size = np.linalg.norm(found) * np.linalg.norm(matrix)
+    return float(np.abs(found @ matrix - np.eye(len(matrix))).max() / max(size, 1.0))

@@ -18,9 +18,9 @@ from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.verbs import join as join_module
+from rankdrop.verbs import analyze as analyze_module
+from rankdrop.verbs.analyze import join
 from rankdrop.verbs.conditions import _cloud, conditions
-from rankdrop.verbs.join import join
 
 
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:
@@ -84,7 +84,7 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     robot = open_robot("scara")
     task = resolve_task(None, robot)
     numeric = families(search(robot, 1, starts=100))
-    monkeypatch.setattr(join_module, "conditions", lambda *args, **options: replace(conditions(*args, **options),
+    monkeypatch.setattr(analyze_module, "conditions", lambda *args, **options: replace(conditions(*args, **options),
                                                                                     **change))  # fmt: skip
     _, found = join(robot, task, 4, [numeric])
     assert found is not None

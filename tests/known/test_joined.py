@@ -22,7 +22,7 @@ from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.schema import load_schema
-from rankdrop.verbs import join as join_module
+from rankdrop.verbs import analyze as analyze_module
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 
@@ -59,7 +59,7 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
             derived = conditions(*arguments, **options)
             return replace(derived, families=tuple(change(derived.families)))
 
-        monkeypatch.setattr(join_module, "conditions", changed)
+        monkeypatch.setattr(analyze_module, "conditions", changed)
 
     return with_change
 
@@ -124,7 +124,7 @@ def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_tol
 def test_what_takes_too_long_is_not_derived_and_leaves_nothing_behind(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(join_module, "SECONDS", {"auto": 1e-3, "on": 1e-3})
+    monkeypatch.setattr(analyze_module, "SECONDS", {"auto": 1e-3, "on": 1e-3})
     texts = [json_text(analyze(open_robot("puma560"), starts=100).to_dict()["exact"]) for _ in range(2)]
     assert texts[0] == texts[1]
     record = json.loads(texts[0])
@@ -161,7 +161,7 @@ def test_ctrl_c_in_the_derivation_leaves_it_out_and_keeps_the_rest(monkeypatch: 
     def interrupting(*arguments: Any, **options: Any) -> Conditions:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(join_module, "conditions", interrupting)
+    monkeypatch.setattr(analyze_module, "conditions", interrupting)
     found = analyze(open_robot("scara"), starts=100)
     assert (found.complete, len(found.families)) == (True, 1)
     assert found.exact is not None

@@ -8,7 +8,7 @@ singularity that is just out of reach is beside it all the same. For coupled joi
 each configuration and from others around it; a nearer one may be missed, so that a share of such a row is a lower
 bound.
 
-Tables of families, and of the outcome of a search, as sections of text: what a notebook shows.
+The table of families and that of the shares, as sections of text: what a notebook shows.
 """
 
 from __future__ import annotations

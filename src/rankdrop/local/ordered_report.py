@@ -12,9 +12,7 @@ Three answers for every joint of an ordered screw set at a singular configuratio
    One product outside is not enough: the weighted sum may vanish.
 3. The judge: the rank after a finite motion of the joint.
 
-A session with GR's instructions: each prints what theirs prints, on any ordered screw set.
-
-A report on an ordered screw set as text: the printed session, the motion carried to the end, the judge.
+Below also a session with GR's instructions, each of which prints what theirs prints, and the report as text.
 """
 
 from __future__ import annotations
@@ -399,7 +397,3 @@ def _corrected(report: OrderedReport) -> Iterator[str]:
 
 def _dimensions(trial: Trial, *, carried: bool) -> str:
     return " ".join(f"{i}–{j}:{d}" for i, j, d in (trial.carried if carried else trial.dimensions))
-
-
-def _joined_list(numbers: tuple[int, ...]) -> str:
-    return ", ".join(f"{number}" for number in numbers) or "none"

@@ -167,7 +167,7 @@ def _near_miss(asked: Asked) -> float | None:
 
 
 def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, str]:
-    """The verdict and one sentence for it; see `rankdrop.explain.explain`."""
+    """The verdict and one sentence for it; see `rankdrop.verbs.explain`."""
     r = rank.generic_rank
     sigma = float(rank.sigma[r - 1]) if r else 0.0
     lost = f"rank {rank.rank} of {r}"
@@ -200,7 +200,7 @@ def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, d
         smallest: min(m, n) of the task and the arm.
         sigma: σ_r [1].
         distance: σ_r/‖∇σ_r‖ [rad].
-        near, small: as in `rankdrop.explain.explain`.
+        near, small: as in `rankdrop.verbs.explain`.
     """
     if corank:
         return "singular"

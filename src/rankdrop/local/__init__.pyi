@@ -13,6 +13,9 @@ from .cofactors import Hunt as Hunt
 from .cofactors import hunt as hunt
 from .directions import lost_directions as lost_directions
 from .directions import lost_in_sparsest_frame as lost_in_sparsest_frame
+from .drawn import Drawn as Drawn
+from .drawn import drawn_at as drawn_at
+from .drawn import skeleton as skeleton
 from .failures import failures_at as failures_at
 from .lie import lie_product as lie_product
 from .lie import motion as motion

@@ -5,13 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.families import refine
-from rankdrop.frames import Frame
-from rankdrop.kinematics import link_poses, pose
-from rankdrop.local import decompose, lost_directions
+from rankdrop.kinematics import pose
+from rankdrop.local import lost_directions
 from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, run
-from rankdrop.reproduce.am_method import AFTER, OFFSET, matched, offset_directions, pa10
+from rankdrop.reproduce.am_method import AFTER, BEFORE, OFFSET, matched, offset_directions, pa10
 from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
-from rankdrop.reproduce.picture import BLACK, BLUE, GREEN, GREY, RED, Arrow, Line, Panel, Picture, against, arrows
+from rankdrop.reproduce.picture import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    RED,
+    Arrow,
+    Line,
+    Panel,
+    Picture,
+    against,
+    arm_at,
+    arrows,
+)
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Task, resolve_task
 
@@ -43,29 +55,40 @@ def descent(figure: int) -> Picture:
     ), {"method": how.method, "seed": PAIRED_SEED, "start": how.start})  # fmt: skip
 
 
-def skeleton(robot: Robot, q: Array) -> Line:
-    """The origins of base, links and tip, joined."""
-    return Line("", link_poses(robot, q)[:, :3, 3], BLACK, marks=True)
-
-
 def figure_4() -> Picture:
     """The directions of section 2.3 before and after the rotation."""
     robot = open_robot("pa10")
     q = np.zeros(7)
-    aside = Task("pose", (0, 1, 2, 3, 4, 5), Frame(0, -1, (OFFSET, 0.0, 0.0)), 1.0)
     tip = pose(robot, q)[:3, 3] + np.array([OFFSET, 0.0, 0.0])
-    raw = decompose(robot, q, aside).u[:, 3:].T
     printed = np.array([float(word) for word in AFTER.split()]).reshape(6, 3)
     rotated = matched(offset_directions(), printed)  # u4, u5, u6 in AM's order and sense
     panels = tuple(
-        Panel(title, (skeleton(robot, q),), arrows(tip, list(rows), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True)
-        for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
-    )
+        Panel(title, (aside(robot, q, tip),), arrows(tip, list(rows.T), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True,
+              arms=(arm_at(robot, q),))
+        for title, rows in (("(a) as the SVD gives them", unrotated(rotated)), ("(b) rotated", rotated))
+    )  # fmt: skip
     caption = (
         "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m "
-        "(fitted) aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
+        "(fitted) aside of its line, at the end of the grey line, the printed numbers follow. (a): the vectors printed "
+        "for the SVD, made orthonormal in the subspace that is lost. Solid: translation, dotted: rotation."
     )
     return Picture("AM", "Figure 4", caption, panels)
+
+
+def aside(robot: Robot, q: Array, point: Array) -> Line:
+    """From the tip to the reference point."""
+    return Line("", np.stack([pose(robot, q)[:3, 3], point]), GREY, ":")
+
+
+def unrotated(rotated: Array) -> Array:
+    """(6, 3) the orthonormal basis of the span of `rotated` that is nearest to the printed SVD vectors.
+
+    The SVD of a subspace to zero may return any basis of it. AM print theirs, to two digits: U = B P Qᵀ with
+    Bᵀ B₀ = P S Qᵀ, B = `rotated`, B₀ the printed one.
+    """
+    before = np.array([float(word) for word in BEFORE.split()]).reshape(6, 3)
+    left, _, right = np.linalg.svd(rotated.T @ before)
+    return np.asarray(rotated @ left @ right)
 
 
 def figure_5() -> Picture:
@@ -100,7 +123,7 @@ def figure_6() -> Picture:
         both = (
             Arrow("u3", tip, u3 * np.sign(u3 @ printed), False, BLUE), Arrow("as printed", tip, printed, False, GREY),
         )  # fmt: skip
-        panels.append(Panel(part, (skeleton(robot, q),), both, z="z [m]", tall=True))
+        panels.append(Panel(part, (), both, z="z [m]", tall=True, arms=(arm_at(robot, q),)))
     return Picture("AM", "Figure 6", "The computed direction, and the axis that is printed.", tuple(panels))
 
 
@@ -109,7 +132,7 @@ def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel
     lost = lost_directions(robot, q, task, corank)
     tip = pose(robot, q)[:3, 3]
     drawn = arrows(tip, list(lost), _NAMES[corank], _COLOURS[corank])
-    return Panel(title, (skeleton(robot, q),), drawn, z="z [m]", tall=True)
+    return Panel(title, (), drawn, z="z [m]", tall=True, arms=(arm_at(robot, q),))
 
 
 def figures_7_8(figure: int) -> Picture:

@@ -15,7 +15,7 @@ from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, elbow_pictures, figures, other_pictures
-from rankdrop.reproduce.am_descent import run
+from rankdrop.reproduce.am_descent import STEPPED, descend, run
 from rankdrop.reproduce.am_method import BEFORE
 from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
 from rankdrop.reproduce.picture import RED
@@ -25,7 +25,7 @@ from rankdrop.task import resolve_task
 
 def test_figure_1_ties_and_is_stuck():
     picture = am_pictures.descent(1)
-    values, angles = picture.panels
+    values, angles, slow, turning = picture.panels
     assert [line.label for line in values.lines] == ["σ5", "σ6"]
     assert values.level == 1e-6
     five, six = (line.points for line in values.lines)
@@ -38,6 +38,19 @@ def test_figure_1_ties_and_is_stuck():
     assert treated.outcome is Outcome.CONVERGED
     assert treated.iterations == 20
     assert "stuck on the crease" in picture.caption
+    assert slow.lines[0].points[-1, 1] < 1e-6
+    assert len(slow.lines[0].points) > 2000, "AM's takes about 3000"
+    assert descend(STEPPED[1]).first_tie() < 100
+    assert np.nanmax(turning.lines[0].points[:, 1]) > 170.0
+
+
+def test_figure_2_turns_back_and_forth_goes_up_and_never_converges():
+    _, square, values, angles = am_pictures.descent(2).panels
+    assert np.nanmax(np.abs(square.lines[0].points[1:, 1] - 90.0)) < 1.0, "an exact line search turns by right angles"
+    assert np.nanmax(angles.lines[0].points[:, 1]) > 170.0
+    four = values.lines[0].points[:, 1]
+    assert (np.diff(four) > 0.0).any()
+    assert four[-1] > 1e-3
 
 
 def test_figures_2_and_3_start_together_meet_a_tie_and_end_apart():

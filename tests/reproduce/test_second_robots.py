@@ -220,6 +220,8 @@ def test_am_3_2_no_failure_leaves_more_than_the_bound():
     left = failures_at(robot, best.q, task)
     without = [np.linalg.svd(np.delete(task_jacobian(robot, best.q, task), j, axis=1))[1][2] for j in range(4)]
     assert [one.sigma_min for one in left.single] == pytest.approx(without)
+    top = singular_values(robot, best.q, task)[0]
+    assert best.value == pytest.approx(left.worst.sigma_min / top), "the search and the explanation agree"
     others = [failures_at(robot, q, task) for q in sample(robot, task, 50, 8)]
     sigma1 = singular_values(robot, sample(robot, task, 50, 8), task)[:, 0]
     assert max(one.worst.sigma_min / top for one, top in zip(others, sigma1, strict=True)) <= best.value + SMALL

@@ -7,7 +7,7 @@ import numpy as np
 from rankdrop.families import refine
 from rankdrop.kinematics import pose
 from rankdrop.local import lost_directions
-from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, run
+from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, STEPPED, Descent, descend, run
 from rankdrop.reproduce.am_method import AFTER, BEFORE, OFFSET, matched, offset_directions, pa10
 from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
 from rankdrop.reproduce.picture import (
@@ -33,12 +33,7 @@ _COLOURS = {1: (BLUE,), 2: (RED, BLUE), 3: (GREEN, RED, BLUE)}
 def descent(figure: int) -> Picture:
     """Figure 1, 2 or 3: singular values, and angles between successive gradients."""
     found, how = run(figure), RUNS[figure]
-    steps = np.arange(len(found.sigma))
-    driven = {4: ((4, RED), (5, BLUE)), 3: ((3, GREEN), (4, RED), (5, BLUE))}[found.rank]
-    values = tuple(
-        Line(f"σ{i + 1}", against(steps, np.maximum(found.sigma[:, i], 1e-17)), colour) for i, colour in driven
-    )
-    turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, marks=figure != 2)
+    panels = list(descent_panels(found, "ab", marks=figure != 2))
     end = {
         1: f"It is stuck on the crease σ5 = σ6 at {found.sigma[-1, 4]:.1e}; with ties treated it converges in "
         f"{run(1, 'almarkhi').iterations} iterations.",
@@ -46,13 +41,36 @@ def descent(figure: int) -> Picture:
         3: f"The start of Figure 2, ties treated (eqs 12 to 14): it converges in {found.iterations} iterations.",
     }[figure]
     caption = (
-        f"Descent of σ{found.rank + 1} with an exact line search from start {how.start} of seed {PAIRED_SEED}. {end} "
-        "AM print neither start nor rule of steps; this start was picked, of 2,000, because it meets a tie."
+        f"{'(a), (b): descent' if figure in STEPPED else 'Descent'} of σ{found.rank + 1} with an exact line search "
+        f"from start {how.start} of seed {PAIRED_SEED}, picked of 2,000 because it meets a tie. {end} "
     )
-    return Picture("AM", f"Figure {figure}", caption, (
-        Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),
-        Panel("(b)", (turned,), x="iteration", y="turn of the gradient [deg]"),
-    ), {"method": how.method, "seed": PAIRED_SEED, "start": how.start})  # fmt: skip
+    if figure in STEPPED:
+        other = STEPPED[figure]
+        turning = descend(other)
+        panels += descent_panels(turning, "cd", marks=False)
+        caption += (
+            f"(c), (d): steps of {other.step} of that to linearised zero, start {other.start} of seed {other.seed}: "
+            f"gradients turn by up to {np.degrees(np.nanmax(turning.angles)):.0f}°, {turning.iterations} iterations, "
+            f"σ{turning.rank + 1} = {turning.sigma[-1, turning.rank]:.1e} at the end. "
+        )
+    return Picture("AM", f"Figure {figure}", f"{caption}AM print neither start nor rule of steps.", tuple(panels), {
+        "method": how.method, "seed": PAIRED_SEED, "start": how.start,
+    })  # fmt: skip
+
+
+def descent_panels(found: Descent, parts: str, *, marks: bool) -> tuple[Panel, Panel]:
+    """Singular values of one run, and the angles between its successive gradients."""
+    steps = np.arange(len(found.sigma))
+    driven = {4: ((4, RED), (5, BLUE)), 3: ((3, GREEN), (4, RED), (5, BLUE))}[found.rank]
+    values = tuple(
+        Line(f"σ{i + 1}", against(steps, np.maximum(found.sigma[:, i], 1e-17)), colour) for i, colour in driven
+    )
+    dots = "" if len(steps) > 500 else "-"  # a line back and forth a thousand times is a block
+    turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, dots, dots == "" or marks)
+    return (
+        Panel(f"({parts[0]})", values, x="iteration", y="singular value", log="y", level=1e-6),
+        Panel(f"({parts[1]})", (turned,), x="iteration", y="turn of the gradient [deg]", span=(0.0, 180.0)),
+    )
 
 
 def figure_4() -> Picture:
@@ -124,7 +142,11 @@ def figure_6() -> Picture:
             Arrow("u3", tip, u3 * np.sign(u3 @ printed), False, BLUE), Arrow("as printed", tip, printed, False, GREY),
         )  # fmt: skip
         panels.append(Panel(part, (), both, z="z [m]", tall=True, arms=(arm_at(robot, q),)))
-    return Picture("AM", "Figure 6", "The computed direction, and the axis that is printed.", tuple(panels))
+    caption = (
+        "Rank-1 singular configurations of the 4-DoF robot, those nearest to the printed angles: the direction u3 that "
+        "is lost, and the axis that is printed for it."
+    )
+    return Picture("AM", "Figure 6", caption, tuple(panels))
 
 
 def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel:
@@ -147,11 +169,17 @@ def figures_7_8(figure: int) -> Picture:
     return Picture("AM", f"Figure {figure}", caption, tuple(panels))
 
 
+NINE = (
+    "Rank-3 singularities, the arm (a) stretched and (b) folded, where its forearm lies in its upper arm. Solid: "
+    "translation, dotted: rotation."
+)
+
+
 def figure_9() -> Picture:
     """The PA-10 stretched and folded."""
     robot, task = pa10()
     panels = [on_row(robot, task, part, np.array(theta), 3) for part, theta in FIGURE_9.items()]
-    return Picture("AM", "Figure 9", "Rank-3 singularities. Solid: translation, dotted: rotation.", tuple(panels))
+    return Picture("AM", "Figure 9", NINE, tuple(panels))
 
 
 def pictures() -> tuple[Picture, ...]:

@@ -137,6 +137,8 @@ def _draw_flat(axes: Any, panel: Panel) -> None:
         axes.set_xscale("log")
     if "y" in panel.log:
         axes.set_yscale("log")
+    if panel.span is not None:
+        axes.set_ylim(*panel.span)
     axes.set(title=panel.title, xlabel=panel.x, ylabel=panel.y)
     axes.grid(alpha=0.25, linewidth=0.5)
     if any(line.label for line in panel.lines):

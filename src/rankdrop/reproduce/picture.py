@@ -92,6 +92,7 @@ class Panel:
         lines, arrows: what is in it.
         log: logarithmic axes, out of "x", "y".
         level: a horizontal line.
+        span: ends of the vertical axis, in the plane; None for those of what is drawn.
         tall: same scale along all axes.
         arms: robots in it.
         view: elevation and azimuth of the eye [deg].
@@ -105,6 +106,7 @@ class Panel:
     z: str = ""
     log: str = ""
     level: float | None = None
+    span: tuple[float, float] | None = None
     tall: bool = False
     arms: tuple[Arm, ...] = ()
     view: tuple[float, float] = (24.0, -60.0)

@@ -33,8 +33,8 @@ FLOORS = {
 TOP = 9
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
-OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "plotly", "jinja2", "yourdfpy",
-            "trimesh", "websockets", "playwright", "yaml"}  # fmt: skip
+OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "mpl_toolkits", "plotly",
+            "jinja2", "yourdfpy", "trimesh", "websockets", "playwright", "yaml"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

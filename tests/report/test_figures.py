@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,12 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.kinematics import pose
-from rankdrop.report.arm_figure import placed
+from rankdrop.frames import SPACE
+from rankdrop.kinematics import jacobian, pose
+from rankdrop.local.drawn import drawn_at
 from rankdrop.report.content import Content, content
 from rankdrop.report.figures import check_figures, figure_names, figures
+from rankdrop.report.solids import spread_out
 from rankdrop.results.known import shipped
 
 pytest.importorskip("matplotlib")
@@ -43,9 +46,22 @@ def test_the_drawn_arm_ends_at_its_tip() -> None:
     for name in ("pa10", "stanford", "fetch8"):
         robot = shipped(name).robot
         q = np.linspace(-0.5, 0.9, robot.n)
-        points, middles, axes = placed(robot, q)
-        assert np.allclose(points[-1], pose(robot, q)[:3, 3])
-        assert len(middles) == len(axes) == len(robot.joints)
+        drawn = drawn_at(robot, q)
+        assert np.allclose(drawn.links[-1], pose(robot, q)[:3, 3])
+        places = spread_out(drawn, 0.1)
+        for screw, axis, slides, *at in zip(
+            jacobian(robot, q, SPACE).T, drawn.axes, drawn.slides, drawn.middles, places, strict=True
+        ):
+            assert np.allclose(axis, screw[:3] if slides else screw[3:])
+            assert slides or all(np.allclose(np.cross(place, axis), screw[:3], atol=1e-12) for place in at)
+
+
+def test_joints_whose_axes_meet_are_drawn_apart() -> None:
+    robot = shipped("pa10").robot
+    drawn = drawn_at(robot, np.zeros(7))
+    assert np.allclose(drawn.middles[0], drawn.middles[1])
+    places = spread_out(drawn, 0.1)
+    assert min(np.linalg.norm(a - b) for a, b in pairwise(places)) > 0.04
 
 
 def test_figures_are_chosen_by_kind_or_by_name(shown: Content) -> None:

@@ -12,10 +12,10 @@ import pytest
 
 from rankdrop.family.record import Share, Soundness
 from rankdrop.kinematics import jacobian, link_poses
+from rankdrop.local.drawn import skeleton
 from rankdrop.report.content import Content, arrows, content
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page
-from rankdrop.report.skeleton import skeleton
 from rankdrop.report.typeset import typeset
 from rankdrop.results.known import shipped
 

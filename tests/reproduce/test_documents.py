@@ -14,6 +14,7 @@ pytest.importorskip("flint")
 
 from rankdrop.errors import OptionError
 from rankdrop.local.directions import lost_directions
+from rankdrop.reproduce import kg
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.am_robots import angle_between, printed_null_directions, row_configuration
 from rankdrop.reproduce.page import markdown
@@ -113,8 +114,8 @@ def test_errata_of_the_lectures():
 @pytest.mark.slow
 def test_errata_of_am():
     assert [item.verdict for item in found("AM").items if item.item == "eq. 9"] == ["erratum", "agrees"]
-    drawn = [item for item in found("AM").items if re.fullmatch(r"Figure [78]\([a-d]\)", item.item)]
-    assert [item.verdict for item in drawn] == ["agrees"] * 8
+    drawn = [item for item in found("AM").items if re.fullmatch(r"Figure [789]\([a-d]\)", item.item)]
+    assert [item.verdict for item in drawn] == ["agrees"] * 10
     assert all(" 0° from the span" in item.ours for item in drawn)
     assert row("AM", "section 3.2", "optimally fault tolerant").verdict == "agrees"
     for corank, words in ((2, "57 converge with it only, 4 without"), (3, "56 converge with it only, 10 without")):
@@ -138,6 +139,9 @@ def test_errata_of_kg():
     assert row("KG", "section 3.3.3", "which is removed").verdict == "erratum"
     assert row("KG", "abstract", "do the printed families meet").verdict == "erratum"
     assert {row("KG", f"eq. {n}", "family").verdict for n in (15, 20, 21, 26, 27)} == {"agrees"}
+    assert found("KG").count("unreproducible") == 0
+    assert row("KG", "section 1", "reciprocal to five").ours.startswith("all six vanish, whichever five are taken")
+    assert "suppression 5 sets" in row("KG", "section 4", "efficiency").ours
 
 
 def test_documents_are_asked_for_by_name():
@@ -174,3 +178,12 @@ def test_a_direction_that_is_wrong_would_not_agree():
         turned[0] = np.cos(np.radians(1.0)) * ours[0] + np.sin(np.radians(1.0)) * other
         assert angle_between(turned, printed_null_directions(q, corank)) == pytest.approx(1.0, abs=1e-6)
         assert angle_between(ours, printed_null_directions(row_configuration(corank, 3), corank)) > 5.0
+
+
+def test_a_family_that_is_larger_or_smaller_than_the_printed_one_would_not_agree(monkeypatch):
+    assert kg._same_family(20, 2)
+    assert not kg._same_family(20, 1), "another family"
+    larger, others = kg.kg.FAMILIES[20]
+    for zeros in (("s6",), (*larger, "s2")):  # less, and more, than eq. 20 asks for
+        monkeypatch.setitem(kg.kg.FAMILIES, 20, (zeros, others))
+        assert not kg._same_family(20, 2)

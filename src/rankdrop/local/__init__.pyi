@@ -14,6 +14,9 @@ from .cofactors import hunt as hunt
 from .directions import lost_directions as lost_directions
 from .directions import lost_in_sparsest_frame as lost_in_sparsest_frame
 from .directions import readable_basis as readable_basis
+from .drawn import Drawn as Drawn
+from .drawn import drawn_at as drawn_at
+from .drawn import skeleton as skeleton
 from .failures import failures_at as failures_at
 from .nearest import nearest_singularity as nearest_singularity
 from .null_motion import self_motion as self_motion

@@ -7,23 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rankdrop._handles import check_robot
 from rankdrop.errors import MissingExtraError
 from rankdrop.family import Family
-from rankdrop.kinematics import link_poses, pose
+from rankdrop.local import drawn_at
 from rankdrop.reach import reach
 from rankdrop.report.content import arrows
-from rankdrop.report.skeleton import skeleton
+from rankdrop.report.solids import draw_arm, draw_arrow
 from rankdrop.results import Analysis
-from rankdrop.robot import Array, JointKind, Robot
+from rankdrop.robot import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ARROWS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 """Of the lost directions: blue, red, green as in AM, in tones that all eyes tell apart."""
-BLAME, LINK, AXIS = "#E07B00", "#7C8B9B", "#A9B4C0"
-_ARROW, _LONG, _SHORT = 0.32, 0.28, 0.09  # lengths per reach
+_ARROW = 0.32  # length per reach
 
 
 def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -> Figure:
@@ -42,56 +40,19 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     except ImportError as error:
         raise MissingExtraError("matplotlib", "report", "a figure for papers") from error
     robot = analysis.robot
-    check_robot(robot)
     drawn = Figure(figsize=(3.8, 3.8))
     axes: Any = drawn.add_subplot(projection="3d")
-    points, middles, directions = placed(robot, np.array(family.witness))
+    arm = drawn_at(robot, np.array(family.witness))
     size = reach(robot)
-    axes.plot(*points.T, color=LINK, lw=4, solid_capstyle="round", solid_joinstyle="round")
-    names = [joint.name for joint in robot.variables]
-    for joint, middle, direction in zip(robot.joints, middles, directions, strict=True):
-        number = names.index(joint.mimic.leader if joint.mimic else joint.name) + 1
-        marked = number in blamed
-        body = np.stack([middle - 0.045 * size * direction, middle + 0.045 * size * direction])
-        axes.plot(*body.T, color=BLAME if marked else "#4F6073", lw=8, solid_capstyle="butt")
-        reached = (_LONG if marked else _SHORT) * size
-        line = np.stack([middle - reached * direction, middle + reached * direction])
-        axes.plot(*line.T, color=BLAME if marked else AXIS, lw=1.2 if marked else 0.8, ls="-.")
-        axes.text(*(middle + 1.15 * reached * direction), str(number), fontsize=7, color=BLAME if marked else "black")
+    draw_arm(axes, arm, size, blamed)
     at, twists = arrows(analysis, family)
     for twist, tone in zip(twists, ARROWS * len(twists), strict=False):
-        for vector, style in ((twist[:3], "-"), (twist[3:], ":")):
+        for vector, dotted in ((twist[:3], False), (twist[3:], True)):
             if np.linalg.norm(vector) > 0.02:
-                step = _ARROW * size * vector
-                axes.quiver(*at, *step, color=tone, lw=2.0, ls=style, arrow_length_ratio=0.18)
-    _framed(axes, np.vstack([points, at[None]]), size)
+                draw_arrow(axes, at, _ARROW * size * vector, tone, size, dotted=dotted)
+    _framed(axes, np.vstack([arm.links, at[None]]), size)
     drawn.suptitle(f"{family.id}: {family.name}", fontsize=8, y=0.96)
     return drawn
-
-
-def placed(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
-    """Where the drawn arm is at q.
-
-    Returns:
-        (P, 3) points of its links from the base to the tip; (N, 3) where the joints are drawn; (N, 3) their axes.
-    """
-    at_home, drawn = skeleton(robot)
-    links = link_poses(robot, q)
-    frames = [np.eye(4), *(joint.frame for joint in robot.joints)]
-    moved = [links[i] @ np.linalg.inv(frames[i]) for i in range(len(robot.joints) + 1)]
-    points, middles, axes = [np.zeros(3)], [], []
-    for i, joint in enumerate(robot.joints):
-        held, carried = moved[i], moved[i + 1]
-        points += [_apply(held, at_home[i]), _apply(carried, at_home[i])]
-        middles.append(_apply(held, drawn[i]))
-        axis = joint.screw[:3] if joint.kind is JointKind.PRISMATIC else joint.screw[3:]
-        axes.append(held[:3, :3] @ axis)
-    points.append(pose(robot, q)[:3, 3])
-    return np.array(points), np.array(middles), np.array(axes)
-
-
-def _apply(moved: Array, point: Array) -> Array:
-    return np.asarray(moved[:3, :3] @ point + moved[:3, 3])
 
 
 def _framed(axes: Any, points: Array, size: float) -> None:

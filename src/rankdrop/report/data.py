@@ -10,10 +10,9 @@ import numpy as np
 
 from rankdrop.families import Solid, joint_symbol, wrap
 from rankdrop.family import Family
-from rankdrop.local import sampling_box
+from rankdrop.local import sampling_box, skeleton
 from rankdrop.reach import reach
 from rankdrop.report.content import Content
-from rankdrop.report.skeleton import skeleton
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
 

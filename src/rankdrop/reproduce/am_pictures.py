@@ -5,13 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.families import refine
-from rankdrop.frames import Frame
-from rankdrop.kinematics import link_poses, pose
-from rankdrop.local import decompose, lost_directions
-from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, run
-from rankdrop.reproduce.am_method import AFTER, OFFSET, matched, offset_directions, pa10
+from rankdrop.kinematics import pose
+from rankdrop.local import lost_directions
+from rankdrop.reproduce.am_descent import PAIRED_SEED, RUNS, STEPPED, Descent, descend, run
+from rankdrop.reproduce.am_method import AFTER, BEFORE, OFFSET, matched, offset_directions, pa10
 from rankdrop.reproduce.am_robots import FIGURE_6, FIGURE_9, curves, lost_of_regional, row_configuration
-from rankdrop.reproduce.picture import BLACK, BLUE, GREEN, GREY, RED, Arrow, Line, Panel, Picture, against, arrows
+from rankdrop.reproduce.picture import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    RED,
+    Arrow,
+    Line,
+    Panel,
+    Picture,
+    against,
+    arm_at,
+    arrows,
+)
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.task import Task, resolve_task
 
@@ -21,12 +33,7 @@ _COLOURS = {1: (BLUE,), 2: (RED, BLUE), 3: (GREEN, RED, BLUE)}
 def descent(figure: int) -> Picture:
     """Figure 1, 2 or 3: singular values, and angles between successive gradients."""
     found, how = run(figure), RUNS[figure]
-    steps = np.arange(len(found.sigma))
-    driven = {4: ((4, RED), (5, BLUE)), 3: ((3, GREEN), (4, RED), (5, BLUE))}[found.rank]
-    values = tuple(
-        Line(f"σ{i + 1}", against(steps, np.maximum(found.sigma[:, i], 1e-17)), colour) for i, colour in driven
-    )
-    turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, marks=figure != 2)
+    panels = list(descent_panels(found, "ab", marks=figure != 2))
     end = {
         1: f"It is stuck on the crease σ5 = σ6 at {found.sigma[-1, 4]:.1e}; with ties treated it converges in "
         f"{run(1, 'almarkhi').iterations} iterations.",
@@ -34,38 +41,72 @@ def descent(figure: int) -> Picture:
         3: f"The start of Figure 2, ties treated (eqs 12 to 14): it converges in {found.iterations} iterations.",
     }[figure]
     caption = (
-        f"Descent of σ{found.rank + 1} with an exact line search from start {how.start} of seed {PAIRED_SEED}. {end} "
-        "AM print neither start nor rule of steps; this start was picked, of 2,000, because it meets a tie."
+        f"{'(a), (b): descent' if figure in STEPPED else 'Descent'} of σ{found.rank + 1} with an exact line search "
+        f"from start {how.start} of seed {PAIRED_SEED}, picked of 2,000 because it meets a tie. {end} "
     )
-    return Picture("AM", f"Figure {figure}", caption, (
-        Panel("(a)", values, x="iteration", y="singular value", log="y", level=1e-6),
-        Panel("(b)", (turned,), x="iteration", y="turn of the gradient [deg]"),
-    ), {"method": how.method, "seed": PAIRED_SEED, "start": how.start})  # fmt: skip
+    if figure in STEPPED:
+        other = STEPPED[figure]
+        turning = descend(other)
+        panels += descent_panels(turning, "cd", marks=False)
+        caption += (
+            f"(c), (d): steps of {other.step} of that to linearised zero, start {other.start} of seed {other.seed}: "
+            f"gradients turn by up to {np.degrees(np.nanmax(turning.angles)):.0f}°, {turning.iterations} iterations, "
+            f"σ{turning.rank + 1} = {turning.sigma[-1, turning.rank]:.1e} at the end. "
+        )
+    return Picture("AM", f"Figure {figure}", f"{caption}AM print neither start nor rule of steps.", tuple(panels), {
+        "method": how.method, "seed": PAIRED_SEED, "start": how.start,
+    })  # fmt: skip
 
 
-def skeleton(robot: Robot, q: Array) -> Line:
-    """The origins of base, links and tip, joined."""
-    return Line("", link_poses(robot, q)[:, :3, 3], BLACK, marks=True)
+def descent_panels(found: Descent, parts: str, *, marks: bool) -> tuple[Panel, Panel]:
+    """Singular values of one run, and the angles between its successive gradients."""
+    steps = np.arange(len(found.sigma))
+    driven = {4: ((4, RED), (5, BLUE)), 3: ((3, GREEN), (4, RED), (5, BLUE))}[found.rank]
+    values = tuple(
+        Line(f"σ{i + 1}", against(steps, np.maximum(found.sigma[:, i], 1e-17)), colour) for i, colour in driven
+    )
+    dots = "" if len(steps) > 500 else "-"  # a line back and forth a thousand times is a block
+    turned = Line("", against(steps[: len(found.angles)], np.degrees(found.angles)), BLACK, dots, dots == "" or marks)
+    return (
+        Panel(f"({parts[0]})", values, x="iteration", y="singular value", log="y", level=1e-6),
+        Panel(f"({parts[1]})", (turned,), x="iteration", y="turn of the gradient [deg]", span=(0.0, 180.0)),
+    )
 
 
 def figure_4() -> Picture:
     """The directions of section 2.3 before and after the rotation."""
     robot = open_robot("pa10")
     q = np.zeros(7)
-    aside = Task("pose", (0, 1, 2, 3, 4, 5), Frame(0, -1, (OFFSET, 0.0, 0.0)), 1.0)
     tip = pose(robot, q)[:3, 3] + np.array([OFFSET, 0.0, 0.0])
-    raw = decompose(robot, q, aside).u[:, 3:].T
     printed = np.array([float(word) for word in AFTER.split()]).reshape(6, 3)
     rotated = matched(offset_directions(), printed)  # u4, u5, u6 in AM's order and sense
     panels = tuple(
-        Panel(title, (skeleton(robot, q),), arrows(tip, list(rows), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True)
-        for title, rows in (("(a) as the SVD gives them", raw), ("(b) rotated", rotated.T))
-    )
+        Panel(title, (aside(robot, q, tip),), arrows(tip, list(rows.T), _NAMES[3], _COLOURS[3]), z="z [m]", tall=True,
+              arms=(arm_at(robot, q),))
+        for title, rows in (("(a) as the SVD gives them", unrotated(rotated)), ("(b) rotated", rotated))
+    )  # fmt: skip
     caption = (
         "A rank-3 singularity. AM do not name the robot; with the PA-10 stretched and the reference point 0.45 m "
-        "(fitted) aside of its line the printed numbers follow. Solid: translation, dotted: rotation."
+        "(fitted) aside of its line, at the end of the grey line, the printed numbers follow. (a): the vectors printed "
+        "for the SVD, made orthonormal in the subspace that is lost. Solid: translation, dotted: rotation."
     )
     return Picture("AM", "Figure 4", caption, panels)
+
+
+def aside(robot: Robot, q: Array, point: Array) -> Line:
+    """From the tip to the reference point."""
+    return Line("", np.stack([pose(robot, q)[:3, 3], point]), GREY, ":")
+
+
+def unrotated(rotated: Array) -> Array:
+    """(6, 3) the orthonormal basis of the span of `rotated` that is nearest to the printed SVD vectors.
+
+    The SVD of a subspace to zero may return any basis of it. AM print theirs, to two digits: U = B P Qᵀ with
+    Bᵀ B₀ = P S Qᵀ, B = `rotated`, B₀ the printed one.
+    """
+    before = np.array([float(word) for word in BEFORE.split()]).reshape(6, 3)
+    left, _, right = np.linalg.svd(rotated.T @ before)
+    return np.asarray(rotated @ left @ right)
 
 
 def figure_5() -> Picture:
@@ -100,8 +141,12 @@ def figure_6() -> Picture:
         both = (
             Arrow("u3", tip, u3 * np.sign(u3 @ printed), False, BLUE), Arrow("as printed", tip, printed, False, GREY),
         )  # fmt: skip
-        panels.append(Panel(part, (skeleton(robot, q),), both, z="z [m]", tall=True))
-    return Picture("AM", "Figure 6", "The computed direction, and the axis that is printed.", tuple(panels))
+        panels.append(Panel(part, (), both, z="z [m]", tall=True, arms=(arm_at(robot, q),)))
+    caption = (
+        "Rank-1 singular configurations of the 4-DoF robot, those nearest to the printed angles: the direction u3 that "
+        "is lost, and the axis that is printed for it."
+    )
+    return Picture("AM", "Figure 6", caption, tuple(panels))
 
 
 def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel:
@@ -109,7 +154,7 @@ def on_row(robot: Robot, task: Task, title: str, q: Array, corank: int) -> Panel
     lost = lost_directions(robot, q, task, corank)
     tip = pose(robot, q)[:3, 3]
     drawn = arrows(tip, list(lost), _NAMES[corank], _COLOURS[corank])
-    return Panel(title, (skeleton(robot, q),), drawn, z="z [m]", tall=True)
+    return Panel(title, (), drawn, z="z [m]", tall=True, arms=(arm_at(robot, q),))
 
 
 def figures_7_8(figure: int) -> Picture:
@@ -124,11 +169,17 @@ def figures_7_8(figure: int) -> Picture:
     return Picture("AM", f"Figure {figure}", caption, tuple(panels))
 
 
+NINE = (
+    "Rank-3 singularities, the arm (a) stretched and (b) folded, where its forearm lies in its upper arm. Solid: "
+    "translation, dotted: rotation."
+)
+
+
 def figure_9() -> Picture:
     """The PA-10 stretched and folded."""
     robot, task = pa10()
     panels = [on_row(robot, task, part, np.array(theta), 3) for part, theta in FIGURE_9.items()]
-    return Picture("AM", "Figure 9", "Rank-3 singularities. Solid: translation, dotted: rotation.", tuple(panels))
+    return Picture("AM", "Figure 9", NINE, tuple(panels))
 
 
 def pictures() -> tuple[Picture, ...]:

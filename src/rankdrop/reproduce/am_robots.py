@@ -336,9 +336,16 @@ def figures_7_8_9(sheet: Sheet) -> None:
         q = np.array(theta)
         sigma = singular_values(robot, q, task)
         told, _ = lost_at(q, 3)
-        sheet.claim(f"Figure 9{part}", "rank lost, and directions u4, u5, u6", "rank-3, three directions",
-                    f"rank-{int((sigma <= 1e-9).sum())}; σ1, σ2, σ3 = {listed(sigma[:3], 3)}; {'; '.join(told)}",
-                    bool(int((sigma <= 1e-9).sum()) == 3))  # fmt: skip
+        ours = lost_directions(robot, q, task, 3)
+        angle = angle_between(ours, printed_null_directions(q, 3))
+        sheet.claim(
+            f"Figure 9{part}", "rank lost, and directions (v; ω) in base axes at the end effector",
+            "rank-3; u4, u5, u6 of the Jacobian of Table 2 (arrows in a drawing)",
+            f"rank-{int((sigma <= 1e-9).sum())}; {', '.join(map(in_six, ours))}, {rounded(angle, 1)}° from the span of "
+            f"u4, u5, u6 of that Jacobian; in words: {'; '.join(told)}",
+            bool((sigma <= 1e-9).sum() == 3 and len(ours) == len(told) == 3 and angle < 1e-5),
+            reason="As for Figures 7 and 8.",
+        )  # fmt: skip
     lengths = [float(np.linalg.norm(pose(robot, np.array(theta))[:3, 3])) for theta in FIGURE_9.values()]
     sheet.claim(
         "section 3.3.4", "where the two are in the workspace", "completely stretched out; folded back on itself",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.report.solids import draw_arm, draw_arrow
 from rankdrop.reproduce.picture import Panel, Picture
 from rankdrop.reproduce.run import Progress
 from rankdrop.results import json_text
@@ -19,8 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _DPI = 150
+_ARROW = 0.34  # length of a unit vector, per reach of the arm that is drawn
 _STYLE = {
-    "svg.hashsalt": "rankdrop", "svg.fonttype": "path", "font.size": 9, "axes.spines.top": False,
+    "svg.hashsalt": "rankdrop", "svg.fonttype": "path", "font.size": 9, "axes.titlesize": 10, "axes.spines.top": False,
     "axes.spines.right": False,
 }  # fmt: skip
 
@@ -31,14 +33,14 @@ def pictures(document: str) -> tuple[Picture, ...]:
     Args:
         document: "AM", "ML", "GR", "KG" or "JL".
     """
-    from rankdrop.reproduce import am_pictures, other_pictures
+    from rankdrop.reproduce import am_pictures, elbow_pictures, other_pictures
 
     made: dict[str, Callable[[], tuple[Picture, ...]]] = {
         "AM": am_pictures.pictures,
-        "ML": lambda: (other_pictures.joint_rates(),),
-        "GR": lambda: (other_pictures.screw_axes(),),
+        "ML": lambda: (other_pictures.planar_arm(), other_pictures.joint_rates(), *elbow_pictures.pictures("ML")),
+        "GR": lambda: (other_pictures.typical_arm(), other_pictures.screw_axes()),
         "KG": lambda: (other_pictures.canadarm2(),),
-        "JL": lambda: (other_pictures.lost_by_elbow_and_shoulder(),),
+        "JL": lambda: (*elbow_pictures.pictures("JL"), other_pictures.mapping()),
     }
     return made[document]()
 
@@ -112,10 +114,10 @@ def draw(picture: Picture) -> Figure:
     from matplotlib.figure import Figure
 
     count = len(picture.panels)
-    columns = min(count, 2)
+    columns = count if count < 4 else 2
     rows = -(-count // columns)
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(3.6 * columns + 0.4, 3.2 * rows + 0.6), layout="constrained")
+        figure = Figure(figsize=(4.0 * columns + 0.4, 3.7 * rows + 0.6), layout="constrained")
         FigureCanvasAgg(figure)
         for number, panel in enumerate(picture.panels, start=1):
             axes: Any = figure.add_subplot(rows, columns, number, projection="3d" if panel.z else None)
@@ -135,6 +137,8 @@ def _draw_flat(axes: Any, panel: Panel) -> None:
         axes.set_xscale("log")
     if "y" in panel.log:
         axes.set_yscale("log")
+    if panel.span is not None:
+        axes.set_ylim(*panel.span)
     axes.set(title=panel.title, xlabel=panel.x, ylabel=panel.y)
     axes.grid(alpha=0.25, linewidth=0.5)
     if any(line.label for line in panel.lines):
@@ -145,21 +149,24 @@ def _draw_in_space(axes: Any, panel: Panel) -> None:
     for line in panel.lines:
         axes.plot(*line.points.T, color=line.colour, linestyle=line.dashes, linewidth=1.6, label=line.label or None,
                   marker="o" if line.marks else None, markersize=3)  # fmt: skip
-    points = np.concatenate([line.points for line in panel.lines])
+    points = np.concatenate([*(arm.drawn.links for arm in panel.arms), *(line.points for line in panel.lines)])
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-    length = 0.45 * float((high - low).max())
+    size = max((arm.size for arm in panel.arms), default=float((high - low).max()))
+    for arm in panel.arms:
+        draw_arm(axes, arm.drawn, size, arm.marked)
+    length = _ARROW * size
     labelled: set[str] = set()
     for arrow in panel.arrows:
         label = None if arrow.label in labelled else arrow.label
         labelled.add(arrow.label)
-        axes.quiver(*arrow.start, *(length * arrow.vector), color=arrow.colour, linewidth=1.8, arrow_length_ratio=0.18,
-                    linestyle=":" if arrow.rotation else "-", label=label)  # fmt: skip
+        draw_arrow(axes, arrow.start, length * arrow.vector, arrow.colour, size, dotted=arrow.rotation, label=label)
     if panel.tall:
         ends = [arrow.start + length * arrow.vector for arrow in panel.arrows]
         every = np.array([low, high, *ends])
-        middle, half = (every.min(0) + every.max(0)) / 2, float(np.ptp(every, axis=0).max()) / 2
+        middle, half = (every.min(0) + every.max(0)) / 2, float(np.ptp(every, axis=0).max()) / 2 + 0.04 * size
         for name, centre in zip("xyz", middle, strict=True):
             getattr(axes, f"set_{name}lim")(centre - half, centre + half)
+    axes.view_init(*panel.view)
     axes.set_box_aspect((1, 1, 1), zoom=0.82)  # leaves room for the labels, which the layout does not know of
     axes.set(title=panel.title, xlabel=panel.x, ylabel=panel.y, zlabel=panel.z)
     axes.tick_params(labelsize=6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from math import comb
 
 import numpy as np
@@ -21,11 +22,14 @@ from rankdrop.reproduce.kg_arm import (
     places,
     screws,
     sigma6,
+    singular,
     with_zero,
     worst,
 )
 from rankdrop.reproduce.kg_families import families
 from rankdrop.robot import from_dh
+
+BOTH = "random points of the printed one have rank 5 and lie on ours, and singular points on ours lie on it."
 
 
 def figure_1(sheet: Sheet) -> None:
@@ -58,15 +62,40 @@ def methods(sheet: Sheet) -> None:
     sheet.claim("section 1, (2)", "conditions of the cofactor approach", "difficult to use for the Canadarm2",
                 f"{cofactors.sizes['minors']} equations with {cofactors.sizes['terms']} terms, to hold together",
                 cofactors.sizes["minors"] == comb(7, 6))  # fmt: skip
-    sheet.claim("section 1", "the approaches it lists",
-                "determinant, cofactor, decomposition, reciprocity, singular vector",
-                ", ".join(METHODS), len(METHODS) == 5,
-                reason="Each derives the singular set here (rankdrop.conditions, method=…); tests compare them.")
-    sheet.cannot("section 1", "a reciprocal screw of row 1 of Table 3 in [10] vanishes where s6 = 0 and c5 = 0",
-                 "all the six elements vanish", "", "The expression is in the work cited, not here.")  # fmt: skip
+    printed = "determinant, cofactor, decomposition, reciprocity, singular vector"
+    ours = ", ".join(METHODS).replace("cofactors", "cofactor").replace("_", " ")
+    sheet.same("section 1", "the approaches it lists", printed, ours,
+               reason="Each derives the singular set here (rankdrop.conditions, method=…); tests compare them.")
+    vanishing_screw(sheet)
     basic = suppress(exact_chain(arm(), lengths=kg.LENGTHS)).basic
     sheet.same("section 2, 3.1", "basic screws that conditions (a) to (c) choose", "2 3 4 5 6 7",
                " ".join(map(str, basic)), reason="KG leave joints 1–6 and 2–7 to choose from, and take 2–7.")
+
+
+def vanishing_screw(sheet: Sheet) -> None:
+    """Section 1: where a reciprocal screw says nothing in the case s4 = 0.
+
+    The screw reciprocal to five joint screws is made of their minors of order 5, and vanishes where these five are
+    dependent.
+    """
+    there, elsewhere = with_zero(4), with_zero(4)
+    turn = np.arange(len(there))
+    there[:, 4] = np.where(turn % 4 < 2, np.pi / 2, -np.pi / 2)
+    there[:, 5] = np.where(turn % 8 < 4, 0.0, np.pi)
+    fives = [list(five) for five in combinations(range(1, 7), 5)]
+    vanish = max(float(np.linalg.svd(screws(there)[..., five], compute_uv=False)[:, 4].max()) for five in fives)
+    remain = [float(np.median(np.linalg.svd(screws(elsewhere)[..., five], compute_uv=False)[:, 4])) for five in fives]
+    some = sum(size > 1e-3 for size in remain)
+    notes = derive(exact_chain(arm(), lengths=kg.LENGTHS), "reciprocity", 20.0, frame=5, basic=tuple(range(2, 8))).notes
+    told = sum(note.startswith("  all six") and "θ5 = ±π/2 and (θ6 = 0 or π)" in note for note in notes)
+    sheet.claim(
+        "section 1", "where s4 = 0, the screw reciprocal to five of $2 … $7, at s6 = 0 and c5 = 0",
+        "all the six elements vanish (of the expression in row 1 of Table 3 in [10])",
+        f"all six vanish, whichever five are taken; where s4 = 0 alone they do not for {some} of the {len(fives)}",
+        vanish < SMALL and some > 0 and told == 2,
+        reason="The expression of [10] is not printed here; ours, in frame 5, says the same of itself at θ4 = 0 and at "
+        "θ4 = π (rankdrop conditions canadarm2 --method reciprocity --basic 2-7 --frame 5 --steps).",
+    )  # fmt: skip
 
 
 def matrices(sheet: Sheet) -> None:
@@ -98,7 +127,7 @@ def case_1(sheet: Sheet) -> None:
                    reason=DAMAGED)
     texts = conditions_text(found().families[0].stratum)
     sheet.claim("eq. 15", "family 1", f"s4 = 0, {kg.EQ_15} = 0", texts, _same_family(15, 0),
-                reason="The same set written otherwise: random points of the printed one have rank 5 and lie on ours.")
+                reason="The same set written otherwise: " + BOTH)
 
 
 def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
@@ -110,13 +139,22 @@ def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
 
 
 def _same_family(equation: int, index: int) -> bool:
-    """Whether random points of the printed family satisfy ours, and have rank 5."""
+    """Whether random points of the printed family have rank 5 and satisfy ours, and those of ours the printed one.
+
+    Points of the printed family are solved for; for the other way singular configurations from random starts are on
+    both families or on neither.
+    """
     zeros, others = kg.FAMILIES[equation]
     q = on(zeros, equation)
     q = q[np.min([np.abs(value(text, q, kg.LENGTHS)) for text in (*others, "1")], axis=0) > 1e-3]
+    family, anywhere = found().families[index], singular()
+    ours = np.max([Distances(found().chain, anywhere).of(p) for p in family.equalities], axis=0) < 1e-5
+    printed = np.max([np.abs(value(text, anywhere, kg.LENGTHS)) for text in zeros], axis=0) < 1e-5
     distances = Distances(found().chain, q)
-    return len(q) > 20 and bool(sigma6(q).max() < SMALL) and all(
-        float(distances.of(p).max()) < 1e-5 for p in found().families[index].equalities)  # fmt: skip
+    return (
+        len(q) > 20 and bool(sigma6(q).max() < SMALL) and int(ours.sum()) > 20 and bool((ours == printed).all())
+        and all(float(distances.of(p).max()) < 1e-5 for p in family.equalities)
+    )  # fmt: skip
 
 
 def case_2(sheet: Sheet) -> None:
@@ -167,7 +205,7 @@ def _family(sheet: Sheet, equation: int, index: int) -> None:
     printed = ", ".join([*(f"{text} = 0" for text in zeros), *(f"{text} ≠ 0" for text in others)])
     sheet.claim(f"eq. {equation}", "a family of singular configurations", printed,
                 conditions_text(found().families[index].stratum), _same_family(equation, index),
-                reason="Random points of the printed family have rank 5 and lie on ours.")  # fmt: skip
+                reason="The same set: " + BOTH)  # fmt: skip
 
 
 SECTIONS = (

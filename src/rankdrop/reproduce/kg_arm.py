@@ -8,6 +8,7 @@ from math import pi
 import numpy as np
 
 from rankdrop.exact import Suppression, exact_chain, suppress
+from rankdrop.families import search
 from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian
 from rankdrop.local import sample, singular_values
@@ -78,3 +79,9 @@ def on(texts: tuple[str, ...], seed: int = 0, count: int = 400) -> Array:
 def sigma6(q: Array) -> Array:
     """(N,) the smallest singular value of the 6 × 7 Jacobian."""
     return singular_values(arm(), q, resolve_task(None, arm()))[:, 5]
+
+
+@cache
+def singular() -> Array:
+    """(N, 7) singular configurations that 500 random starts lead to."""
+    return search(arm(), 1, starts=500, seed=4).converged

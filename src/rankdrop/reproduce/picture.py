@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.robot import Array
+from rankdrop.local import Drawn, drawn_at
+from rankdrop.reach import reach
+from rankdrop.robot import Array, Robot
 
 BLUE, RED, GREEN, BLACK, GREY, ORANGE = "#0072B2", "#D55E00", "#009E73", "#222222", "#777777", "#E69F00"
 """Okabe and Ito's colours, which stay apart for colour-blind eyes and in print; AM's blue, red and green."""
@@ -51,6 +53,37 @@ class Arrow:
 
 
 @dataclass(frozen=True, eq=False)
+class Arm:
+    """A robot at a configuration, drawn with its links, joints and axes.
+
+    Attributes:
+        robot: its name.
+        q: (n,) configuration [rad, m].
+        drawn: where its links and joints are.
+        size: its reach, to which everything is drawn in proportion [m].
+        marked: numbers of joints in another colour.
+    """
+
+    robot: str
+    q: Array
+    drawn: Drawn
+    size: float
+    marked: tuple[int, ...] = ()
+
+    def to_dict(self) -> dict[str, object]:
+        """Plain data."""
+        rows = zip(self.drawn.numbers, self.drawn.slides, self.drawn.middles, self.drawn.axes, strict=True)
+        return {
+            "robot": self.robot, "q": plain(self.q), "links": plain(self.drawn.links),
+            "joints": [
+                {"number": number, "kind": "prismatic" if slides else "revolute", "point": plain(at),
+                 "axis": plain(axis), "marked": number in self.marked}
+                for number, slides, at, axis in rows
+            ],
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
 class Panel:
     """One subplot, in the plane or in space.
 
@@ -59,7 +92,10 @@ class Panel:
         lines, arrows: what is in it.
         log: logarithmic axes, out of "x", "y".
         level: a horizontal line.
+        span: ends of the vertical axis, in the plane; None for those of what is drawn.
         tall: same scale along all axes.
+        arms: robots in it.
+        view: elevation and azimuth of the eye [deg].
     """
 
     title: str
@@ -70,7 +106,10 @@ class Panel:
     z: str = ""
     log: str = ""
     level: float | None = None
-    tall: bool = field(default=False)
+    span: tuple[float, float] | None = None
+    tall: bool = False
+    arms: tuple[Arm, ...] = ()
+    view: tuple[float, float] = (24.0, -60.0)
 
     def to_dict(self) -> dict[str, object]:
         """Plain data, NaN as null."""
@@ -78,6 +117,7 @@ class Panel:
             "title": self.title,
             "axes": [name for name in (self.x, self.y, self.z) if name],
             "level": self.level,
+            "arms": [arm.to_dict() for arm in self.arms],
             "lines": [{"label": line.label, "points": plain(line.points)} for line in self.lines],
             "arrows": [
                 {"label": a.label, "start": plain(a.start), "vector": plain(a.vector), "rotation": a.rotation}
@@ -115,6 +155,12 @@ class Picture:
             "document": self.document, "figure": self.name, "caption": self.caption,
             "panels": [panel.to_dict() for panel in self.panels], **self.numbers,
         }  # fmt: skip
+
+
+def arm_at(robot: Robot, q: ArrayLike, marked: Sequence[int] = ()) -> Arm:
+    """A robot to be drawn at q."""
+    place = np.asarray(q, dtype=np.float64)
+    return Arm(robot.name, place, drawn_at(robot, place), reach(robot), tuple(marked))
 
 
 def plain(values: ArrayLike) -> object:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -87,33 +86,16 @@ def write_text(text: str, target: str) -> None:
 
 
 def write_bytes(content: bytes, target: str) -> None:
-    """Write a file so that a reader sees the old content or all of the new one.
+    """Write a file, whole or not at all (`rankdrop.disk`).
 
     Raises:
         OptionError: the file cannot be written (disk full, no permission).
     """
-    path = Path(target)
+    from rankdrop.disk import replace_file
+
     try:
-        if path.exists() and not path.is_file():  # /dev/null, a pipe: nothing to replace
-            path.write_bytes(content)
-            return
-        path = path.resolve()
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(name, path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask())
-            os.replace(name, path)
-        except BaseException:  # Ctrl-C too: no half-written file stays behind; raised again
-            os.unlink(name)
-            raise
+        replace_file(target, content)
     except BrokenPipeError:
         raise
     except OSError as error:
         raise OptionError(f"cannot write: {error.strerror}", where=target) from error
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

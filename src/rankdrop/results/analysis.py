@@ -20,13 +20,13 @@ from rankdrop.results.codec import (
     Record,
     family_from_dict,
     family_to_dict,
-    json_text,
     known,
     near_from_dict,
     near_to_dict,
     plain,
     robot_from_dict,
     robot_to_dict,
+    save_record,
     summary_from_dict,
     summary_to_dict,
     task_from_dict,
@@ -254,14 +254,9 @@ class Analysis:
         """Write the analysis to a JSON file.
 
         Raises:
-            ResultFileError: the file cannot be written.
+            ResultFileError: the file cannot be written; an old one of this name is as it was.
         """
-        text = json_text(self.to_dict())
-        try:
-            Path(path).write_text(text, encoding="utf-8")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+        save_record(self.to_dict(), path)
 
     @classmethod
     def load(cls, path: str | Path) -> Analysis:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from rankdrop.disk import replace_file
 from rankdrop.errors import ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
@@ -48,10 +49,10 @@ def save_record(record: Record, path: str | Path) -> None:
     """Write a record to a JSON file.
 
     Raises:
-        ResultFileError: the file cannot be written.
+        ResultFileError: the file cannot be written; an old one of this name is as it was.
     """
     try:
-        Path(path).write_text(json_text(record), encoding="utf-8")
+        replace_file(path, json_text(record).encode())
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error

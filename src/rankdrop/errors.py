@@ -2,7 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
+
+_HIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
+_LONGEST_PART = 2000  # characters of one part of an error: a name may have as many as its file
+
+
+def visible(text: str) -> str:
+    """A text from outside as it may reach a terminal: what would steer the terminal is shown as a sign instead.
+
+    Control characters become their Unicode pictures (␛ for escape), those without a picture and the marks that turn the
+    direction of writing become �; line breaks and tabs stay.
+
+    Example:
+        >>> visible("joint\\x1b[2J")
+        'joint␛[2J'
+    """
+    return _HIDDEN.sub(_picture, text)
+
+
+def _picture(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else "\ufffd"
 
 
 class RankdropError(Exception):
@@ -37,14 +59,22 @@ class RankdropError(Exception):
         return str(self) if self.typed is None else self._line(self.typed)
 
     def _line(self, mend: str | None) -> str:
-        parts = [f"{self.where}: {self.what}" if self.where else self.what]
+        parts = [f"{_shown(self.where)}: {_shown(self.what)}" if self.where else _shown(self.what)]
         if self.got is not None:
-            parts.append(f"got {self.got}")
+            parts.append(f"got {_shown(self.got)}")
         if self.allowed is not None:
-            parts.append(f"allowed: {self.allowed}")
+            parts.append(f"allowed: {_shown(self.allowed)}")
         if mend:
-            parts.append(f"mend: {mend}")
+            parts.append(f"mend: {_shown(mend)}")
         return " ".join("; ".join(parts).split())
+
+
+def _shown(part: Any) -> str:
+    """A part of an error: nothing that steers a terminal, and both ends of what is too long."""
+    text = visible(str(part))
+    if len(text) <= _LONGEST_PART:
+        return text
+    return f"{text[: _LONGEST_PART // 2]} … {text[-_LONGEST_PART // 2 :]}"
 
 
 class RobotError(RankdropError):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rankdrop.errors import OptionError
+from rankdrop.errors import OptionError, visible
 from rankdrop.results import json_text
 
 STDOUT = "-"
@@ -79,7 +79,7 @@ def write_json(record: Any, target: str) -> None:
 def write_text(text: str, target: str) -> None:
     """Write a text to a file, or to stdout when `target` is "-"."""
     if target == STDOUT:
-        sys.stdout.write(text)
+        sys.stdout.write(visible(text))  # JSON has nothing to hide: `json_text` escapes
         sys.stdout.flush()
     else:
         write_bytes(text.encode(), target)

@@ -8,6 +8,8 @@ import unicodedata
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from rankdrop.errors import visible
+
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.text import Text
@@ -27,7 +29,7 @@ _ASCII = {
 def say(text: str) -> None:
     """One line to stderr, under the name of the program."""
     try:
-        print(f"rankdrop: {text}", file=sys.stderr, flush=True)
+        print(f"rankdrop: {visible(text)}", file=sys.stderr, flush=True)
     except OSError:  # stderr is closed: there is nobody to tell
         return
 
@@ -57,9 +59,7 @@ def _plain(letter: str) -> str:
 
 def results() -> Console:
     """Console for results: stdout, plain when it is not a terminal; width from COLUMNS or the terminal, else 80."""
-    from rich.console import Console
-
-    return Console(highlight=False, markup=False, emoji=False)
+    return _console(stderr=False)
 
 
 def show(console: Console, parts: Iterable[RenderableType]) -> None:
@@ -79,6 +79,17 @@ def verdict_line(verdict: Verdict) -> Text:
 
 def status() -> Console:
     """Console for progress: stderr."""
-    from rich.console import Console
+    return _console(stderr=True)
 
-    return Console(stderr=True, highlight=False, markup=False, emoji=False)
+
+def _console(*, stderr: bool) -> Console:
+    """A console that shows control characters of names and texts as signs; its own colours are no part of a text."""
+    from rich.console import Console, ConsoleOptions
+    from rich.segment import Segment
+
+    class Guarded(Console):
+        def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+            for text, style, control in super().render(renderable, options):
+                yield Segment(text if control else visible(text), style, control)
+
+    return Guarded(stderr=stderr, highlight=False, markup=False, emoji=False)

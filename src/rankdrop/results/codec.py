@@ -25,6 +25,7 @@ from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
 from rankdrop.task import Task
 
 Record = dict[str, Any]
+_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
 
 
 def known(kind: type[Any], record: Record) -> Record:
@@ -41,6 +42,7 @@ def known(kind: type[Any], record: Record) -> Record:
 def json_text(record: Any) -> str:
     """JSON for people too: indented, a row of numbers on one line; NaN and infinities are refused."""
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    text = _STEERING.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)  # the same text to a reader of JSON
     # strings hold no raw line break, so only arrays of numbers match
     return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"
 

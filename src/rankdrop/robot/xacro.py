@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.robot.packages import PLACES, find_package
@@ -64,7 +64,7 @@ def from_xacro(
     name = root.attributes.get("name", "")
     arguments = _Arguments({key: _written(value) for key, value in (args or {}).items()}, root)
     finder = _Packages(file, packages or {})
-    text = _expand(file, name if name and "$" not in name else file.name.partition(".")[0], finder, arguments)
+    text = _expand(file, name if name and "$" not in name else visible(file.name.partition(".")[0]), finder, arguments)
     robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
     named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
     return replace(robot, name=named if named and "$" not in named else robot.name,

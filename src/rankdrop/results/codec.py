@@ -15,11 +15,13 @@ from typing import Any
 import numpy as np
 
 from rankdrop.disk import replace_file
-from rankdrop.errors import ResultFileError
+from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
 from rankdrop.frames import Frame
+from rankdrop.robot.budgets import DEEPEST
+from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
 from rankdrop.task import Task
@@ -58,6 +60,30 @@ def save_record(record: Record, path: str | Path) -> None:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+
+
+def read_record(path: str | Path) -> Any:
+    """The data in a JSON file.
+
+    Raises:
+        ResultFileError: the file cannot be read, is too large, or is not JSON; NaN and infinities are none.
+    """
+
+    def refused(word: str) -> None:
+        raise ValueError(f"{word} is no number of JSON")
+
+    try:
+        Path(path).stat()
+        return json.loads(read_text(Path(path)), parse_constant=refused)
+    except OSError as error:
+        raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
+    except RankdropError as error:
+        raise ResultFileError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
+    except RecursionError:
+        raise ResultFileError("the file cannot be read as JSON: its lists and objects are nested too deeply",
+                              where=str(path), allowed=f"depth {DEEPEST}") from None  # fmt: skip
+    except ValueError as error:
+        raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)[:200]) from error
 
 
 def number_or_null(value: float) -> float | None:

@@ -102,10 +102,16 @@ class ResultFileError(RankdropError):
 
 
 class MissingExtraError(RankdropError):
-    """An optional dependency is not installed; names the extra that brings it."""
+    """A package is not installed; says how the source of rankdrop installs it.
 
-    def __init__(self, package: str, extra: str, purpose: str) -> None:
+    Args:
+        package: that is missing.
+        extra: of rankdrop that brings it; None for what the plain install brings.
+        purpose: what needs it.
+    """
+
+    def __init__(self, package: str, extra: str | None, purpose: str) -> None:
         self.package, self.extra = package, extra
-        super().__init__(
-            f"{purpose} needs the package {package}", mend=f'pip install "rankdrop[{extra}]"'
-        )
+        source = "." if extra is None else f'".[{extra}]"'
+        super().__init__(f"{purpose} needs the package {package}",
+                         mend=f"in the folder of rankdrop's source: pip install {source}")  # fmt: skip

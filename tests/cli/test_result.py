@@ -76,8 +76,8 @@ def test_the_text_holds_no_infinity_and_rows_of_numbers_stay_on_a_line(found: An
         (lambda record: record.pop("families"), "no entry 'families'"),
         (lambda record: record["families"][0].pop("witness"), "no entry 'witness'"),
         (lambda record: record["families"][0]["equations"].append("q1"), "disagree"),
-        (lambda record: record["robot"]["chain"][0].update(screw=[1, 2]), "$.robot.chain[0].screw: the analysis is damaged: the list has the wrong length"),
-        (lambda record: record.update(coranks=3), "$.coranks: the analysis is damaged: this is no array"),
+        (lambda record: record["robot"]["chain"][0].update(screw=[1, 2]), "$.robot.chain[0].screw: "),
+        (lambda record: record.update(coranks=3), "$.coranks: "),
     ],
 )
 def test_a_damaged_file_is_refused_in_one_line(found: Analysis, tmp_path: Path, damage, words: str) -> None:

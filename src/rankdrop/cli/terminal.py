@@ -26,10 +26,10 @@ _ASCII = {
 }  # fmt: skip
 
 
-def say(text: str) -> None:
-    """One line to stderr, under the name of the program."""
+def say(text: str, *, bare: bool = False) -> None:
+    """One line to stderr, under the name of the program unless it is `bare`."""
     try:
-        print(f"rankdrop: {visible(text)}", file=sys.stderr, flush=True)
+        print(f"{'' if bare else 'rankdrop: '}{visible(text)}", file=sys.stderr, flush=True)
     except OSError:  # stderr is closed: there is nobody to tell
         return
 

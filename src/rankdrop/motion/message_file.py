@@ -74,7 +74,7 @@ def _yaml(text: str, name: str) -> Any:
     try:
         import yaml
     except ImportError as error:
-        raise MissingExtraError("pyyaml", "yaml", "a trajectory in YAML") from error
+        raise MissingExtraError("pyyaml", None, "a trajectory in YAML") from error
     if len(text) > LARGEST_YAML:
         most = f"at most {LARGEST_YAML // 2**20} MB of YAML"
         raise TrajectoryError("the file is too large", where=name, allowed=most, mend="write it as JSON or CSV")

@@ -40,7 +40,7 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "a figure for papers") from error
+        raise MissingExtraError("matplotlib", None, "a figure for papers") from error
     robot = analysis.robot
     check_robot(robot)
     drawn = Figure(figsize=(3.8, 3.8))

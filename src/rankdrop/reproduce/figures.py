@@ -177,5 +177,5 @@ def _matplotlib() -> Any:
     try:
         import matplotlib
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "drawing figures") from error
+        raise MissingExtraError("matplotlib", None, "drawing figures") from error
     return matplotlib

@@ -89,7 +89,7 @@ def open_robot(
     Raises:
         UnknownRobotError: neither a name of the catalogue nor a file; suggests names that are close.
         RobotError: the file cannot be read or used, or takes no arguments.
-        MissingExtraError: a xacro file without the extra "xacro", an MJCF file without the extra "mujoco".
+        MissingExtraError: an MJCF file without the extra "mujoco".
 
     Example:
         >>> open_robot("pa10").n

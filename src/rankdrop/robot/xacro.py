@@ -1,4 +1,4 @@
-"""Robots from xacro, expanded by the package xacrodoc (extra "xacro") and then read as URDF.
+"""Robots from xacro, expanded by the package xacrodoc and then read as URDF.
 
 A xacro file is a program: it includes other files, reads environment variables and YAML files by name, and evaluates
 expressions, which can run any command. rankdrop adds nothing to what xacro itself does and takes nothing away: expand
@@ -154,7 +154,7 @@ def _expand(file: Path, name: str, finder: _Packages, arguments: _Arguments) -> 
     try:
         import xacrodoc
     except ImportError:
-        raise MissingExtraError("xacrodoc", "xacro", "a xacro file") from None
+        raise MissingExtraError("xacrodoc", None, "a xacro file") from None
     # An include, not the text: xacro then resolves the file's own includes relative to it.
     whole = (
         f'<robot name={quoteattr(name)} xmlns:xacro="http://www.ros.org/wiki/xacro">'

@@ -20,5 +20,5 @@ def flint() -> ModuleType:
     try:
         import flint as module
     except ImportError as error:
-        raise MissingExtraError("python-flint", "exact", "deriving exact conditions") from error
+        raise MissingExtraError("python-flint", None, "deriving exact conditions") from error
     return module

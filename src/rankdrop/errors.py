@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
-_HIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
+_MARKS = (0x200E, 0x200F, *range(0x2028, 0x202F), *range(0x2066, 0x206A), 0xFEFF)  # they turn the direction of writing
+HIDDEN = {
+    **{code: chr(0x2400 + code) for code in range(0x20) if chr(code) not in "\n\t"},
+    0x7F: "\u2421",
+    **dict.fromkeys((*range(0x80, 0xA0), *_MARKS), "\ufffd"),
+}
+"""For `str.translate`: what would steer a terminal -> a sign in its place."""
 _LONGEST_PART = 2000  # characters of one part of an error: a name may have as many as its file
 
 
@@ -19,12 +24,7 @@ def visible(text: str) -> str:
         >>> visible("joint\\x1b[2J")
         'joint␛[2J'
     """
-    return _HIDDEN.sub(_picture, text)
-
-
-def _picture(found: re.Match[str]) -> str:
-    code = ord(found[0])
-    return chr(0x2400 + code) if code < 0x20 else "\u2421" if code == 0x7F else "\ufffd"
+    return text.translate(HIDDEN)
 
 
 class RankdropError(Exception):

@@ -48,6 +48,8 @@ try:
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
+except KeyboardInterrupt:  # raised by a module itself
+    _leave_at_once()
 finally:
     with contextlib.suppress(ValueError):
         if _OURS:

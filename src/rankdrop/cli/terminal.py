@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rankdrop.errors import visible
+from rankdrop.errors import HIDDEN
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -29,7 +29,7 @@ _ASCII = {
 def say(text: str, *, bare: bool = False) -> None:
     """One line to stderr, under the name of the program unless it is `bare`."""
     try:
-        print(f"{'' if bare else 'rankdrop: '}{visible(text)}", file=sys.stderr, flush=True)
+        print(f"{'' if bare else 'rankdrop: '}{text.translate(HIDDEN)}", file=sys.stderr, flush=True)
     except OSError:  # stderr is closed: there is nobody to tell
         return
 
@@ -87,9 +87,12 @@ def _console(*, stderr: bool) -> Console:
     from rich.console import Console, ConsoleOptions
     from rich.segment import Segment
 
-    class Guarded(Console):
-        def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-            for text, style, control in super().render(renderable, options):
-                yield Segment(text if control else visible(text), style, control)
+    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    whole = console.render
 
-    return Guarded(stderr=stderr, highlight=False, markup=False, emoji=False)
+    def guarded(renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for text, style, control in whole(renderable, options):
+            yield Segment(text if control else text.translate(HIDDEN), style, control)
+
+    console.render = guarded  # type: ignore[method-assign]  # all that is printed passes through it
+    return console

@@ -5,8 +5,6 @@ A file beyond one of them is refused with its name before the work that the limi
 
 from __future__ import annotations
 
-from rankdrop.errors import RobotError
-
 LARGEST_FILE = 50 * 2**20
 """Bytes of an XML file, a trajectory or a result; the largest robot descriptions in use are below 1 MB."""
 LARGEST_TABLE = 2**20
@@ -55,20 +53,3 @@ def allowed_range(measure: str, *, rate: bool = False) -> str:
     """
     most = RANGE[measure]
     return f"-{most:g} … {most:g}{_UNIT[measure]}{'/s' if rate else ''}"
-
-
-def check_joints(moving: int, where: str, *, steps: int = 0) -> None:
-    """Refuse a chain that is longer than any arm, before anything is computed of it.
-
-    Args:
-        moving: joints that move.
-        where: file or robot.
-        steps: all joints of the chain.
-
-    Raises:
-        RobotError: more than `MOST_JOINTS` or `MOST_STEPS`.
-    """
-    for got, most, what in ((moving, MOST_JOINTS, "moving joints"), (steps, MOST_STEPS, "joints")):
-        if got > most:
-            raise RobotError(f"the chain has too many {what}", where=where, got=got, allowed=f"at most {most}",
-                             mend="name a base and a tip of a shorter chain")  # fmt: skip

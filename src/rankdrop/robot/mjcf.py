@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.budgets import MOST_BODIES, check_joints
+from rankdrop.robot.budgets import MOST_BODIES
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.robot.urdf_ends import choose_ends
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected

@@ -9,8 +9,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.errors import RobotError, visible
-from rankdrop.robot.budgets import LARGEST_LENGTH, allowed_range, check_joints
+from rankdrop.errors import HIDDEN, RobotError
+from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.lengths import checked_lengths
 
 Array = NDArray[np.float64]
@@ -189,9 +189,26 @@ class Robot:
         return np.array(whole)
 
 
+def check_joints(moving: int, where: str, *, steps: int = 0) -> None:
+    """Refuse a chain that is longer than any arm, before anything is computed of it.
+
+    Args:
+        moving: joints that move.
+        where: file or robot.
+        steps: all joints of the chain.
+
+    Raises:
+        RobotError: more than `MOST_JOINTS` or `MOST_STEPS`.
+    """
+    for got, most, what in ((moving, MOST_JOINTS, "moving joints"), (steps, MOST_STEPS, "joints")):
+        if got > most:
+            raise RobotError(f"the chain has too many {what}", where=where, got=got, allowed=f"at most {most}",
+                             mend="name a base and a tip of a shorter chain")  # fmt: skip
+
+
 def _check_name(name: str, where: str) -> None:
     """Refuse names that steer a terminal or break its lines; they are printed a hundred times."""
-    if any(letter in "\n\t" for letter in name) or visible(name) != name:
+    if "\n" in name or "\t" in name or name.translate(HIDDEN) != name:
         raise RobotError("the name has a control character", where=where, got=repr(name[:80]),
                          allowed="what can be printed in one line", mend="rename it")  # fmt: skip
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import LARGEST_TABLE, check_joints
+from rankdrop.robot.budgets import LARGEST_TABLE
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, check_joints
 from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import from_screws
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RobotError, visible
-from rankdrop.robot.budgets import RANGE, check_joints
+from rankdrop.robot.budgets import RANGE
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf_ends import choose_ends
 from rankdrop.robot.urdf_mimic import resolve_mimics

@@ -18,6 +18,7 @@ from cli.conftest import Ended, command
 from rankdrop.cli import exits, main
 from rankdrop.cli.terminal import results, say, show
 from rankdrop.errors import MissingExtraError, visible
+from rankdrop.reproduce.run import DOCUMENTS
 from rankdrop.results.codec import json_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -266,3 +267,13 @@ def test_the_plain_install_has_what_the_readme_shows() -> None:
             assert package in plain
         else:
             assert any(one.startswith(package) for one in project["optional-dependencies"][extra.strip('"')])
+
+
+def test_the_citation_names_this_version_and_the_five_documents() -> None:
+    yaml = pytest.importorskip("yaml")
+    told = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert told["version"] == tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    assert len(told["references"]) == len(DOCUMENTS) == 5
+    for reference, title in zip(told["references"], DOCUMENTS.values(), strict=True):
+        assert reference["title"] in title
+        assert reference["authors"]

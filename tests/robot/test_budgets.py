@@ -28,6 +28,7 @@ from rankdrop.robot.quantities import quantity
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.urdf_numbers import number
+from rankdrop.viewer.meshes import LARGEST_MESH
 from robot.urdf_text import chain, joint, robot
 
 ARM = open_robot("scara")
@@ -274,3 +275,27 @@ def test_errors_are_short_and_printable_whatever_the_file_says() -> None:
     assert len(str(caught.value)) < 6000
     error = RobotError("a\x1bb", where="\x9bx", got="\u202e", allowed="\r", mend="\x00")
     assert str(error).isprintable()
+
+
+def test_the_page_of_limits_is_what_the_code_has() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "limits.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line[:2] == "| "]
+    told = {row[0]: row[1] for row in rows}
+    mb = 2**20
+    for start, value in {
+        "XML (URDF": f"{budgets.LARGEST_FILE // mb} MB", "TOML, lists": f"{budgets.LARGEST_TABLE // mb} MB",
+        "YAML": f"{budgets.LARGEST_YAML // mb} MB;", "array in": f"{budgets.LARGEST_ARRAY // mb} MB,",
+        "mesh": f"{LARGEST_MESH // mb} MB", "moving joints": f"{budgets.MOST_JOINTS:,}",
+        "joints of a chain": f"{budgets.MOST_STEPS:,}", "elements of an XML file": f"{budgets.MOST_ELEMENTS:,}",
+        "elements of an MJCF": f"{budgets.MOST_BODIES:,}", "elements of XML inside": f"{budgets.DEEPEST}",
+        "dots in": f"{budgets.DOTS**0.5:,.0f}; over all lines the sum of their squares up to {budgets.DOTS:,}",
+        "rows of": f"{budgets.MOST_ROWS:,}", "characters of": f"{budgets.LONGEST_HEAD}",
+        "length, place": f"−{budgets.LARGEST_LENGTH:g} … {budgets.LARGEST_LENGTH:g} m".replace("e+", "e"),
+        "angle, joint": f"−{budgets.LARGEST_ANGLE:g} … {budgets.LARGEST_ANGLE:g} rad".replace("e+06", "e6"),
+        "entry of": f"−{budgets.LARGEST_NUMBER:g} … {budgets.LARGEST_NUMBER:g}".replace("e+", "e"),
+        "time of": f"−{budgets.LARGEST_TIME:g} … {budgets.LARGEST_TIME:g} s".replace("e+", "e"),
+        "number written": f"at most {budgets.LONGEST_TEXT} characters",
+    }.items():  # fmt: skip
+        found = [cell for name, cell in told.items() if name.startswith(start)]
+        assert len(found) == 1, start
+        assert found[0].startswith(value), f"{start}: {found[0]}, the code has {value}"

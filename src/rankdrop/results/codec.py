@@ -20,7 +20,6 @@ from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
 from rankdrop.frames import Frame
-from rankdrop.robot.budgets import DEEPEST
 from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
@@ -80,8 +79,8 @@ def read_record(path: str | Path) -> Any:
     except RankdropError as error:
         raise ResultFileError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
     except RecursionError:
-        raise ResultFileError("the file cannot be read as JSON: its lists and objects are nested too deeply",
-                              where=str(path), allowed=f"depth {DEEPEST}") from None  # fmt: skip
+        what = "the file cannot be read as JSON: its lists and objects are nested too deeply"
+        raise ResultFileError(what, where=str(path)) from None
     except ValueError as error:
         raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)[:200]) from error
 

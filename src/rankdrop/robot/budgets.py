@@ -10,7 +10,7 @@ LARGEST_FILE = 50 * 2**20
 LARGEST_TABLE = 2**20
 """Bytes of a TOML file or a list of screws; the largest table of the catalogue has 6 kB."""
 DEEPEST = 100
-"""Elements of XML, or objects and lists of JSON, inside one another."""
+"""Elements of XML inside one another."""
 MOST_ELEMENTS = 200_000
 """Of an XML file; a humanoid with its meshes has some 2,000."""
 MOST_BODIES = 20_000

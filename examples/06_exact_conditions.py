@@ -1,7 +1,6 @@
 """Exact conditions for a paper, and for a controller.
 
 The conditions of a PUMA 560 with its lengths as letters, derived over the rational numbers, as text, LaTeX and C.
-Needs `pip install "rankdrop[exact]"`.
 """
 
 import rankdrop

@@ -1,7 +1,7 @@
 """Is the formula that I found right?
 
 A condition from a paper or a web page is compared with the singular set itself: exact, too small, or too large, and a
-configuration that shows it. Needs `pip install "rankdrop[exact]"`.
+configuration that shows it.
 """
 
 import rankdrop

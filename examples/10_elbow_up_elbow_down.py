@@ -1,7 +1,7 @@
 """Elbow up, elbow down: what parts two configurations?
 
 The factors of the determinant are flags. Where one has opposite signs at two configurations, every path between them
-crosses that family. Needs `pip install "rankdrop[exact]"`.
+crosses that family.
 """
 
 import numpy as np

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
-    "errors": 0, "tolerances": 0, "version": 0, "sections": 0, "_core": 0,
+    "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "_core": 0,
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
     "local": 3,
@@ -28,7 +28,7 @@ FLOORS = {
     "compare": 6,
     "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
-    "cli": 9, "report": 9, "viewer": 9, "reproduce": 9,
+    "cli": 9, "__main__": 9, "report": 9, "viewer": 9, "reproduce": 9,
 }  # fmt: skip
 TOP = 9
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)

@@ -12,12 +12,12 @@ from __future__ import annotations
 import sys
 from html import escape
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 import rankdrop
+from rankdrop.disk import replace_file
 from rankdrop.family.record import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.results.explanation.explanation import Explanation
@@ -170,4 +170,4 @@ def drawing() -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(drawing(), encoding="utf-8")
+    replace_file(sys.argv[1], drawing().encode())

@@ -24,6 +24,7 @@ from time import process_time
 
 from rankdrop.cli import exits
 from rankdrop.compare.joined import AGREES, NOT_DERIVED
+from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions.conditions import Conditions
@@ -185,7 +186,7 @@ def measure(task: tuple[str, str]) -> str:
     row = catalogue_row(name) if kind == "catalogue" else skeleton_row(name)
     folder = KEPT / kind
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{name}.json").write_text(json.dumps(asdict(row), ensure_ascii=False, indent=1), encoding="utf-8")
+    replace_file(folder / f"{name}.json", json.dumps(asdict(row), ensure_ascii=False, indent=1).encode())
     return f"{name}: {' | '.join(row.cells()[2:])}"
 
 
@@ -232,7 +233,7 @@ def main(arguments: list[str]) -> int:
     with Pool(PROCESSES, os.nice, (5,), maxtasksperchild=8) as pool:
         for done, told in enumerate(pool.imap_unordered(measure, wanted), 1):
             print(f"{done}/{len(wanted)} {told}", flush=True)
-    PAGE.write_text(page(), encoding="utf-8")
+    replace_file(PAGE, page().encode())
     return 0
 
 

@@ -20,6 +20,7 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
+from rankdrop.disk import replace_file
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import INDEX, SEED, STARTS
@@ -40,9 +41,7 @@ def write(name: str) -> tuple[str, bool, str]:
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
         return name, False, f"NOT WRITTEN, the analysis is not verified, {spent}"
     text = json.dumps(replace(found, exact=None).to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    part = FOLDER / f"{name}.part"
-    part.write_text(text + "\n", encoding="utf-8")
-    part.replace(FOLDER / f"{name}.json")
+    replace_file(FOLDER / f"{name}.json", f"{text}\n".encode())
     return name, True, f"{len(found.families)} families, {len(text) / 1000:.0f} kB, {spent}"
 
 
@@ -64,7 +63,7 @@ def write_index() -> None:
             path.unlink()
         elif path.name != INDEX:
             index.setdefault(coarse_fingerprint(open_robot(path.stem)), []).append(path.stem)
-    (FOLDER / INDEX).write_text(json.dumps(index, indent=1) + "\n", encoding="utf-8")
+    replace_file(FOLDER / INDEX, f"{json.dumps(index, indent=1)}\n".encode())
 
 
 def main(arguments: list[str]) -> int:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from dh_table import angle_text, dh_table, joint_tables, number_text, pose_lines
 
+from rankdrop.disk import replace_file
 from rankdrop.kinematics import pose
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.open import open_robot
@@ -156,7 +157,7 @@ def write(row: dict[str, str]) -> None:
     off = difference(robot, robot_from_toml(text, file=row["name"]))
     if not (isfinite(off) and off < 1e-8):
         raise SystemExit(f"{row['name']}: the table is {off:.2g} away from the file; nothing was written")
-    (CATALOGUE / f"{row['name']}.toml").write_text(text, encoding="utf-8")
+    replace_file(CATALOGUE / f"{row['name']}.toml", text.encode())
 
 
 if __name__ == "__main__":

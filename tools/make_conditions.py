@@ -17,6 +17,7 @@ from multiprocessing import Pool
 from pathlib import Path
 from time import process_time
 
+from rankdrop.disk import replace_file
 from rankdrop.results.conditions.known import conditions_names, known_conditions, to_stored
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.conditions import conditions
@@ -36,9 +37,7 @@ def write(name: str) -> tuple[str, bool, str]:
         why = "; ".join((*found.left, *found.disagreements)) or "a check does not hold"
         return name, False, f"NOT WRITTEN, {found.verdict}, {spent}: {why[:300]}"
     text = json.dumps(to_stored(found), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    part = path.with_suffix(".part")
-    part.write_text(text + "\n", encoding="utf-8")
-    part.replace(path)
+    replace_file(path, f"{text}\n".encode())
     return name, True, f"{len(found.families)} families, {len(text) / 1000:.0f} kB, {spent}"
 
 

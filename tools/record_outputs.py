@@ -29,6 +29,7 @@ from time import process_time
 import numpy as np
 
 from rankdrop.cli.main import run
+from rankdrop.disk import replace_file
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot, robot_names
 
@@ -169,10 +170,10 @@ def record(task: tuple[str, Path]) -> str:
         os.chdir(place)
         try:
             for label, line, files in lines_of_all() if name == ALL else lines_of(name):
-                (folder / f"{label}.txt").write_text(told(line), encoding="utf-8")
+                replace_file(folder / f"{label}.txt", told(line).encode())
                 for file in files:
                     if Path(file).exists():
-                        (folder / file).write_text(readable(Path(file)), encoding="utf-8")
+                        replace_file(folder / file, readable(Path(file)).encode())
                 done += 1
         finally:
             os.chdir(here)

@@ -4,6 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
+_MARKS = (0x200E, 0x200F, *range(0x2028, 0x202F), *range(0x2066, 0x206A), 0xFEFF)  # they turn the direction of writing
+HIDDEN = {
+    **{code: chr(0x2400 + code) for code in range(0x20) if chr(code) not in "\n\t"},
+    0x7F: "\u2421",
+    **dict.fromkeys((*range(0x80, 0xA0), *_MARKS), "\ufffd"),
+}
+"""For `str.translate`: what would steer a terminal -> a sign in its place."""
+_LONGEST_PART = 2000  # characters of one part of an error: a name may have as many as its file
+
+
+def visible(text: str) -> str:
+    """A text from outside as it may reach a terminal: what would steer the terminal is shown as a sign instead.
+
+    Control characters become their Unicode pictures (␛ for escape), those without a picture and the marks that turn the
+    direction of writing become �; line breaks and tabs stay.
+
+    Example:
+        >>> visible("joint\\x1b[2J")
+        'joint␛[2J'
+    """
+    return text.translate(HIDDEN)
+
 
 class RankdropError(Exception):
     """Base of every error that rankdrop raises on purpose.
@@ -37,14 +59,22 @@ class RankdropError(Exception):
         return str(self) if self.typed is None else self._line(self.typed)
 
     def _line(self, mend: str | None) -> str:
-        parts = [f"{self.where}: {self.what}" if self.where else self.what]
+        parts = [f"{_shown(self.where)}: {_shown(self.what)}" if self.where else _shown(self.what)]
         if self.got is not None:
-            parts.append(f"got {self.got}")
+            parts.append(f"got {_shown(self.got)}")
         if self.allowed is not None:
-            parts.append(f"allowed: {self.allowed}")
+            parts.append(f"allowed: {_shown(self.allowed)}")
         if mend:
-            parts.append(f"mend: {mend}")
+            parts.append(f"mend: {_shown(mend)}")
         return " ".join("; ".join(parts).split())
+
+
+def _shown(part: Any) -> str:
+    """A part of an error: nothing that steers a terminal, and both ends of what is too long."""
+    text = visible(str(part))
+    if len(text) <= _LONGEST_PART:
+        return text
+    return f"{text[: _LONGEST_PART // 2]} … {text[-_LONGEST_PART // 2 :]}"
 
 
 class RobotError(RankdropError):
@@ -72,10 +102,16 @@ class ResultFileError(RankdropError):
 
 
 class MissingExtraError(RankdropError):
-    """An optional dependency is not installed; names the extra that brings it."""
+    """A package is not installed; says how the source of rankdrop installs it.
 
-    def __init__(self, package: str, extra: str, purpose: str) -> None:
+    Args:
+        package: that is missing.
+        extra: of rankdrop that brings it; None for what the plain install brings.
+        purpose: what needs it.
+    """
+
+    def __init__(self, package: str, extra: str | None, purpose: str) -> None:
         self.package, self.extra = package, extra
-        super().__init__(
-            f"{purpose} needs the package {package}", mend=f'pip install "rankdrop[{extra}]"'
-        )
+        source = "." if extra is None else f'".[{extra}]"'
+        super().__init__(f"{purpose} needs the package {package}",
+                         mend=f"in the folder of rankdrop's source: pip install {source}")  # fmt: skip

@@ -15,9 +15,12 @@ from rankdrop.results.codec import json_text
 
 
 def test_round_trip_changes_nothing(found: Analysis, shapes: Analysis, tmp_path: Path) -> None:
-    for analysis in (found, shapes, replace(found, complete=False, unfinished=2)):
+    part = replace(found, coranks=found.coranks[:1], families=found.of_corank(1), complete=False, unfinished=2)
+    for analysis in (found, shapes, part):
         analysis.save(tmp_path / "one.json")
-        again = Analysis.load(tmp_path / "one.json")
+        text = (tmp_path / "one.json").read_text(encoding="utf-8")
+        made_up = analysis is shapes  # for what is shown: its witnesses are no singular configurations
+        again = Analysis.from_dict(json.loads(text), believe=True) if made_up else Analysis.load(tmp_path / "one.json")
         assert again == analysis
         again.save(tmp_path / "two.json")
         assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
@@ -73,8 +76,8 @@ def test_the_text_holds_no_infinity_and_rows_of_numbers_stay_on_a_line(found: An
         (lambda record: record.pop("families"), "no entry 'families'"),
         (lambda record: record["families"][0].pop("witness"), "no entry 'witness'"),
         (lambda record: record["families"][0]["equations"].append("q1"), "disagree"),
-        (lambda record: record["robot"]["chain"][0].update(screw=[1, 2]), "wrong shape"),
-        (lambda record: record.update(coranks=3), "damaged"),
+        (lambda record: record["robot"]["chain"][0].update(screw=[1, 2]), "$.robot.chain[0].screw: "),
+        (lambda record: record.update(coranks=3), "$.coranks: "),
     ],
 )
 def test_a_damaged_file_is_refused_in_one_line(found: Analysis, tmp_path: Path, damage, words: str) -> None:

@@ -79,7 +79,7 @@ def test_what_no_arm_has_is_refused_at_once(shown: Content) -> None:
 
 def test_without_matplotlib_the_extra_is_named(shown: Content, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(MissingExtraError, match=r"rankdrop\[report\]"):
+    with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
         check_figures(shown.analysis, [])
 
 

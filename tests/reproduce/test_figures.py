@@ -257,7 +257,7 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch, tmp_path):
     import sys
 
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(MissingExtraError, match=r"rankdrop\[report\]"):
+    with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
         figures.check_folder(str(tmp_path))
 
 

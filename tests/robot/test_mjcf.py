@@ -187,5 +187,5 @@ def test_what_is_no_arm_is_refused_in_one_line(tmp_path: Path, text: str, words:
 
 def test_without_mujoco_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingExtraError, match=r'needs the package mujoco; .*pip install "rankdrop\[mujoco\]"'):
+    with pytest.raises(MissingExtraError, match=r'needs the package mujoco; .*source: pip install "\.\[mujoco\]"'):
         open_robot(write(tmp_path, SEVERAL))

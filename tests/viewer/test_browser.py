@@ -19,7 +19,7 @@ from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-pytest.importorskip("viser", reason="the extra viewer is not installed")
+pytest.importorskip("viser", reason="viser and trimesh are not installed")
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright (extra browser) is not installed")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = [

@@ -20,8 +20,8 @@ from rankdrop.kinematics import link_poses
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
-pytest.importorskip("viser", reason="the extra viewer is not installed")
-pytest.importorskip("trimesh", reason="the extra viewer is not installed")
+pytest.importorskip("viser", reason="viser and trimesh are not installed")
+pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
 from rankdrop.viewer.gated import free_port
 from rankdrop.viewer.server import Viewer, Wishes
@@ -158,7 +158,7 @@ def test_bad_input_is_one_line(argv: list[str], said: str, capsys: pytest.Captur
 
 def test_without_viser_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "viser", None)
-    with pytest.raises(MissingExtraError, match=r"rankdrop\[viewer\]"):
+    with pytest.raises(MissingExtraError, match=r"s source: pip install \.$"):
         viewer_of("planar2r")
 
 

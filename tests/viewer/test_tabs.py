@@ -14,8 +14,8 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
 
-pytest.importorskip("viser", reason="the extra viewer is not installed")
-pytest.importorskip("trimesh", reason="the extra viewer is not installed")
+pytest.importorskip("viser", reason="viser and trimesh are not installed")
+pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
 from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.viewer.server import Viewer, Wishes

@@ -53,7 +53,7 @@ def test_every_shape_is_on_its_link(tmp_path: Path) -> None:
 
 
 def test_meshes_are_read_with_scale_and_place(tmp_path: Path) -> None:
-    pytest.importorskip("trimesh", reason="the extra viewer is not installed")
+    pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
     from rankdrop.viewer.meshes import meshes_of
 
     (tmp_path / "part.obj").write_text("mtllib ../../../etc/passwd\n" + TRIANGLE, encoding="utf-8")
@@ -101,7 +101,7 @@ def test_packages_are_given_or_found_above_the_file(tmp_path: Path) -> None:
 
 
 def test_a_damaged_mesh_is_told(tmp_path: Path) -> None:
-    pytest.importorskip("trimesh", reason="the extra viewer is not installed")
+    pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
     from rankdrop.viewer.meshes import meshes_of
 
     bomb = '<?xml version="1.0"?><!DOCTYPE d [<!ENTITY a "aa">]><COLLADA>&a;</COLLADA>'

@@ -142,6 +142,6 @@ def _within(text: str | None, limits: bool) -> float | None:
 
 
 def _exit_code(analysis: Analysis) -> int:
-    if not analysis.complete:
+    if not analysis.complete or (analysis.exact is not None and analysis.exact.interrupted):
         return exits.INTERRUPTED
     return exits.FINE if analysis.verdict.holds else exits.UNEXPLAINED

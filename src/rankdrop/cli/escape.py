@@ -23,6 +23,7 @@ def escape(
     seed: Whole = 0,
     lie: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Find the joints that lead out of a singular configuration, and those that cannot.
 
@@ -45,6 +46,7 @@ def escape(
         seed: Of every random choice.
         lie: Print Gallardo-Alvarado and Rico-Martinez's procedure step by step, and where it goes wrong.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress; results and errors only.
     """
     from rankdrop import explain
     from rankdrop.cli.arm import open_arm

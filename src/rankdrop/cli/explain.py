@@ -34,6 +34,7 @@ def explain(
     seed: Whole = 0,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Explain one configuration: is it singular, which one, what is lost, which joints, how to get out, how far.
 
@@ -59,6 +60,7 @@ def explain(
         seed: Of every random choice.
         full: Print all sections: every circuit, ellipsoids, joint rates, redundancy, representation.
         json: Write the explanation to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress; results and errors only.
     """
     from dataclasses import replace
 

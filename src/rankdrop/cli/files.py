@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rankdrop.errors import OptionError
+from rankdrop.errors import OptionError, visible
 from rankdrop.results import json_text
 
 STDOUT = "-"
@@ -80,40 +79,23 @@ def write_json(record: Any, target: str) -> None:
 def write_text(text: str, target: str) -> None:
     """Write a text to a file, or to stdout when `target` is "-"."""
     if target == STDOUT:
-        sys.stdout.write(text)
+        sys.stdout.write(visible(text))  # JSON has nothing to hide: `json_text` escapes
         sys.stdout.flush()
     else:
         write_bytes(text.encode(), target)
 
 
 def write_bytes(content: bytes, target: str) -> None:
-    """Write a file so that a reader sees the old content or all of the new one.
+    """Write a file, whole or not at all (`rankdrop.disk`).
 
     Raises:
         OptionError: the file cannot be written (disk full, no permission).
     """
-    path = Path(target)
+    from rankdrop.disk import replace_file
+
     try:
-        if path.exists() and not path.is_file():  # /dev/null, a pipe: nothing to replace
-            path.write_bytes(content)
-            return
-        path = path.resolve()
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(name, path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask())
-            os.replace(name, path)
-        except BaseException:  # Ctrl-C too: no half-written file stays behind; raised again
-            os.unlink(name)
-            raise
+        replace_file(target, content)
     except BrokenPipeError:
         raise
     except OSError as error:
         raise OptionError(f"cannot write: {error.strerror}", where=target) from error
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

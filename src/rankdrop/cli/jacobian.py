@@ -30,6 +30,7 @@ def jacobian(
     time_limit: float = 60.0,
     latex: _FILE = None,
     json: _FILE = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Write the Jacobian as it is seen from a link, its closed inverse, and which frame makes it shortest.
 
@@ -60,6 +61,7 @@ def jacobian(
         time_limit: Seconds for the closed inverse.
         latex: Write the closed forms as LaTeX to this file; - for stdout in place of the text.
         json: Write everything as JSON.
+        quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.conditions import lengths_of

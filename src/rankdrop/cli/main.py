@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
 
+
+def _leave_at_once(*_: object) -> None:
+    """Ctrl-C before there is anything to keep. No exception: a module that is being imported may swallow it."""
+    with contextlib.suppress(OSError):
+        os.write(2, b"rankdrop: interrupted\n")
+    os._exit(130)
+
+
+_HANDLER = signal.getsignal(signal.SIGINT)
+_OURS = _HANDLER is signal.default_int_handler
+with contextlib.suppress(ValueError):  # not the main thread
+    if _OURS:
+        signal.signal(signal.SIGINT, _leave_at_once)
 try:
     import errno
+    import io
     import traceback
     from collections.abc import Sequence
+    from threading import current_thread, main_thread
+    from types import FrameType
+    from typing import Literal
 
     from cyclopts import App, CycloptsError, UnknownOptionError, UnusedCliTokensError
 
@@ -29,9 +48,12 @@ try:
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
-except KeyboardInterrupt:  # Ctrl-C before there is anything to keep
-    sys.stderr.write("rankdrop: interrupted\n")
-    sys.exit(130)
+except KeyboardInterrupt:  # raised by a module itself
+    _leave_at_once()
+finally:
+    with contextlib.suppress(ValueError):
+        if _OURS:
+            signal.signal(signal.SIGINT, _HANDLER)
 
 _HELP = f"""Kinematic singularities of robot arms: every family, of every corank, with its conditions.
 
@@ -72,13 +94,34 @@ app.command(reproduce)
 app.command(report)
 
 
+@app.command
+def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
+    """Print a script with which a shell completes commands and options at the Tab key.
+
+    For example:
+        rankdrop completion bash > ~/.local/share/bash-completion/completions/rankdrop
+        rankdrop completion zsh > ~/.zfunc/_rankdrop
+        rankdrop completion fish > ~/.config/fish/completions/rankdrop.fish
+
+    Args:
+        shell: Whose script.
+    """
+    sys.stdout.write(app.generate_completion(prog_name="rankdrop", shell=shell))
+    return exits.FINE
+
+
 def main() -> None:
     """Entry point of the `rankdrop` command."""
     try:
+        _fill_streams()
         encode_plainly()
         code = run(sys.argv[1:])
     except KeyboardInterrupt:  # a second Ctrl-C, on the way out
         code = exits.INTERRUPTED
+    if code == exits.INTERRUPTED:  # an interpreter that met an interrupt may end by the signal, whatever the code is
+        with contextlib.suppress(OSError):
+            sys.stderr.flush()
+        os._exit(code)
     sys.exit(code)
 
 
@@ -91,6 +134,33 @@ def run(argv: Sequence[str]) -> int:
     Returns:
         The exit code (see `rankdrop.cli.exits`).
     """
+    interrupted = False
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
+        signal.default_int_handler(number, frame)
+
+    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler and current_thread() is main_thread()
+    if ours:
+        signal.signal(signal.SIGINT, remember)
+    try:
+        code = _run(argv)
+    except Exception as error:
+        if interrupted:  # it was taken for something else on its way
+            say("interrupted")
+            return exits.INTERRUPTED
+        say(f"{''.join(traceback.format_exception(error))}", bare=True)
+        say(f"internal error: {type(error).__name__}: {error}; please report it with the lines above")
+        return exits.INTERNAL
+    finally:
+        if ours:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+    stopped = interrupted and list(argv[:1]) != ["view"]  # which Ctrl-C ends as it should
+    return exits.INTERRUPTED if stopped and code != exits.BROKEN_PIPE else code
+
+
+def _run(argv: Sequence[str]) -> int:
     try:
         code = app(list(argv), exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
@@ -111,9 +181,7 @@ def run(argv: Sequence[str]) -> int:
             _close_stdout()
             say(f"error: stdout: cannot write: {error.strerror}")
             return exits.BAD_INPUT
-        traceback.print_exc()
-        say(f"internal error: {type(error).__name__}: {error}; please report it with the lines above")
-        return exits.INTERNAL
+        raise
     return code if isinstance(code, int) else exits.FINE
 
 
@@ -134,7 +202,28 @@ def _options(command: str) -> list[str]:
 
 def _close_stdout() -> None:
     """The reader has gone: keep the interpreter from failing again when it flushes stdout at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    with contextlib.suppress(OSError, ValueError):  # it was closed from the beginning
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+class _Closed(io.TextIOBase):
+    """A stream that was closed before the program began: whoever writes to it is told."""
+
+    def write(self, text: str, /) -> int:
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+
+def _fill_streams() -> None:
+    """Stand-ins for streams that are closed (`>&-`), and no file of ours under their numbers."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free, which is this one
+    if sys.stdout is None:
+        sys.stdout = _Closed()
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the process ends
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ def nearest(
     evaluations: Whole = 100_000,
     seed: Whole = 0,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Find the singular configuration nearest to a given one, and prove how much room there is.
 
@@ -46,6 +47,7 @@ def nearest(
         evaluations: Budget of the certified radius; about 2 microseconds each.
         seed: Of every random choice.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress; results and errors only.
     """
     from rankdrop import explain
     from rankdrop.cli.arm import open_arm

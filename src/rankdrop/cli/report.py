@@ -54,7 +54,7 @@ def report(
         ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
             What the arm itself does on the families of the ideal one is told.
         out: File of the page; for figures a folder, or a file for a single one. Default: ROBOT.html, ROBOT-figures.
-        format: html is the page; pdf, png and svg are figures, and need the extra rankdrop[report].
+        format: html is the page; pdf, png and svg are figures, to be put into a paper.
         figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:
             all of them.
         exact_seconds: Time limit of the exact conditions; 0 leaves them out.
@@ -74,10 +74,11 @@ def report(
     with reporter(quiet=quiet) as progress:
         analysis, made = _analysis(robot, arm, ideal, starts, seed, progress)
         target = given or _checked(_default(analysis, format), format)
-        written, verdict = _written(analysis, made, target, format, figure, exact_seconds, seed, progress)
+        written, verdict, stopped = _written(analysis, made, target, format, figure, exact_seconds, seed, progress)
     for path in written:
         say(f"wrote {path}")
-    if not analysis.complete:
+    if stopped or not analysis.complete:
+        say("interrupted: the page tells what was done")
         return exits.INTERRUPTED
     return exits.FINE if verdict.holds else exits.UNEXPLAINED
 
@@ -109,7 +110,8 @@ def _written(
     exact_seconds: float,
     seed: int,
     progress: Report,
-) -> tuple[list[Path], Verdict]:
+) -> tuple[list[Path], Verdict, bool]:
+    """The files, the verdict of the first line, and whether exact conditions were interrupted."""
     from rankdrop.cli.files import write_bytes
     from rankdrop.report.content import content
     from rankdrop.report.figures import check_figures, figure_names, figures
@@ -124,7 +126,7 @@ def _written(
     )
     if not paper:
         write_bytes(page(shown).encode(), str(target))
-        return [target], shown.verdict
+        return [target], shown.verdict, shown.interrupted
     names = figure_names(shown, figure)
     single = target.suffix.lower() == f".{format}"
     if single and len(names) > 1:
@@ -138,7 +140,7 @@ def _written(
         path = target if single else target / f"{name}.{format}"
         write_bytes(content_of, str(path))
         paths.append(path)
-    return paths, shown.verdict
+    return paths, shown.verdict, shown.interrupted
 
 
 def _default(analysis: Analysis, format: Format) -> str:

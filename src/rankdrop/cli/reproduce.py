@@ -39,7 +39,7 @@ def reproduce(
         document: AM, ML, GR, KG, JL or all.
         json: Write the items to this file as well; - writes them to stdout in place of the table.
         markdown: Write the page docs/reproduced.md to this file.
-        figures: Write the figures into this folder as svg, png and json (the numbers in them); needs rankdrop[report].
+        figures: Write the figures into this folder as svg, png and json (the numbers in them).
         full: Whole cells, and the reasons of items that agree as well.
         quiet: No progress.
     """

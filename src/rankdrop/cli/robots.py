@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 _NO_MAKER = "Documents"
 
 
-def robots(text: str = "", /, *, json: Annotated[bool, Parameter(negative=(), show_default=False)] = False) -> int:
+def robots(
+    text: str = "",
+    /,
+    *,
+    json: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
     """List the arms that can be named in place of a file, by their makers.
 
     For example:
@@ -27,6 +33,7 @@ def robots(text: str = "", /, *, json: Annotated[bool, Parameter(negative=(), sh
     Args:
         text: Only arms whose name, maker or description hold these words.
         json: Print the list as JSON: name, maker, about, n, task, source and aliases of every arm.
+        quiet: No progress.
     """
     from dataclasses import asdict
 

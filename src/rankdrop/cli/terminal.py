@@ -8,6 +8,8 @@ import unicodedata
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from rankdrop.errors import HIDDEN
+
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.text import Text
@@ -24,10 +26,10 @@ _ASCII = {
 }  # fmt: skip
 
 
-def say(text: str) -> None:
-    """One line to stderr, under the name of the program."""
+def say(text: str, *, bare: bool = False) -> None:
+    """One line to stderr, under the name of the program unless it is `bare`."""
     try:
-        print(f"rankdrop: {text}", file=sys.stderr, flush=True)
+        print(f"{'' if bare else 'rankdrop: '}{text.translate(HIDDEN)}", file=sys.stderr, flush=True)
     except OSError:  # stderr is closed: there is nobody to tell
         return
 
@@ -57,9 +59,7 @@ def _plain(letter: str) -> str:
 
 def results() -> Console:
     """Console for results: stdout, plain when it is not a terminal; width from COLUMNS or the terminal, else 80."""
-    from rich.console import Console
-
-    return Console(highlight=False, markup=False, emoji=False)
+    return _console(stderr=False)
 
 
 def show(console: Console, parts: Iterable[RenderableType]) -> None:
@@ -79,6 +79,20 @@ def verdict_line(verdict: Verdict) -> Text:
 
 def status() -> Console:
     """Console for progress: stderr."""
-    from rich.console import Console
+    return _console(stderr=True)
 
-    return Console(stderr=True, highlight=False, markup=False, emoji=False)
+
+def _console(*, stderr: bool) -> Console:
+    """A console that shows control characters of names and texts as signs; its own colours are no part of a text."""
+    from rich.console import Console, ConsoleOptions
+    from rich.segment import Segment
+
+    console = Console(stderr=stderr, highlight=False, markup=False, emoji=False)
+    whole = console.render
+
+    def guarded(renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for text, style, control in whole(renderable, options):
+            yield Segment(text if control else text.translate(HIDDEN), style, control)
+
+    console.render = guarded  # type: ignore[method-assign]  # all that is printed passes through it
+    return console

@@ -25,6 +25,7 @@ def view(
     no_browser: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     host: str = "127.0.0.1",
     expose: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Open the arm in a browser page: verdict, lost motions, joints to blame, ways out.
 
@@ -38,7 +39,7 @@ def view(
         rankdrop view arm.urdf --tip flange --package arm_meshes=src/arm_meshes
         rankdrop view ur5 --deg --q 0,-135,45,90,-90,0 --trajectory pick.csv
 
-    Needs the extra "viewer". Exit code 0: ended by Ctrl-C; 2: bad input.
+    Exit code 0: ended by Ctrl-C; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml); only a .urdf has meshes.
@@ -52,6 +53,7 @@ def view(
         no_browser: Print the address, open nothing.
         host: Address to listen on; other than loopback with --expose only.
         expose: Let other machines in that know the token.
+        quiet: Print the address, and no notes.
     """
     from rankdrop.cli.arm import open_arm, packages_of
     from rankdrop.cli.configuration import parse_configuration
@@ -78,15 +80,17 @@ def view(
     )
     viewer = Viewer(model, task, wishes)
     try:
-        for note in viewer.notes:
+        for note in () if quiet else viewer.notes:
             say(f"not drawn: {note}")
         print(viewer.url, flush=True)
-        say("the viewer is open; Ctrl-C ends it")
+        if not quiet:
+            say("the viewer is open; Ctrl-C ends it")
         if not no_browser:
             _open_browser(viewer.url)
         _wait()
     except KeyboardInterrupt:
-        say("the viewer is closed")
+        if not quiet:
+            say("the viewer is closed")
     finally:
         viewer.close()
     return exits.FINE

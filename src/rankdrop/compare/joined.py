@@ -17,6 +17,7 @@ from rankdrop.families.cells import COUPLED, coupled_conditions
 from rankdrop.family.record import Family, Pinned
 
 AGREES, DIFFERS, NOT_DERIVED = "agrees", "differs", "not derived"
+INTERRUPTED = "interrupted"
 ASKED = ("auto", "on", "off")
 UNTRIED = Check(0, 0)
 
@@ -81,6 +82,11 @@ class Joined:
     def holds(self) -> bool:
         """Whether the two agree; under "auto" also where nothing was derived."""
         return self.status == AGREES or (self.status == NOT_DERIVED and self.asked == "auto")
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the user asked to stop (Ctrl-C) before the conditions were derived."""
+        return self.reason == INTERRUPTED
 
     def of_row(self, row: str) -> tuple[tuple[ExactRow, ...], tuple[ExactRow, ...]]:
         """(exact families on a numeric one, exact families that are partly on it), by the id of the numeric one."""

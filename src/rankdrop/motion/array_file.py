@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from rankdrop.motion.trajectory import (
     joint_names,
     turning,
 )
+from rankdrop.robot.budgets import LARGEST_ARRAY, MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 
 POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES = (
@@ -25,6 +27,7 @@ POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES = (
     ("qdd", "accelerations", "acceleration"), ("joint_names", "names", "joints"),
 )  # fmt: skip
 """Names that an array may have in an archive."""
+_MOST = f"at most {LARGEST_ARRAY // 2**20} MB"
 
 
 def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
@@ -55,12 +58,23 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
 
 
 def _load(path: Path) -> Array | Mapping[str, Any]:
+    """The array, or those of the archive that are read; an archive tells how large each of them is before it is."""
     try:
-        loaded = np.load(path, allow_pickle=False)
-        return dict(loaded) if not isinstance(loaded, np.ndarray) else loaded
+        if path.stat().st_size > LARGEST_ARRAY:
+            raise TrajectoryError("the file is too large", where=str(path), allowed=_MOST)
+        if not is_zipfile(path):
+            return np.asarray(np.load(path, allow_pickle=False))
+        with ZipFile(path) as archive:
+            sizes = {one.filename.removesuffix(".npy"): one.file_size for one in archive.infolist()}
+        wanted = {name for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES) for name in kind}
+        for name in sorted(wanted & set(sizes)):
+            if sizes[name] > LARGEST_ARRAY:
+                raise TrajectoryError("the array is too large", where=f"{path}, {name}", allowed=_MOST)
+        with np.load(path, allow_pickle=False) as loaded:
+            return {name: loaded[name] if name in wanted else None for name in loaded}
     except OSError as error:
         raise TrajectoryError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from None
-    except (ValueError, EOFError, BadZipFile) as error:
+    except (ValueError, EOFError, BadZipFile, NotImplementedError, MemoryError, SyntaxError, zlib.error) as error:
         raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=str(error)[:80]) from None
 
 
@@ -107,6 +121,8 @@ def arranged(
     """
     wanted = [joint.name for joint in robot.variables]
     width = robot.n if names is None else len(names)
+    if len(q) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=where, got=len(q), allowed=f"at most {MOST_ROWS}")
     if q.ndim != 2 or not len(q) or q.shape[1] != width:
         raise TrajectoryError("the positions have another shape than the arm", where=where, got=f"shape {q.shape}",
                               allowed=f"one row for each sample, {width} columns: {joint_names(robot)}")  # fmt: skip
@@ -127,7 +143,7 @@ def arranged(
         if part is not None and part.shape != q.shape:
             raise TrajectoryError(f"{what} has another shape than the positions", where=where,
                                   got=f"shape {part.shape}", allowed=f"shape {q.shape}")  # fmt: skip
-        parts.append(None if part is None else checked(part[:, columns], where, robot, what) * factors)
+        parts.append(None if part is None else checked(part[:, columns], where, robot, what, factors=factors))
     timed = times is not None
     if times is None:
         times = np.arange(len(q), dtype=np.float64) * ROW_SECONDS

@@ -12,11 +12,19 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RankdropError
-from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory, TrajectoryError, checked_times, joint_names
+from rankdrop.motion.trajectory import (
+    ROW_SECONDS,
+    Trajectory,
+    TrajectoryError,
+    checked_times,
+    joint_names,
+    joint_range,
+    too_large,
+)
+from rankdrop.robot.budgets import LONGEST_HEAD, MOST_ROWS
 from rankdrop.robot.model import Array, Joint, Robot
 from rankdrop.robot.quantities import quantity
 
-MOST_ROWS = 1_000_000
 _TIME = re.compile(r"(time|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
 _UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
 _FACTORS = {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0), "m": 1.0, "mm": 1e-3}
@@ -73,12 +81,18 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
         raise TrajectoryError("there are too many rows", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
     _check_lengths(rows, name, len(head))
     q = _block(rows, [column.place for column in columns], name, head, [column.joint.unit for column in columns])
-    q *= np.array([column.factor for column in columns])
+    made = q * np.array([column.factor for column in columns])
+    for row, joint in too_large(made, robot)[:1]:
+        place = columns[joint].place
+        raise TrajectoryError(
+            "the value is too large", where=f"{name}, line {rows[row][0]}, column {place + 1} ({head[place]})",
+            got=rows[row][1][place], allowed=joint_range(robot.variables[joint]),
+        )  # fmt: skip
     times: Array = np.arange(len(rows), dtype=np.float64) * ROW_SECONDS
     if time is not None:
         times = _block(rows, [time], name, head, [""])[:, 0]
         checked_times(times, [f"{name}, line {number}, column {head[time]!r}" for number, _ in rows])
-    return Trajectory(Path(name).name, times, q, time is not None, unused)
+    return Trajectory(Path(name).name, times, made, time is not None, unused)
 
 
 def _rises(rows: list[tuple[int, list[str]]]) -> bool:
@@ -130,6 +144,9 @@ def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list
     found: dict[int, _Column] = {}
     time, unused = None, []
     for place, word in enumerate(head):
+        if len(word) > LONGEST_HEAD:
+            raise TrajectoryError("the name of the column is too long", where=f"{where}, column {place + 1}",
+                                  got=f"{len(word)} characters", allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
         match = _UNIT.fullmatch(word)
         name, unit = (match["name"], match["unit"].lower()) if match else (word, None)
         short = re.fullmatch(r"(?:q|θ|theta|joint|j)_?(\d+)", name, re.IGNORECASE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import reprlib
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from rankdrop.errors import MissingExtraError
 from rankdrop.motion.array_file import arranged
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError
+from rankdrop.robot.budgets import LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
 
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
@@ -42,6 +44,8 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
     if not isinstance(names, list) or not isinstance(points, list) or not points:
         raise TrajectoryError("the trajectory has no points" if isinstance(names, list) else "joint_names is no list",
                               where=name)  # fmt: skip
+    if not all(isinstance(one, str) for one in names):
+        raise TrajectoryError("joint_names is no list of texts", where=name, got=reprlib.repr(names))
     q = _column(points, "positions", names, name)
     if q is None:
         raise TrajectoryError("the point has no positions", where=f"{name}, row 1")
@@ -51,7 +55,7 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         raise TrajectoryError("the point has no time_from_start", where=f"{name}, row {timed.index(False) + 1}")
     return arranged(
         name, robot, q, times if all(timed) else None, _column(points, "velocities", names, name),
-        _column(points, "accelerations", names, name), [str(one) for one in names], deg=deg,
+        _column(points, "accelerations", names, name), names, deg=deg,
     )  # fmt: skip
 
 
@@ -60,15 +64,27 @@ def _json(text: str, name: str) -> Any:
         return json.loads(text)
     except json.JSONDecodeError as error:
         raise TrajectoryError(f"this is not JSON: {error.msg}", where=f"{name}, line {error.lineno}") from None
+    except RecursionError:
+        raise TrajectoryError("the objects are nested too deeply", where=name) from None
+    except ValueError:  # a whole number of thousands of digits
+        raise TrajectoryError("a number has too many digits", where=name) from None
 
 
 def _yaml(text: str, name: str) -> Any:
     try:
         import yaml
     except ImportError as error:
-        raise MissingExtraError("pyyaml", "yaml", "a trajectory in YAML") from error
+        raise MissingExtraError("pyyaml", None, "a trajectory in YAML") from error
+    if len(text) > LARGEST_YAML:
+        most = f"at most {LARGEST_YAML // 2**20} MB of YAML"
+        raise TrajectoryError("the file is too large", where=name, allowed=most, mend="write it as JSON or CSV")
+    if "<<" in text:  # a merge may double what it merges, thirty times over
+        raise TrajectoryError("merge keys are not read", where=name, got="<<", mend="write the points out")
     try:
-        documents = list(yaml.safe_load_all(text))
+        documents = list(yaml.load_all(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+    except (RecursionError, ValueError, TypeError) as error:  # too deep; a date that is none; a key that is a list
+        what = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise TrajectoryError(f"this is not YAML that can be read: {what[:80]}", where=name) from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = "" if mark is None else f", line {mark.line + 1}"
@@ -76,13 +92,13 @@ def _yaml(text: str, name: str) -> Any:
     return next((one for one in documents if _message(one) is not None), None)
 
 
-def _message(found: Any) -> dict[str, Any] | None:
+def _message(found: Any, below: int = 2) -> dict[str, Any] | None:
     """The object with joint_names and points, at the top or one or two levels below."""
-    if not isinstance(found, dict):
+    if not isinstance(found, dict) or below < 0:
         return None
     if "joint_names" in found and "points" in found:
         return found
-    return next((inner for key in _INSIDE if (inner := _message(found.get(key))) is not None), None)
+    return next((inner for key in _INSIDE if (inner := _message(found.get(key), below - 1)) is not None), None)
 
 
 def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array | None:
@@ -92,12 +108,18 @@ def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array |
         return None
     for row, values in enumerate(rows, start=1):
         if not isinstance(values, list) or len(values) != len(names):
-            got = f"{len(values)} numbers" if isinstance(values, list) else repr(values)
+            got = f"{len(values)} numbers" if isinstance(values, list) else reprlib.repr(values)
             raise TrajectoryError(f"{key} has another length than joint_names", where=f"{name}, row {row}", got=got,
                                   allowed=f"{len(names)} numbers")  # fmt: skip
-        if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-            raise TrajectoryError(f"{key} has a value that is no number", where=f"{name}, row {row}", got=values)
+        if not all(map(_is_number, values)):
+            raise TrajectoryError(f"{key} has a value that is no number", where=f"{name}, row {row}",
+                                  got=reprlib.repr(values))  # fmt: skip
     return np.array(rows, dtype=np.float64)
+
+
+def _is_number(value: Any) -> bool:
+    """A double, or a whole number that has one."""
+    return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**1000)
 
 
 def _has_time(point: Any) -> bool:
@@ -112,8 +134,9 @@ def _time(point: Any, where: str) -> float:
     if isinstance(value, dict):
         parts = [next((value[key] for key in keys if key in value), 0) for keys in (_SECONDS, _NANOSECONDS)]
         known = any(key in value for key in _SECONDS + _NANOSECONDS)
-        if known and all(isinstance(part, int | float) for part in parts):
+        if known and all(map(_is_number, parts)):
             return float(parts[0]) + 1e-9 * float(parts[1])
-    elif isinstance(value, int | float) and not isinstance(value, bool):
+    elif _is_number(value):
         return float(value)
-    raise TrajectoryError("this is no time", where=where, got=value, allowed="seconds, or sec and nanosec")
+    got = reprlib.repr(value)
+    raise TrajectoryError("this is no time", where=where, got=got, allowed="seconds, or sec and nanosec")

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.budgets import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
+from rankdrop.robot.model import Array, Joint, Robot
 
 ROW_SECONDS = 0.1  # between rows of a file without times
 _DEGREES = 4 * pi  # joint values beyond it look like degrees [rad]
@@ -54,8 +56,21 @@ def turning(robot: Robot) -> Array:
     return np.array([joint.unit == "rad" for joint in robot.variables])
 
 
-def checked(values: Array, where: str, robot: Robot, what: str = "the value") -> Array:
-    """Values (T, n), all finite.
+def too_large(values: Array, robot: Robot) -> NDArray[np.intp]:
+    """(k, 2) rows and joints of the values (T, n) that are beyond the range of angles and lengths [rad, m]."""
+    most = np.where(turning(robot), LARGEST_ANGLE, LARGEST_LENGTH)
+    return np.argwhere(~(np.abs(values) <= most))
+
+
+def checked(values: Array, where: str, robot: Robot, what: str = "the value", *, factors: Array | None = None) -> Array:
+    """Values (T, n), all finite and, times the factors, in the range of angles and lengths.
+
+    Args:
+        values: as they are in the file.
+        where: the file, for an error.
+        robot: the arm.
+        what: they are, in words.
+        factors: (n,) to rad and m.
 
     Raises:
         TrajectoryError: one is not; names its row, from 1, and its joint.
@@ -67,21 +82,35 @@ def checked(values: Array, where: str, robot: Robot, what: str = "the value") ->
             f"{what} is not finite", where=f"{where}, row {row + 1}, joint {robot.variables[joint].name!r}",
             got=values[row, joint],
         )  # fmt: skip
-    return values
+    made = values if factors is None else values * factors
+    for row, joint in too_large(made, robot)[:1]:
+        raise TrajectoryError(
+            f"{what} is too large", where=f"{where}, row {row + 1}, joint {robot.variables[joint].name!r}",
+            got=values[row, joint], allowed=joint_range(robot.variables[joint]),
+        )  # fmt: skip
+    return made
+
+
+def joint_range(joint: Joint) -> str:
+    """The range of a joint's values, in words."""
+    return allowed_range("angle" if joint.unit == "rad" else "length")
 
 
 def checked_times(times: Array, where: list[str]) -> Array:
-    """Times (T,), finite and increasing.
+    """Times (T,), finite, in their range, and increasing.
 
     Args:
         times: [s].
         where: of each row, for an error.
 
     Raises:
-        TrajectoryError: one is not finite, or not after the one before it.
+        TrajectoryError: one is not finite, too large, or not after the one before it.
     """
     for i in np.flatnonzero(~np.isfinite(times))[:1]:
         raise TrajectoryError("the time is not finite", where=where[i], got=times[i])
+    for i in np.flatnonzero(np.abs(times) > LARGEST_TIME)[:1]:
+        raise TrajectoryError("the time is too large", where=where[i], got=times[i],
+                              allowed=f"-{LARGEST_TIME:g} … {LARGEST_TIME:g} s")  # fmt: skip
     for i in np.flatnonzero(np.diff(times) <= 0)[:1]:
         raise TrajectoryError("time does not go on", where=where[i + 1], got=f"{times[i + 1]:g} after {times[i]:g}",
                               allowed="times that increase")  # fmt: skip

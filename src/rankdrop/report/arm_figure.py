@@ -38,7 +38,7 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "a figure for papers") from error
+        raise MissingExtraError("matplotlib", None, "a figure for papers") from error
     robot = analysis.robot
     drawn = Figure(figsize=(3.8, 3.8))
     axes: Any = drawn.add_subplot(projection="3d")

@@ -62,6 +62,12 @@ class Content:
         return of_analysis(self.analysis, self.exact)
 
     @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the derivation of the exact conditions: the page has what was derived by then."""
+        joined = self.analysis.exact
+        return (self.exact is not None and self.exact.interrupted) or (joined is not None and joined.interrupted)
+
+    @property
     def colours(self) -> dict[str, int]:
         """A number for the colour of each family: those of corank 1 first, the same everywhere in the report."""
         ordered = sorted(self.analysis.families, key=lambda family: family.corank)

@@ -204,5 +204,5 @@ def _new_figure(size: tuple[float, float]) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "a figure for papers") from error
+        raise MissingExtraError("matplotlib", None, "a figure for papers") from error
     return Figure(figsize=size)

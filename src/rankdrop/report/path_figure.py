@@ -30,7 +30,7 @@ def path_figure(found: PathData) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "a figure of a path") from error
+        raise MissingExtraError("matplotlib", None, "a figure of a path") from error
     profile = found.profile
     x = profile.position if profile.time is None else profile.time
     panels: list[tuple[str, Array]] = [("distance [rad]", profile.distance), ("σ", profile.sigma)]

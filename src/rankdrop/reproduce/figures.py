@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rankdrop.disk import replace_file
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.report.solids import draw_arm, draw_arrow
 from rankdrop.reproduce.picture import Panel, Picture
@@ -96,10 +98,13 @@ def save_figures(documents: Sequence[str], folder: str, *, progress: Progress | 
 def _save(picture: Picture, path: Path) -> list[Path]:
     figure = draw(picture)
     files = [path.with_suffix(ending) for ending in (".svg", ".png", ".json")]
+    svg, png = io.BytesIO(), io.BytesIO()
     with _matplotlib().rc_context(_STYLE):
-        figure.savefig(files[0], metadata={"Date": None, "Creator": "rankdrop"})
-        figure.savefig(files[1], dpi=_DPI, metadata={"Software": "rankdrop"})
-    files[2].write_text(json_text(picture.to_dict()), encoding="utf-8")
+        figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": "rankdrop"})
+        figure.savefig(png, format="png", dpi=_DPI, metadata={"Software": "rankdrop"})
+    contents = (svg.getvalue(), png.getvalue(), json_text(picture.to_dict()).encode())
+    for file, content in zip(files, contents, strict=True):
+        replace_file(file, content)
     return files
 
 
@@ -179,5 +184,5 @@ def _matplotlib() -> Any:
     try:
         import matplotlib
     except ImportError as error:
-        raise MissingExtraError("matplotlib", "report", "drawing figures") from error
+        raise MissingExtraError("matplotlib", None, "drawing figures") from error
     return matplotlib

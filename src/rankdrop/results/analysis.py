@@ -5,36 +5,38 @@ How an analysis was checked, in sentences that the terminal and the report share
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from rankdrop.compare.joined import Joined, joined_from_dict
-from rankdrop.errors import RankdropError, ResultFileError
+from rankdrop.errors import ResultFileError
 from rankdrop.families.cells import inside_limits, share_text
 from rankdrop.families.share import Near, overview
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
+from rankdrop.results.believed import at, check_analysis, check_record
 from rankdrop.results.codec import (
     Record,
     family_from_dict,
     family_to_dict,
-    json_text,
     known,
     near_from_dict,
     near_to_dict,
     plain,
+    read_record,
     robot_from_dict,
     robot_to_dict,
+    save_record,
     summary_from_dict,
     summary_to_dict,
     task_from_dict,
 )
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
+from rankdrop.schema.violations import shown
 from rankdrop.sections import html
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -157,9 +159,10 @@ class Analysis:
 
     def residual(self) -> Residual:
         """Evaluate all equations and singular values again at the witnesses."""
-        return Residual(tuple(self._residual(family) for family in self.families))
+        return Residual(tuple(self.residual_of(family) for family in self.families))
 
-    def _residual(self, family: Family) -> FamilyResidual:
+    def residual_of(self, family: Family) -> FamilyResidual:
+        """Evaluate the equations and singular values of one family again at its witness."""
         q = np.array(family.witness)
         sigma = singular_values(self.robot, q, self.task)
         kept = self.generic_rank - family.corank
@@ -212,37 +215,46 @@ class Analysis:
         return record
 
     @classmethod
-    def from_dict(cls, record: Record) -> Analysis:
-        """Build the analysis of a record made by `to_dict`.
+    def from_dict(cls, record: Record, *, believe: bool = False) -> Analysis:
+        """Build the analysis of a record made by `to_dict`, and hold it against its schema and its own arm.
+
+        Args:
+            record: plain data.
+            believe: take it as it is: for what was made by this process or is shipped with the package.
 
         Raises:
-            ResultFileError: another schema, or entries that are missing or make no sense.
+            ResultFileError: another schema, or an element that is missing, makes no sense, or contradicts the arm:
+                generic rank, and rank, σ, equations and lost directions at every witness are computed again. Names the
+                path of the element.
         """
         found = record.get("schema") if isinstance(record, dict) else None
         if found != SCHEMA:
-            raise ResultFileError("this is not an analysis that can be read", got=repr(found), allowed=SCHEMA)
-        try:
+            raise ResultFileError("this is not an analysis that can be read", got=shown(found), allowed=SCHEMA)
+        if believe:
             return cls._from_dict(record)
-        except (KeyError, TypeError, ValueError, AttributeError, IndexError, RankdropError) as error:
-            what = f"no entry {error}" if isinstance(error, KeyError) else str(error)
-            raise ResultFileError("the analysis is damaged", got=what, mend="save it again") from error
+        check_record(record)
+        with np.errstate(all="ignore"):  # of numbers that no arm has, which are refused
+            made = cls._from_dict(record)
+            check_analysis(made, record)
+        return made
 
     @classmethod
     def _from_dict(cls, record: Record) -> Analysis:
         given = known(Settings, record["settings"])
         settings = Settings(**{**given, "tolerances": Tolerances(**known(Tolerances, given["tolerances"]))})
+        families = enumerate(record["families"])
         return cls(
-            robot=robot_from_dict(record["robot"]),
-            task=task_from_dict(record["robot"], settings.length_scale),
+            robot=at("$.robot", lambda: robot_from_dict(record["robot"])),
+            task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
             coranks=tuple(summary_from_dict(summary) for summary in record["coranks"]),
-            families=tuple(family_from_dict(family) for family in record["families"]),
+            families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=joined_from_dict(record["exact"]) if "exact" in record else None,
-            near=near_from_dict(record["near"]) if "near" in record else None,
+            exact=at("$.exact", lambda: joined_from_dict(record["exact"])) if "exact" in record else None,
+            near=at("$.near", lambda: near_from_dict(record["near"])) if "near" in record else None,
         )
 
     def _repr_html_(self) -> str:
@@ -256,14 +268,9 @@ class Analysis:
         """Write the analysis to a JSON file.
 
         Raises:
-            ResultFileError: the file cannot be written.
+            ResultFileError: the file cannot be written; an old one of this name is as it was.
         """
-        text = json_text(self.to_dict())
-        try:
-            Path(path).write_text(text, encoding="utf-8")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+        save_record(self.to_dict(), path)
 
     @classmethod
     def load(cls, path: str | Path) -> Analysis:
@@ -273,17 +280,11 @@ class Analysis:
             ResultFileError: the file cannot be read or is not an analysis.
         """
         try:
-            record: Any = json.loads(Path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
-        except ValueError as error:
-            raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)) from error
-        try:
-            return cls.from_dict(record)
+            return cls.from_dict(read_record(path))
         except ResultFileError as error:
+            where = str(path) if error.where in (None, str(path)) else f"{path}, {error.where}"
             raise ResultFileError(
-                error.what, where=str(path), got=error.got, allowed=error.allowed, mend=error.mend,
-                typed=error.typed,
+                error.what, where=where, got=error.got, allowed=error.allowed, mend=error.mend, typed=error.typed
             ) from error
 
 

@@ -14,16 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.errors import ResultFileError
+from rankdrop.disk import replace_file
+from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
 from rankdrop.frames import Frame
+from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
 from rankdrop.task import Task
 
 Record = dict[str, Any]
+_STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
 
 
 def known(kind: type[Any], record: Record) -> Record:
@@ -40,6 +43,7 @@ def known(kind: type[Any], record: Record) -> Record:
 def json_text(record: Any) -> str:
     """JSON for people too: indented, a row of numbers on one line; NaN and infinities are refused."""
     text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
+    text = _STEERING.sub(lambda letter: f"\\u{ord(letter[0]):04x}", text)  # the same text to a reader of JSON
     # strings hold no raw line break, so only arrays of numbers match
     return re.sub(r"\[\n[\s\d.,eE+-]+\]", lambda row: f"[{' '.join(row[0][1:-1].split())}]", text) + "\n"
 
@@ -48,13 +52,37 @@ def save_record(record: Record, path: str | Path) -> None:
     """Write a record to a JSON file.
 
     Raises:
-        ResultFileError: the file cannot be written.
+        ResultFileError: the file cannot be written; an old one of this name is as it was.
     """
     try:
-        Path(path).write_text(json_text(record), encoding="utf-8")
+        replace_file(path, json_text(record).encode())
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ResultFileError(f"the file cannot be written: {reason}", where=str(path)) from error
+
+
+def read_record(path: str | Path) -> Any:
+    """The data in a JSON file.
+
+    Raises:
+        ResultFileError: the file cannot be read, is too large, or is not JSON; NaN and infinities are none.
+    """
+
+    def refused(word: str) -> None:
+        raise ValueError(f"{word} is no number of JSON")
+
+    try:
+        Path(path).stat()
+        return json.loads(read_text(Path(path)), parse_constant=refused)
+    except OSError as error:
+        raise ResultFileError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from error
+    except RankdropError as error:
+        raise ResultFileError(error.what, where=error.where, got=error.got, allowed=error.allowed) from error
+    except RecursionError:
+        what = "the file cannot be read as JSON: its lists and objects are nested too deeply"
+        raise ResultFileError(what, where=str(path)) from None
+    except ValueError as error:
+        raise ResultFileError("the file cannot be read as JSON", where=str(path), got=str(error)[:200]) from error
 
 
 def number_or_null(value: float) -> float | None:

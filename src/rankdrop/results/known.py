@@ -101,7 +101,8 @@ def shipped(name: str) -> Analysis:
     if name not in known_names():
         allowed = ", ".join(known_names())
         raise ResultFileError("there is no shipped analysis of this arm", got=repr(name), allowed=allowed)
-    return Analysis.from_dict(json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8")))
+    record = json.loads((_folder() / f"{name}.json").read_text(encoding="utf-8"))
+    return Analysis.from_dict(record, believe=True)  # tests/known/test_atlases.py does not
 
 
 def _same_task(shipped_task: Task, task: Task) -> bool:

@@ -6,31 +6,33 @@ import re
 from pathlib import Path
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.budgets import LARGEST_FILE
 
 _DECLARED = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["'](iso-8859-1|latin-?1|windows-1252)["']""", re.IGNORECASE)
 
-LARGEST_FILE = 50 * 2**20
-"""Bytes; the largest robot descriptions in use are below 1 MB."""
 
-
-def read_text(path: Path) -> str:
+def read_text(path: Path, *, largest: int | None = None) -> str:
     """The text of a file.
 
+    Args:
+        path: of the file.
+        largest: bytes that it may have; None for `LARGEST_FILE`.
+
     Raises:
-        RobotError: a folder, not readable, larger than `LARGEST_FILE`, or not text.
+        RobotError: a folder, not readable, too large, or not text.
     """
-    where = str(path)
+    where, largest = str(path), LARGEST_FILE if largest is None else largest
     if path.is_dir():
         raise RobotError("this is a folder", where=where, mend="name the file in it")
     if not path.is_file():  # a device or a pipe could be read for ever
         raise RobotError("this is not a file", where=where)
     try:
         with path.open("rb") as stream:
-            data = stream.read(LARGEST_FILE + 1)
+            data = stream.read(largest + 1)
     except OSError as error:
         raise RobotError(f"the file cannot be read: {error.strerror}", where=where) from None
-    if len(data) > LARGEST_FILE:
-        raise RobotError("the file is too large", where=where, allowed=f"at most {LARGEST_FILE // 2**20} MB")
+    if len(data) > largest:
+        raise RobotError("the file is too large", where=where, allowed=f"at most {largest / 2**20:g} MB")
     if b"\0" in data:
         raise RobotError("this is not a text file", where=where, allowed="TOML, URDF or xacro in UTF-8")
     declared = _DECLARED.match(data)

@@ -9,6 +9,7 @@ from itertools import pairwise, product
 from math import ceil, degrees, floor, log10, pi, radians
 
 from rankdrop.errors import OptionError
+from rankdrop.robot.budgets import LONGEST_TEXT
 from rankdrop.robot.changes import Change
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.robot.normals import extent
@@ -94,7 +95,7 @@ def read_tolerance(text: str, *, where: str = "--ideal") -> Tolerance:
     allowed = "a length (µm, um, mm, cm, m), an angle (deg, °, rad, mrad) or both, such as 1mm,0.5deg"
     found: dict[str, float] = {}
     for part in text.split(","):
-        match = _ONE.fullmatch(part)
+        match = _ONE.fullmatch(part) if len(part) <= LONGEST_TEXT else None
         units = next((u for u in (_UNITS, _TURNS) if match is not None and match[2] in u), None)
         if match is None or units is None:
             raise OptionError("this is not a tolerance", where=where, got=repr(text), allowed=allowed)

@@ -17,11 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.errors import MissingExtraError, RobotError, visible
+from rankdrop.robot.budgets import MOST_BODIES
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.robot.urdf_ends import choose_ends
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
@@ -68,12 +69,12 @@ def from_mjcf(
             not there.
     """
     file = Path(path)
-    root = read_xml(read_text(file), str(file))  # limits on size and depth, no document types
+    root = read_xml(read_text(file), str(file), most=MOST_BODIES)  # limits on size and depth, no document types
     try:
         import mujoco
     except ImportError:
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
-    name = root.attributes.get("model", file.stem)
+    name = root.attributes.get("model", visible(file.stem))
     model, couplings, changes = _compiled(mujoco, file, as_written)
     motions: dict[str, _Motion] = {}
     tree, floating = _tree(mujoco, model, name, str(file), motions)
@@ -229,6 +230,7 @@ def _plain(values: Array) -> Array:
 
 def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tuple[tuple[Joint, ...], Array]:
     """The joints of the chain and the pose of the tip at q = 0."""
+    check_joints(sum(step.moves for step in path), tree.file, steps=len(path))
     pose = np.eye(4)
     joints = []
     for step in path:

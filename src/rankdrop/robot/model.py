@@ -9,7 +9,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.errors import RobotError
+from rankdrop.errors import HIDDEN, RobotError
+from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.lengths import checked_lengths
 
 Array = NDArray[np.float64]
@@ -69,6 +70,7 @@ class Joint:
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
+        _check_name(self.name, where)
         screw = _read_only(self.screw, (6,), where, "screw")
         object.__setattr__(self, "kind", JointKind(self.kind))
         axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]
@@ -81,6 +83,9 @@ class Joint:
             screw = _read_only(screw / length, (6,), where, "screw")
         object.__setattr__(self, "screw", screw)
         object.__setattr__(self, "frame", _read_only(self.frame, (4, 4), where, "frame"))
+        if self.kind is not JointKind.PRISMATIC:
+            _check_size(screw[:3], where, "the moment of the axis about the base origin")
+        _check_size(self.frame[:3, 3], where, "the place of the joint")
         for label in ("lower", "upper", "velocity"):
             value = float(getattr(self, label))
             if np.isnan(value):
@@ -129,12 +134,16 @@ class Robot:
 
     def __post_init__(self) -> None:
         where = f"robot {self.name!r}"
+        for label in (self.name, self.base, self.tip):
+            _check_name(label, where)
         object.__setattr__(self, "joints", tuple(self.joints))
         object.__setattr__(self, "home", _read_only(self.home, (4, 4), where, "home pose"))
+        _check_size(self.home[:3, 3], where, "the place of the tip")
         lengths = checked_lengths(self.lengths, lambda letter: f"{where}, length {letter!r}")
         object.__setattr__(self, "lengths", lengths)
         if not self.joints:
             raise RobotError("there is no moving joint", where=where, allowed="at least one", mend="name another tip")
+        check_joints(len(self.joints), where)
         names = [joint.name for joint in self.joints]
         for name in names:
             if names.count(name) > 1:
@@ -178,6 +187,36 @@ class Robot:
                 turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
                 whole[index[joint.mimic.leader]] &= turns
         return np.array(whole)
+
+
+def check_joints(moving: int, where: str, *, steps: int = 0) -> None:
+    """Refuse a chain that is longer than any arm, before anything is computed of it.
+
+    Args:
+        moving: joints that move.
+        where: file or robot.
+        steps: all joints of the chain.
+
+    Raises:
+        RobotError: more than `MOST_JOINTS` or `MOST_STEPS`.
+    """
+    for got, most, what in ((moving, MOST_JOINTS, "moving joints"), (steps, MOST_STEPS, "joints")):
+        if got > most:
+            raise RobotError(f"the chain has too many {what}", where=where, got=got, allowed=f"at most {most}",
+                             mend="name a base and a tip of a shorter chain")  # fmt: skip
+
+
+def _check_name(name: str, where: str) -> None:
+    """Refuse names that steer a terminal or break its lines; they are printed a hundred times."""
+    if "\n" in name or "\t" in name or name.translate(HIDDEN) != name:
+        raise RobotError("the name has a control character", where=where, got=repr(name[:80]),
+                         allowed="what can be printed in one line", mend="rename it")  # fmt: skip
+
+
+def _check_size(place: Array, where: str, what: str) -> None:
+    """Refuse numbers beyond the range of a length: their squares would leave that of the doubles."""
+    if np.abs(place).max() > LARGEST_LENGTH:
+        raise RobotError(f"{what} is too large", where=where, got=place.tolist(), allowed=allowed_range("length"))
 
 
 def _read_only(value: ArrayLike, shape: tuple[int, ...], where: str, what: str) -> Array:

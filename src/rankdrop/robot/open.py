@@ -13,18 +13,19 @@ from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
 
-from rankdrop.errors import RobotError, UnknownRobotError
+from rankdrop.errors import RobotError, UnknownRobotError, visible
 from rankdrop.robot.files import read_text
 from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import Robot
 from rankdrop.robot.screw_list import from_screw_list, is_screw_list
 from rankdrop.robot.size import with_size_note
-from rankdrop.robot.toml_file import robot_from_toml
+from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.xacro import from_xacro, uses_xacro
 from rankdrop.robot.xml_file import read_xml
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
+_TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
 _BLANK = "\ufeff \t\r\n"
 _FORMATS = "DH or screw TOML, URDF, xacro or MJCF, or plain screws (six numbers a line)"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
@@ -88,7 +89,7 @@ def open_robot(
     Raises:
         UnknownRobotError: neither a name of the catalogue nor a file; suggests names that are close.
         RobotError: the file cannot be read or used, or takes no arguments.
-        MissingExtraError: a xacro file without the extra "xacro", an MJCF file without the extra "mujoco".
+        MissingExtraError: an MJCF file without the extra "mujoco".
 
     Example:
         >>> open_robot("pa10").n
@@ -167,14 +168,14 @@ def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_writ
     if path.suffix.lower() == ".toml" or not text.lstrip(_BLANK).startswith("<"):
         if path.suffix.lower() != ".toml" and is_screw_list(text):
             _refuse_links(str(path), tip, base)
-            return from_screw_list(path, name=path.stem, as_written=as_written)
+            return from_screw_list(path, name=visible(path.stem), as_written=as_written)
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
                 "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),
                 mend=f"give a file in {_FORMATS}",
             )
         _refuse_links(str(path), tip, base)
-        return robot_from_toml(text, file=str(path), default_name=path.stem, as_written=as_written)
+        return robot_from_toml(text, file=str(path), default_name=visible(path.stem), as_written=as_written)
     root = _root_tag(text)
     if root == "mujoco":
         return from_mjcf(path, base=base, tip=tip, as_written=as_written)
@@ -190,15 +191,24 @@ def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_writ
 
 def _root_tag(text: str) -> str:
     """The tag of the first element, by a look: whether the text is sound is for its reader to say."""
-    found = re.search(r"<([A-Za-z_][\w.:-]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
-    return found[1] if found else ""
+    at = 0
+    while (at := text.find("<", at)) >= 0:
+        if text.startswith("<!--", at):
+            at = text.find("-->", at + 4)
+            if at < 0:
+                break
+        elif found := _TAG.match(text, at):
+            return found[1]
+        else:
+            at += 1
+    return ""
 
 
 def _is_toml(text: str) -> bool:
     try:
-        tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError):
-        return False
+        parsed_toml(text, "")
+    except RobotError as error:
+        return not error.what.startswith("this is not TOML")  # what is too much of it is for its reader to say
     return True
 
 

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import ast
 import re
-from math import inf, isfinite, nan, pi, radians, sqrt
+from math import inf, isfinite, isinf, nan, pi, radians, sqrt
 from typing import Any
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.budgets import LONGEST_TEXT, RANGE, allowed_range
 
 _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
     "number": {},
 }
-LARGEST_LENGTH = 1e12
-"""[m]; no arm is longer, one given in µm has no larger number, and squares beyond the doubles are far away."""
-LARGEST_NUMBER = 1e100
-"""Of an entry of an axis or a screw: its square is still a double."""
-_LARGEST = {"angle": inf, "length": LARGEST_LENGTH, "number": LARGEST_NUMBER}
-_LONGEST_TEXT = 200
 _ARITHMETIC = re.compile(r"(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\w.])|pi\b|sqrt\b|[-+*/() ])*")
 _WITH_UNIT = re.compile(r"(?P<value>.*?)\s*(?P<unit>[A-Za-zµ°]+)?(?P<rate>/s)?", re.DOTALL)
 
@@ -52,20 +47,39 @@ def quantity(value: Any, measure: str, *, where: str, rate: bool = False, endles
         raise _error("this is not a number", value, measure, where, rate)
     if not (isfinite(result) or (endless and abs(result) == inf)):
         raise _error("the value is not finite", value, measure, where, rate)
-    if isfinite(result) and abs(result) > _LARGEST[measure]:
-        unit = " m" if measure == "length" else ""
-        raise RobotError("the value is too large", where=where, got=value, allowed=f"up to {_LARGEST[measure]:g}{unit}")
-    return result
+    return result if isinf(result) else in_range(result, measure, where=where, got=value, rate=rate)
+
+
+def in_range(value: float, measure: str, *, where: str, got: Any = None, rate: bool = False) -> float:
+    """The value, where it lies in the range that all readers have for its measure.
+
+    Args:
+        value: finite [rad, m].
+        measure: "angle", "length" or "number".
+        where: for the error: file, line, key.
+        got: as it was written; None for the value itself.
+        rate: per second.
+
+    Raises:
+        RobotError: it does not.
+    """
+    if abs(value) > RANGE[measure]:
+        raise RobotError("the value is too large", where=where, got=value if got is None else got,
+                         allowed=allowed_range(measure, rate=rate))  # fmt: skip
+    return value
 
 
 def _from_text(text: str, measure: str, where: str, rate: bool) -> float:
     units = _UNITS[measure]
     body, factor = text.strip(), 1.0
+    if len(body) > LONGEST_TEXT:  # before the expressions below see it: their time grows with the square of the length
+        got = f"{len(body)} characters: {body[:40]!r} …"
+        raise _error("the text is too long for a quantity", got, measure, where, rate)
     if body in {"inf", "+inf", "-inf", "nan"}:
         return float(body)
     match = _WITH_UNIT.fullmatch(body)
-    if len(body) > _LONGEST_TEXT or match is None:
-        raise _error("the text is not a quantity", body[:40], measure, where, rate)
+    if match is None:
+        raise _error("the text is not a quantity", repr(text), measure, where, rate)
     unit = match["unit"]
     if unit not in {None, "pi"} or match["rate"]:
         if unit not in units or bool(match["rate"]) is not rate:

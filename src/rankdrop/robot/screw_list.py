@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.budgets import LARGEST_TABLE
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, check_joints
 from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import from_screws
 
 _ENTRY = re.compile(r"[^\s,;\[\]]+")
 _NOTE = "six numbers a line: screws (direction; moment about the base origin) at q = 0, in order"
-_MOST = 200  # screws; no chain is longer
 
 
 def read_screw_list(path: Path) -> Array:
@@ -35,24 +35,23 @@ def read_screw_list(path: Path) -> Array:
 def _read(path: Path) -> tuple[Array, list[int]]:
     """The numbers, and the line each screw stands in."""
     rows, lines = [], []
-    for number, line in enumerate(read_text(path).splitlines(), 1):
+    for number, line in enumerate(read_text(path, largest=LARGEST_TABLE).splitlines(), 1):
         text = line.split("#", 1)[0]
         entries = list(_ENTRY.finditer(text))
         if not entries:
             continue
         where = f"{path}, line {number}"
         values = [
-            quantity(_number(entry[0]), "number", where=f"{where}, column {entry.start() + 1}") for entry in entries
+            quantity(_number(entry[0]), "number", where=f"{where}, column {entry.start() + 1}") for entry in entries[:7]
         ]
         if len(values) != 6:
             column = entries[6].start() + 1 if len(values) > 6 else len(text.rstrip()) + 1
             raise RobotError(
-                "a screw has six numbers (direction; moment)", where=f"{where}, column {column}", got=len(values)
+                "a screw has six numbers (direction; moment)", where=f"{where}, column {column}", got=len(entries)
             )
         rows.append(values)
         lines.append(number)
-        if len(rows) > _MOST:
-            raise RobotError("there are too many screws", where=where, allowed=f"at most {_MOST}")
+        check_joints(len(rows), where)
     if not rows:
         raise RobotError("there are no screws in the file", where=str(path), allowed="six numbers a line")
     return np.array(rows), lines

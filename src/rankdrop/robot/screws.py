@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.budgets import LARGEST_NUMBER
 from rankdrop.robot.entries import joint_kind, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
-from rankdrop.robot.quantities import LARGEST_NUMBER
 from rankdrop.robot.transform import frame_on_axis, rigid
 
 Order = Literal["linear-first", "angular-first"]

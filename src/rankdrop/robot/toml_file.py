@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import RobotError
+from rankdrop.robot.budgets import DOTS, LARGEST_TABLE
 from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
 from rankdrop.robot.digits import Angles, Written
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.lengths import checked_lengths
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, JointKind, Robot, Source
+from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
 from rankdrop.robot.toml_lines import TomlLines
@@ -53,10 +54,7 @@ def robot_from_toml(
     Raises:
         RobotError: not TOML, a missing or unknown key, a value that cannot be used; names file, line and key.
     """
-    try:
-        document = tomllib.loads(text, parse_float=Written)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
+    document = parsed_toml(text, file, parse_float=Written)
     lines = TomlLines(text)
 
     def place(table: str, index: int | None) -> Where:
@@ -78,6 +76,28 @@ def robot_from_toml(
         raise relocate(error, file + (f", {error.where}" if error.where else "")) from None
 
 
+def parsed_toml(text: str, file: str, *, parse_float: Callable[[str], Any] = float) -> dict[str, Any]:
+    """The tables of a TOML text whose keys have no more dots than the parser bears.
+
+    `tomllib` keeps every beginning of a dotted key, so that a key of n parts costs n² steps and n² bytes.
+
+    Raises:
+        RobotError: too large, too many dots, or not TOML.
+    """
+    if len(text) > LARGEST_TABLE:
+        raise RobotError("the file is too large", where=file, allowed=f"at most {LARGEST_TABLE / 2**20:g} MB of TOML")
+    dots = 0
+    for line, words in enumerate(text.splitlines(), 1):
+        dots += words.count(".") ** 2
+        if dots > DOTS:
+            raise RobotError("the keys have too many dots", where=f"{file}, line {line}", got=words[:40],
+                             allowed=f"{DOTS ** 0.5:.0f} in one line")  # fmt: skip
+    try:
+        return tomllib.loads(text, parse_float=parse_float)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise RobotError(f"this is not TOML: {str(error) or 'nested too deeply'}", where=file) from None
+
+
 def _robot(
     document: dict[str, Any], place: Place, file: str, default_name: str, kind: str | None, angles: Angles
 ) -> Robot:
@@ -87,6 +107,7 @@ def _robot(
     joints = document.get("joints")
     if not isinstance(joints, list) or not joints or not all(isinstance(joint, dict) for joint in joints):
         raise RobotError("there are no joints", where=where("joints"), allowed="one [[joints]] table per joint")
+    check_joints(len(joints), where("joints"))
     notes = document.get("notes", [])
     if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
         raise RobotError("notes is a list of texts", where=where("notes"), got=repr(notes))

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.errors import RobotError
+from rankdrop.errors import RobotError, visible
+from rankdrop.robot.budgets import RANGE
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
+from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf_ends import choose_ends
 from rankdrop.robot.urdf_mimic import resolve_mimics
-from rankdrop.robot.urdf_numbers import number, three
+from rankdrop.robot.urdf_numbers import finite, three
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, read_tree
 from rankdrop.robot.xml_file import read_xml
 
@@ -60,6 +61,7 @@ def from_urdf(
     tree = read_tree(read_xml(text, place, _NOT_READ), place)
     ends = choose_ends(tree, base, tip)
     moving = [joint for joint in ends.path if joint.moves]
+    check_joints(len(moving), place, steps=len(ends.path))
     mimics, notes = resolve_mimics(tree, moving)
     pose = np.eye(4)
     angles = Angles(as_written)
@@ -72,8 +74,8 @@ def from_urdf(
             screw = _screw(kind, _axis(tree, joint), pose)
             joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
     found = Robot(
-        tree.name or Path(place).stem, tuple(joints), pose, source=Source("urdf", place), base=ends.base, tip=ends.tip,
-        notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
+        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source("urdf", place),
+        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     return as_meant(found, angles)
 
@@ -103,9 +105,9 @@ def joint_origin(tree: Tree, joint: TreeJoint, angles: Angles) -> Array:
     for unread in ("quat_xyzw", "wxyz"):  # used by some tools instead of rpy: ignoring it would turn the axis
         if unread in element.attributes and "rpy" not in element.attributes:
             raise RobotError("the rotation is not given as rpy", where=where, got=unread, allowed="xyz, rpy")
-    xyz = three(element.attributes.get("xyz", "0 0 0"), where, "xyz")
+    xyz = three(element.attributes.get("xyz", "0 0 0"), where, "xyz", "length")
     rpy = element.attributes.get("rpy", "0 0 0")
-    three(rpy, where, "rpy")
+    three(rpy, where, "rpy", "angle")
     return from_xyz_rpy(xyz, [angles.take(word) for word in rpy.split()])
 
 
@@ -135,7 +137,17 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
     element = joint.element.first("limit")
     given = {} if element is None else element.attributes
     where = tree.where(joint, "limit")
-    velocity = number(given["velocity"], where, "velocity") if "velocity" in given else inf
+    most = RANGE["length" if joint.kind == "prismatic" else "angle"]
+
+    def read(key: str) -> float:
+        """The number; beyond the range it is how exporters write that there is no limit."""
+        value = finite(given.get(key, "0"), where, key)
+        if abs(value) <= most:
+            return value
+        notes.append(f"joint {joint.name!r}: {key} {value:g} is taken as no limit")
+        return inf if value > 0 else -inf
+
+    velocity = read("velocity") if "velocity" in given else inf
     if velocity < 0.0:
         raise RobotError("the largest velocity is negative", where=where, got=velocity, allowed="a rate ≥ 0")
     if velocity == 0.0:  # written by exporters that do not know it
@@ -149,9 +161,8 @@ def _limits(tree: Tree, joint: TreeJoint, notes: list[str]) -> tuple[float, floa
     for key in ("lower", "upper"):
         if key not in given:
             notes.append(f"joint {joint.name!r} has no {key} limit: it is 0, the default of URDF")
-    lower = number(given.get("lower", "0"), where, "lower")
-    upper = number(given.get("upper", "0"), where, "upper")
-    if lower > upper:
+    lower, upper = read("lower"), read("upper")
+    if lower > upper or lower == inf or upper == -inf:
         raise RobotError(
             "lower limit above upper limit", where=where, got=f"lower {lower}, upper {upper}", allowed="lower ≤ upper",
             mend="exchange or correct the two limits",

@@ -56,7 +56,8 @@ def _trace(tree: Tree, joint: TreeJoint) -> Mimic:
         if name in met:
             raise RobotError("mimic joints follow one another in a circle", where=where, got=" -> ".join([*met, name]))
         factor = number(element.attributes.get("multiplier", "1"), where, "multiplier")
-        shift = number(element.attributes.get("offset", "0"), where, "offset")
+        measure = "length" if current.kind == "prismatic" else "angle"
+        shift = number(element.attributes.get("offset", "0"), where, "offset", measure)
         if factor == 0.0:
             raise RobotError(
                 "the multiplier of a mimic joint is zero", where=where, got=0, allowed="a number other than 0",

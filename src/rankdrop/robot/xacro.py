@@ -1,4 +1,4 @@
-"""Robots from xacro, expanded by the package xacrodoc (extra "xacro") and then read as URDF.
+"""Robots from xacro, expanded by the package xacrodoc and then read as URDF.
 
 A xacro file is a program: it includes other files, reads environment variables and YAML files by name, and evaluates
 expressions, which can run any command. rankdrop adds nothing to what xacro itself does and takes nothing away: expand
@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from rankdrop.errors import MissingExtraError, RobotError
+from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Robot
 from rankdrop.robot.packages import PLACES, find_package
@@ -64,7 +64,7 @@ def from_xacro(
     name = root.attributes.get("name", "")
     arguments = _Arguments({key: _written(value) for key, value in (args or {}).items()}, root)
     finder = _Packages(file, packages or {})
-    text = _expand(file, name if name and "$" not in name else file.name.partition(".")[0], finder, arguments)
+    text = _expand(file, name if name and "$" not in name else visible(file.name.partition(".")[0]), finder, arguments)
     robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
     named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
     return replace(robot, name=named if named and "$" not in named else robot.name,
@@ -154,7 +154,7 @@ def _expand(file: Path, name: str, finder: _Packages, arguments: _Arguments) -> 
     try:
         import xacrodoc
     except ImportError:
-        raise MissingExtraError("xacrodoc", "xacro", "a xacro file") from None
+        raise MissingExtraError("xacrodoc", None, "a xacro file") from None
     # An include, not the text: xacro then resolves the file's own includes relative to it.
     whole = (
         f'<robot name={quoteattr(name)} xmlns:xacro="http://www.ros.org/wiki/xacro">'

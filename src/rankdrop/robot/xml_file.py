@@ -10,10 +10,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.files import LARGEST_FILE
-
-DEEPEST = 100
-MOST_ELEMENTS = 200_000
+from rankdrop.robot.budgets import DEEPEST, LARGEST_FILE, MOST_ELEMENTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +27,14 @@ class Element:
         return next((child for child in self.children if child.tag == tag), None)
 
 
-def read_xml(text: str, file: str, skip: frozenset[str] = frozenset()) -> Element:
+def read_xml(text: str, file: str, skip: frozenset[str] = frozenset(), *, most: int | None = None) -> Element:
     """The root element of an XML text; elements named in `skip` are left out with all they hold.
+
+    Args:
+        text: of the file.
+        file: its name, for errors.
+        skip: tags.
+        most: elements that it may have; None for `MOST_ELEMENTS`.
 
     Raises:
         RobotError: not well-formed, a document type or an entity, too deep, too many elements, too large.
@@ -39,7 +42,7 @@ def read_xml(text: str, file: str, skip: frozenset[str] = frozenset()) -> Elemen
     data = text.encode("utf-8", "surrogatepass")
     if len(data) > LARGEST_FILE:
         raise RobotError("the text is too large", where=file, allowed=f"at most {LARGEST_FILE // 2**20} MB")
-    builder = _Builder(file, skip)
+    builder = _Builder(file, skip, MOST_ELEMENTS if most is None else most)
     try:
         builder.parser.Parse(data, True)
     except expat.ExpatError as error:
@@ -51,8 +54,8 @@ def read_xml(text: str, file: str, skip: frozenset[str] = frozenset()) -> Elemen
 
 
 class _Builder:
-    def __init__(self, file: str, skip: frozenset[str]) -> None:
-        self.file, self.skip = file, skip
+    def __init__(self, file: str, skip: frozenset[str], most: int) -> None:
+        self.file, self.skip, self.most = file, skip, most
         self.root: Element | None = None
         self.open: list[Element] = []
         self.depth = self.count = 0
@@ -72,8 +75,8 @@ class _Builder:
         self.count += 1
         if self.depth > DEEPEST:
             raise RobotError("the elements are nested too deeply", where=self.where(), allowed=f"depth {DEEPEST}")
-        if self.count > MOST_ELEMENTS:
-            raise RobotError("there are too many elements", where=self.where(), allowed=f"{MOST_ELEMENTS}")
+        if self.count > self.most:
+            raise RobotError("there are too many elements", where=self.where(), allowed=f"at most {self.most}")
         if self.skipping or tag in self.skip:
             self.skipping = self.skipping or self.depth
             return

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, NOT_DERIVED, ExactRow, Joined
+from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined
 from rankdrop.compare.match import Match, match
 from rankdrop.compare.partition import in_exact_terms
 from rankdrop.errors import OptionError, RankdropError
@@ -92,7 +92,7 @@ def join(
             raise
         return list(found), Joined(NOT_DERIVED, exact, seconds, str(error))
     except KeyboardInterrupt:
-        return list(found), Joined(NOT_DERIVED, exact, seconds, "interrupted")
+        return list(found), Joined(NOT_DERIVED, exact, seconds, INTERRUPTED)
     if not derived.complete:
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)

@@ -69,7 +69,7 @@ def start_gated(host: str, gate: Gate) -> viser.ViserServer:
         import viser
         import websockets.asyncio.server as sockets
     except ImportError:
-        raise MissingExtraError("viser", "viewer", "the viewer") from None
+        raise MissingExtraError("viser", None, "the viewer") from None
     with _starting, _guarding(sockets, gate), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=gate.port, label="rankdrop", verbose=False)
     closed: Any = server
@@ -81,7 +81,7 @@ def start_gated(host: str, gate: Gate) -> viser.ViserServer:
         stop(server)
         raise OptionError(
             "this version of viser cannot be guarded against other pages, so it is not started", where="viewer",
-            got=f"viser {viser.__version__}", mend="pip install -U viser, or tell us",
+            got=f"viser {viser.__version__}", mend="another version of viser, or tell us",
         )
     return server
 

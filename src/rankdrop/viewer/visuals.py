@@ -159,7 +159,8 @@ def _visual(
     origin, material = visual.first("origin"), visual.first("material")
     given = {} if origin is None else origin.attributes
     pose = carrier @ from_xyz_rpy(
-        three(given.get("xyz", "0 0 0"), where, "xyz"), three(given.get("rpy", "0 0 0"), where, "rpy")
+        three(given.get("xyz", "0 0 0"), where, "xyz", "length"),
+        three(given.get("rpy", "0 0 0"), where, "rpy", "angle"),
     )
     colour = None
     if material is not None:

@@ -26,7 +26,7 @@ def flint() -> ModuleType:
     try:
         import flint as module
     except ImportError as error:
-        raise MissingExtraError("python-flint", "exact", "deriving exact conditions") from error
+        raise MissingExtraError("python-flint", None, "deriving exact conditions") from error
     return module
 
 

@@ -1,0 +1,60 @@
+"""Files are written here and nowhere else: whole or not at all, and on the disk when the call returns."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+
+def replace_file(path: str | Path, content: bytes) -> None:
+    """Write a file so that its reader sees the old content or all of the new one, after a loss of power too.
+
+    The bytes go to a file beside it, to the disk (fsync), and take its name in one step; a symbolic link is followed,
+    permissions are kept. What is no file (/dev/null, a pipe) is written to as it stands.
+
+    Args:
+        path: of the file; its folder is there.
+        content: all of it.
+
+    Raises:
+        OSError: disk full, no permission, no such folder; the old file is as it was, and nothing is left beside it.
+        ValueError: a path that no file system takes (a zero byte).
+    """
+    target = Path(path)
+    if target.exists() and not target.is_file():
+        target.write_bytes(content)
+        return
+    target = target.resolve()
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:100]}.")  # a name has at most 255 bytes
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(name, target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask())
+        os.replace(name, target)
+    except BaseException:  # Ctrl-C too: no half-written file stays behind; raised again
+        os.unlink(name)
+        raise
+    _settle(target.parent)
+
+
+def _settle(folder: Path) -> None:
+    """Bring the new name to the disk, where folders can be synced; elsewhere the file has its old name or its new."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:  # Windows opens no folder
+        return
+    try:
+        os.fsync(handle)
+    except OSError:  # some network file systems
+        return
+    finally:
+        os.close(handle)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

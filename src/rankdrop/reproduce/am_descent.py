@@ -2,8 +2,9 @@
 
 AM print neither their starts nor the rule of their steps, so the figures themselves cannot be reproduced. What is
 drawn are runs with an exact line search that meet a tie: their starts were picked, out of 2,000, because the treatment
-of ties decides how they end. Beside them stand runs with other steps, whose gradients turn as AM's do. No verdict rests on them alone: `paired` counts what it does for all of the 2,000, and
-`counts` what plain descents do with another rule of the steps, from starts that nobody picked.
+of ties decides how they end. Beside them stand runs with other steps, whose gradients turn as AM's do. No verdict rests
+on them alone: `paired` counts what the treatment does for all of the 2,000, and `counts` what plain descents do with
+another rule of the steps, from starts that nobody picked.
 """
 
 from __future__ import annotations

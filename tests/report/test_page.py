@@ -12,7 +12,7 @@ import pytest
 
 from rankdrop.family.record import Share, Soundness
 from rankdrop.kinematics import jacobian, link_poses
-from rankdrop.local.drawn import skeleton
+from rankdrop.local import skeleton
 from rankdrop.report.content import Content, arrows, content
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page

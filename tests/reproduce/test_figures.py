@@ -53,6 +53,12 @@ def test_figure_2_turns_back_and_forth_goes_up_and_never_converges():
     assert four[-1] > 1e-3
 
 
+def test_figure_3_turns_by_120_degrees_on_average_and_converges():
+    *_, values, angles = am_pictures.descent(3).panels
+    assert np.nanmean(angles.lines[0].points[:, 1]) == pytest.approx(120.0, abs=5.0)
+    assert values.lines[0].points[-1, 1] < 1e-6
+
+
 def test_figures_2_and_3_start_together_meet_a_tie_and_end_apart():
     stuck, through = run(2), run(3)
     assert np.array_equal(stuck.sigma[0], through.sigma[0])

@@ -16,38 +16,52 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact import Distances
-from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.decoupling import decouple
-from rankdrop.exact.methods import METHODS, derive
-from rankdrop.exact.suppression.suppress import suppress
-from rankdrop.families.curves import singular_curves
-from rankdrop.families.searching import Outcome, refine, search
-from rankdrop.families.tolerant import most_tolerant
+from rankdrop import (
+    conditions,
+    explain,
+    jacobian,
+    jacobian_derivative,
+    open_robot,
+    pose,
+    redundancy,
+    search,
+    singular_values,
+)
+from rankdrop.exact import METHODS, Distances, decouple, derive, exact_chain, suppress
+from rankdrop.families import Outcome, most_tolerant, refine, singular_curves
 from rankdrop.frames import BODY, SPACE, Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
-from rankdrop.local.block import decompose, generic_rank, sample, singular_values
-from rankdrop.local.cofactors import hunt
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, readable_basis
-from rankdrop.local.failures import failures_at
-from rankdrop.local.null_motion import self_motion
-from rankdrop.local.ordered import OrderedScrewSet, lie_product, motion
-from rankdrop.local.ordered_report import report, session
-from rankdrop.local.planar import planar_two_link
-from rankdrop.local.rates import rate_growth
-from rankdrop.local.redundant import null_space_motion, redundancy
-from rankdrop.local.relations import relations_at
-from rankdrop.local.representation import analytical_jacobian, representation_at
-from rankdrop.local.tied import gradient_tensor, plane_rotation, tied_gradients
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local import (
+    OrderedScrewSet,
+    decompose,
+    failures_at,
+    generic_rank,
+    gradient_tensor,
+    hunt,
+    lie_product,
+    lost_directions,
+    lost_in_sparsest_frame,
+    motion,
+    null_space_motion,
+    planar_two_link,
+    plane_rotation,
+    rate_growth,
+    readable_basis,
+    relations_at,
+    report,
+    representation_at,
+    sample,
+    self_motion,
+    session,
+    tied_gradients,
+)
+from rankdrop.local.representation import analytical_jacobian
 from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import mixture_falls
-from rankdrop.results.known import shipped
-from rankdrop.robot.dh import from_dh
-from rankdrop.robot.open import open_robot
+from rankdrop.results import known_analysis
+from rankdrop.robot import from_dh
 from rankdrop.task import Task, resolve_task
-from rankdrop.verbs.conditions import conditions
-from rankdrop.verbs.explain import explain
-from rankdrop.verbs.jacobian_in_frame import link_jacobian
+from rankdrop.verbs import link_jacobian
 
 H = 1e-6  # of central differences [rad]
 SMALL = 1e-9
@@ -225,8 +239,9 @@ def test_am_3_2_no_failure_leaves_more_than_the_bound():
 
 
 def test_am_tables_3_to_5_every_row_is_a_family_of_its_rank():
-    analysis = shipped("iiwa7")
-    robot, task = analysis.robot, analysis.task
+    robot = open_robot("iiwa7")
+    task = resolve_task(None, robot)
+    analysis = known_analysis(robot, task)
     assert [summary.corank for summary in analysis.coranks if summary.converged] == [1, 2, 3]
     for family in analysis.families:
         q = np.array(family.witness)

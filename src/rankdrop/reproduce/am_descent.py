@@ -2,8 +2,9 @@
 
 AM print neither their starts nor the rule of their steps, so the figures themselves cannot be reproduced. What is
 drawn are runs with an exact line search that meet a tie: their starts were picked, out of 2,000, because the treatment
-of ties decides how they end. Beside them stand runs with other steps, whose gradients turn as AM's do. No verdict rests on them alone: `paired` counts what it does for all of the 2,000, and
-`counts` what plain descents do with another rule of the steps, from starts that nobody picked.
+of ties decides how they end. Beside them stand runs with other steps, whose gradients turn as AM's do. No verdict rests
+on them alone: `paired` counts what the treatment does for all of the 2,000, and `counts` what plain descents do with
+another rule of the steps, from starts that nobody picked.
 """
 
 from __future__ import annotations
@@ -54,8 +55,13 @@ class Run:
 
 RUNS = {1: Run(2, "gradient", 106), 2: Run(3, "gradient", 269), 3: Run(3, "almarkhi", 269)}
 """By figure."""
-STEPPED = {1: Run(2, "gradient", 79, SEED, 0.1, 6000), 2: Run(3, "gradient", 269, step=1.0)}
-"""By figure: runs whose gradients turn back and forth as AM draw them, which no exact line search lets them do."""
+STEPPED = {
+    1: Run(2, "gradient", 79, SEED, 0.1, 6000),
+    2: Run(3, "gradient", 269, step=1.0),
+    3: Run(3, "almarkhi", 60, SEED, 1.0),
+}
+"""By figure: runs whose gradients turn as AM say, by up to 180°, and by 120° on average; with an exact line search
+successive gradients are square to each other."""
 
 
 @dataclass(frozen=True, eq=False)

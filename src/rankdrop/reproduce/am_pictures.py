@@ -40,19 +40,18 @@ def descent(figure: int) -> Picture:
         2: f"It is held up by σ4 = σ5: σ4 = {found.sigma[-1, 3]:.2g} at the end. Figure 3 has the same start.",
         3: f"The start of Figure 2, ties treated (eqs 12 to 14): it converges in {found.iterations} iterations.",
     }[figure]
+    other = STEPPED[figure]
+    turning = descend(other)
+    panels += descent_panels(turning, "cd", marks=figure == 3)
+    angles = np.degrees(turning.angles)
+    share = "" if other.step == 1.0 else f"{other.step} of "
     caption = (
-        f"{'(a), (b): descent' if figure in STEPPED else 'Descent'} of σ{found.rank + 1} with an exact line search "
-        f"from start {how.start} of seed {PAIRED_SEED}, picked of 2,000 because it meets a tie. {end} "
+        f"(a), (b): descent of σ{found.rank + 1} with an exact line search from start {how.start} of seed "
+        f"{PAIRED_SEED}, picked of 2,000 because it meets a tie. {end} (c), (d): with {share}the step to linearised "
+        f"zero, start {other.start} of seed {other.seed}: gradients turn by up to {np.nanmax(angles):.0f}°, by "
+        f"{np.nanmean(angles):.0f}° on average, σ{turning.rank + 1} = {turning.sigma[-1, turning.rank]:.1e} after "
+        f"{turning.iterations} iterations. "
     )
-    if figure in STEPPED:
-        other = STEPPED[figure]
-        turning = descend(other)
-        panels += descent_panels(turning, "cd", marks=False)
-        caption += (
-            f"(c), (d): steps of {other.step} of that to linearised zero, start {other.start} of seed {other.seed}: "
-            f"gradients turn by up to {np.degrees(np.nanmax(turning.angles)):.0f}°, {turning.iterations} iterations, "
-            f"σ{turning.rank + 1} = {turning.sigma[-1, turning.rank]:.1e} at the end. "
-        )
     return Picture("AM", f"Figure {figure}", f"{caption}AM print neither start nor rule of steps.", tuple(panels), {
         "method": how.method, "seed": PAIRED_SEED, "start": how.start,
     })  # fmt: skip

@@ -25,8 +25,8 @@ from rankdrop.task import Task
 _STARTS, _SEED = 600, 20241  # of Newton's method, for the branches at the first pose
 _SAME = 1e-5  # configurations nearer to each other are one [rad; slides divided by the length scale]
 _APART = 0.1  # … and of redundant arms, points nearer than this to a self-motion are on it
-_BRANCHES = 32  # that are followed of a redundant arm
-_ALONG = 13  # points of a self-motion that paths begin at
+_BRANCHES = 16  # that are followed of a redundant arm
+_ALONG = 9  # points of a self-motion that paths begin at
 _PULLS = (0.0, 1.0, 3.0)  # null-space motion per joint motion that the tool needs, where σ is small
 _PULLED = 0.3  # σ_r at which the pull has its full size
 _SHARES = (1.0, 0.5)  # of a bound

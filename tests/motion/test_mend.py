@@ -257,13 +257,13 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
 
 
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
-    robot = open_robot("puma560")
+    robot = open_robot("planar3r")
     other = scaled(robot, 3)
     one, two = (
-        mend_path(rankdrop.check_path(arm, WRIST), base_shift=shift).remedies
-        for arm, shift in ((robot, SHIFT), (other, 1000 * SHIFT))
+        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01).remedies
+        for arm, size in ((robot, 1.0), (other, 1000.0))
     )
-    assert [part.kind for part in one] == [part.kind for part in two] == ["flip", "base shift"]
+    assert [part.kind for part in one] == [part.kind for part in two] == ["blend", "base shift"]
     for a, b in zip(one, two, strict=True):
         assert b.gains[0].after == pytest.approx(a.gains[0].after, abs=1e-6)
         np.testing.assert_allclose(a.trajectory.q[-1], b.trajectory.q[-1], atol=1e-6)

@@ -17,6 +17,7 @@ from rankdrop.task import Task
 
 _FINE = 0.01  # joint motion between two places of a new joint path [rad; slides divided by the length scale]
 _RESOLVED = 0.5  # … and in shares of the way to the nearest singularity, to first order
+_TOO_NEAR = 2e-4  # paths nearer to a singularity than this are none [rad]
 _COARSE = 200  # places of a first look
 _ROUNDS = 8  # of putting places in between
 _MOST = 200_000  # places
@@ -75,8 +76,10 @@ class ToolPath:
         for _ in range(_ROUNDS):
             found = tool.followed(start, pull)
             if not found.complete:
-                return tool, found
+                break
             far = room(self.robot, self.task, found.q, rank)
+            if far.min() < _TOO_NEAR:
+                break
             wanted = np.minimum(_FINE, _RESOLVED * np.minimum(far[1:], far[:-1]))
             parts = np.minimum(np.ceil(tool._steps(found.q) / np.maximum(wanted, 1e-12)), 16).astype(np.int64)
             if (parts <= 1).all():
@@ -88,7 +91,7 @@ class ToolPath:
                 for k, n in enumerate(parts.tolist()) if n > 1
             ]  # fmt: skip
             tool = tool._with(np.unique(np.concatenate([tool.place, *added])))
-        return tool, replace(found, complete=False, reason="singular", words="it comes nearer the closer one looks")
+        return tool, replace(found, complete=False)
 
     def trajectory(self, q: Array, interpolate: str) -> Trajectory:
         """A joint path (K, n) at the places, with the times of the old one, and rates where cubics need them."""

@@ -9,7 +9,6 @@ from .local.nearest import nearest_singularity as nearest_singularity
 from .local.redundant import redundancy as redundancy
 from .local.ways_out import escape as escape
 from .motion.check import check_path as check_path
-from .motion.mend import mend_path as mend_path
 from .results.analysis import Analysis as Analysis
 from .robot.model import Joint as Joint
 from .robot.model import Robot as Robot

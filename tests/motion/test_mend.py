@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rankdrop
+from rankdrop import motion
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
@@ -50,7 +51,7 @@ def at_old_rows(one, old_rows: np.ndarray) -> np.ndarray:
 
 
 def test_it_is_a_public_name() -> None:
-    assert rankdrop.mend_path is mend_path
+    assert motion.mend_path is mend_path
 
 
 def test_every_remedy_is_proven_free_and_gains_distance() -> None:

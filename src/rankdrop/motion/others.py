@@ -270,7 +270,7 @@ def tilts(tool: ToolPath, most: float, told: Told) -> Ranking:
 
 
 def _ways(axes: Sequence[int]) -> list[Array]:
-    """Unit vectors (3,) along, and half and a third of the way between, the axes given."""
+    """Unit vectors (3,) in the directions whose parts along the axes given are −1, 0 or 1."""
     ways = []
     for signs in product((-1.0, 0.0, 1.0), repeat=len(axes)):
         if any(signs):

@@ -10,7 +10,7 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.curve import Curve, Index, curve
-from rankdrop.motion.follow import Followed, Pull, follow
+from rankdrop.motion.follow import Followed, Pull, follow, solve
 from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -18,6 +18,7 @@ from rankdrop.task import Task
 _FINE = 0.01  # joint motion between two places of a new joint path [rad; slides divided by the length scale]
 _RESOLVED = 0.5  # … and in shares of the way to the nearest singularity, to first order
 _TOO_NEAR = 2e-4  # paths nearer to a singularity than this are none [rad]
+_NEAR = 1.0  # of a start that was not followed to [rad]
 _COARSE = 200  # places of a first look
 _ROUNDS = 8  # of putting places in between
 _MOST = 200_000  # places
@@ -182,9 +183,13 @@ def _split(path: Curve, place: Array) -> tuple[Index, Array]:
 
 
 def start_moved(tool: ToolPath) -> Array | None:
-    """(n,) the path's first configuration brought to the first pose as it is moved; None where it does not get there.
+    """(n,) a configuration at the first pose as it is moved: followed to from the path's first one, else the one that
+    Newton's method finds near it; None where neither gets there.
     """
     lead = follow(tool.robot, tool.lead(), tool.q[0], tool.task, limits=tool.limits)
-    return lead.q[-1] if lead.complete else None
-
-
+    if lead.complete:
+        return np.asarray(lead.q[-1])
+    found, arrived = solve(tool.robot, tool.poses[:1], tool.q[:1], tool.task)
+    near = float(np.linalg.norm((found[0] - tool.q[0]) / joint_scale(tool.robot, tool.task))) < _NEAR
+    inside = not tool.limits or bool(((found[0] >= tool.robot.lower) & (found[0] <= tool.robot.upper)).all())
+    return np.asarray(found[0]) if arrived[0] and near and inside else None

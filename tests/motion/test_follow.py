@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.errors import ConfigurationError, TaskError
 from rankdrop.frames import Frame
-from rankdrop.kinematics import pose
+from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.motion.follow import between, follow
 from rankdrop.robot.open import open_robot
@@ -153,3 +153,19 @@ def test_an_arm_in_millimetres_goes_the_same_way() -> None:
     assert one.complete == two.complete
     two.q[:, slide] /= 1000
     np.testing.assert_allclose(one.q, two.q, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["ur5", "puma560"])
+def test_whatever_the_steps_no_singularity_is_passed_through(name: str) -> None:
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    rng = np.random.default_rng(6)
+    ended = 0
+    for _ in range(40):
+        middle, way = rng.uniform(-1.5, 1.5, robot.n), rng.normal(size=robot.n) * 0.3
+        q = middle + np.linspace(-1, 1, int(rng.integers(5, 60)))[:, None] * way
+        found = follow(robot, pose(robot, q), q[0], limits=False)
+        sides = np.sign(np.linalg.det(task_jacobian(robot, found.q, task)))
+        assert (sides == sides[0]).all()
+        ended += not found.complete
+    assert ended >= 3

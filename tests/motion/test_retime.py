@@ -106,6 +106,18 @@ def test_only_what_is_too_fast_is_slowed_down() -> None:
     np.testing.assert_allclose(new[quick], 0.06 / 1.5, rtol=1e-9)
 
 
+@pytest.mark.parametrize("how", ["linear", "cubic", "quintic"])
+def test_a_path_inside_its_limits_takes_the_time_it_took(how: str) -> None:
+    one = bow(40, 30.0)
+    made = retimed(path_of(one, how), RATES, NONE if how == "linear" else LIMITS, SCALE)
+    assert np.ptp(made.times) == pytest.approx(30.0, rel=1e-9)
+
+
+def test_a_straight_path_is_bounded_from_rest_to_rest() -> None:
+    took = usage(curve(np.array([[0.0], [1.0], [3.0]]), np.array([0.0, 1.0, 2.0])), np.array([4.0]), np.array([2.0]))
+    assert (took.rate, took.acceleration) == (0.5, 2.0)  # from 2 rad/s to rest in half a second
+
+
 @pytest.mark.parametrize(("way", "rate", "limit"), [(1.0, 9.0, 4.0), (2.0, 1.0, 5.0), (0.3, np.inf, 2.0)])
 def test_from_rest_to_rest_it_takes_the_time_of_the_closed_form(way: float, rate: float, limit: float) -> None:
     best = 2 * np.sqrt(way / limit) if way * limit < rate**2 else way / rate + rate / limit

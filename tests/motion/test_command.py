@@ -83,6 +83,43 @@ def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
     assert run(file, "--deg")[::2] == (0, "")
 
 
+def test_remedies_are_printed_written_and_judged_again(tmp_path: Path, run) -> None:
+    bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
+    code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv",
+                         "--json", tmp_path / "bad.json")  # fmt: skip
+    assert code == 3  # of the path as it is
+    assert "Remedies: blend, base shift (judged again: free, proven)." in out
+    assert "flip: 1 tried" in out
+    assert "good.csv: mended by blend, judged again: free" in " ".join(err.split())
+    record = json.loads((tmp_path / "bad.json").read_text())
+    Draft202012Validator(load_schema("path")).validate(record)
+    assert [one["kind"] for one in record["remedies"]["found"]] == ["blend", "base shift"]
+    np.testing.assert_array_equal(
+        record["remedies"]["found"][0]["trajectory"]["q"],
+        np.loadtxt(tmp_path / "good.csv", delimiter=",", skiprows=1, ndmin=2),
+    )
+    assert run(tmp_path / "good.csv", "--deg")[0] == 0  # units stand in the file
+    code, out, err = run(tmp_path / "good.csv", "--remedies", "--fixed", tmp_path / "none.csv")
+    assert code == 0
+    assert "none is needed" in out
+    assert "is not written" in err
+    assert not (tmp_path / "none.csv").exists()
+
+
+def test_interrupted_remedies_keep_what_is_done(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = saved(tmp_path, "bad.npy", [*CROSSING, [0.9, 0.5, 0.3]])
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rankdrop.motion.mend.shifts", stop)
+    code, out, err = run(bad, "--blend", "10mm", "--base-shift", "50mm", "--fixed", tmp_path / "good.csv")
+    assert code == 130
+    assert "Remedies: blend (judged again: free, proven), interrupted: not all kinds were tried." in out
+    assert "interrupted: what was proven so far holds" in " ".join(err.split())
+    assert (tmp_path / "good.csv").exists()
+
+
 REFUSED = {
     "no file is named": (),
     "missing.csv": ("missing.csv",),
@@ -90,6 +127,11 @@ REFUSED = {
     "the ending names no format": ("free.npy", "--figure", "a.gif"),
     "a figure is of one path": ("free.npy", "free.npy", "--figure", "a.svg"),
     "--min-distance": ("free.npy", "--min-distance", "-1"),
+    "remedies are those of one path": ("free.npy", "free.npy", "--remedies"),
+    "--tool-tilt": ("free.npy", "--tool-tilt", "10mm"),
+    "--base-shift": ("free.npy", "--base-shift", "-1mm"),
+    "--acceleration": ("free.npy", "--acceleration", "0"),
+    "--fixed: the ending": ("free.npy", "--fixed", "a.xls"),
 }
 
 

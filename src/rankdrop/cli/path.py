@@ -9,13 +9,14 @@ from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.mend import NO_MENDING, MendOptions, check_options, mended, write_fixed
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rankdrop.cli.progress import Report
-    from rankdrop.motion import Judged, PathCheck, Trajectory
+    from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.task import Task
@@ -35,6 +36,7 @@ def path(
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: str | None = None,
+    mend: MendOptions = NO_MENDING,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -48,9 +50,10 @@ def path(
         rankdrop path panda plan.yaml --interpolate cubic --min-distance 5deg
         rankdrop path ur5e programs/ --json paths.json
         rankdrop path puma560 weld.npz --figure weld.svg
+        rankdrop path ur5e pick.csv --tool-tilt 10deg --fixed mended.csv
 
     Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
-    touching, too near, or undecided; 2: bad input.
+    touching, too near, or undecided, whatever remedies there are; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -77,9 +80,10 @@ def path(
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
-    check_different({"--json": json, "--figure": figure})
-    model, task = open_arm(robot, arm)
+    check_different({"--json": json, "--figure": figure, "--fixed": mend.fixed})
     found = _files(files)
+    bounds = check_options(mend, len(found))
+    model, task = open_arm(robot, arm)
     least = _distance(min_distance, figure, len(found))
     families = None if analysis is None else Analysis.load(analysis)
 
@@ -89,15 +93,18 @@ def path(
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
             result = one(found[0], report)
+            remedies = mended(result, bounds, families, report) if mend.asked and result.complete else None
         steps: list[Callable[[], None]] = []
         if json != STDOUT:
-            steps.append(lambda: _print(result, full=full))
+            steps.append(lambda: _print(result, remedies, full=full))
         if json is not None:
-            steps.append(lambda: write_json(result.to_dict(), json))
+            steps.append(lambda: write_json(_record(result, remedies), json))
+        if remedies is not None and mend.fixed is not None:
+            steps.append(lambda: write_fixed(remedies, str(mend.fixed)))
         if figure is not None:
             steps.append(lambda: _draw(result, figure))
         do_all(steps)
-        return _code(result)
+        return _code(result, remedies)
     with reporter(quiet=quiet) as report:
         many = judged(found, lambda file: one(file, report))
     steps = []
@@ -178,10 +185,15 @@ def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
         say(f"{read.name}: not used: {', '.join(read.unused)}")
 
 
-def _print(result: PathCheck, *, full: bool) -> None:
+def _print(result: PathCheck, remedies: Mending | None, *, full: bool) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(result.sections(full=full))
+    *first, last = result.sections(full=full)
+    print_sections([*first, *(() if remedies is None else remedies.sections()), last])
+
+
+def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:
+    return result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()})
 
 
 def _print_many(many: list[Judged]) -> None:
@@ -201,10 +213,10 @@ def _draw(result: PathCheck, target: str) -> None:
     write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
 
 
-def _code(result: PathCheck) -> int:
+def _code(result: PathCheck, remedies: Mending | None) -> int:
     from rankdrop.cli.terminal import say
 
-    if not result.complete:
+    if not result.complete or (remedies is not None and not remedies.complete):
         say("interrupted: what was proven so far holds")
         return exits.INTERRUPTED
     return exits.FINE if result.holds else exits.UNEXPLAINED

@@ -10,8 +10,13 @@ from .many import Judged as Judged
 from .many import judged as judged
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
+from .mend import mend_path as mend_path
+from .mending import Mending as Mending
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
+from .remedy import Remedy as Remedy
 from .result import PathCheck as PathCheck
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint
+from .write import WRITTEN as WRITTEN
+from .write import trajectory_bytes as trajectory_bytes

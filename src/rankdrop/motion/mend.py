@@ -1,0 +1,266 @@
+"""`mend_path`: what would make a path free of singularities, or keep its limits, each proven by a new judgement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop.errors import OptionError
+from rankdrop.local.block import joint_scale
+from rankdrop.local.rates import rate_limits
+from rankdrop.motion.blend import blends
+from rankdrop.motion.check import check_path
+from rankdrop.motion.curve import curve
+from rankdrop.motion.data import FREE, UNDECIDED, Stretch
+from rankdrop.motion.mending import Mending
+from rankdrop.motion.others import Ranking, branches, null_spaces, shifts, tilts
+from rankdrop.motion.remedy import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Parameter, Remedy
+from rankdrop.motion.result import PathCheck
+from rankdrop.motion.retime import Usage, retimed, usage
+from rankdrop.motion.tool_path import ToolPath, tool_path
+from rankdrop.motion.trajectory import Trajectory
+from rankdrop.results.analysis import Analysis
+from rankdrop.robot.model import Array
+
+Progress = Callable[[str, int, int], None]
+"""progress(kind, done, all)."""
+
+_JUDGED = 4  # candidates of a kind that are judged, widest first
+_KEPT = 1e-9  # of a limit: above it by less is within it
+
+
+def mend_path(
+    found: PathCheck,
+    *,
+    analysis: Analysis | None = None,
+    tool_tilt: float = 0.0,
+    base_shift: float = 0.0,
+    blend: float = 0.0,
+    acceleration: ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> Mending:
+    """Remedies of a judged path: computed, and judged again as `check_path` judged the path itself.
+
+    null-space    the same tool path by other joint motion of a redundant arm
+    flip          the same tool path on another branch of the inverse kinematics
+    blend         a corner cut, where the path meets the singularity around it, within `blend`
+    tool tilt     the tool held tilted, within `tool_tilt`
+    base shift    the base moved, within `base_shift`
+    retime        the same path in a new time: inside the limits of joint rates and accelerations
+
+    A change of the path is a remedy only where its judgement is free, proven for every point, with the distance asked
+    for proven to be kept. A new time law is one only where the limits hold at every instant, by bounds on the curve
+    between its rows (`Usage.how`). Paths in time that would break limits once changed get a new time law as well. That
+    no remedy is found is no proof that there is none.
+
+    Args:
+        found: the judgement; its settings are those of the new ones.
+        analysis: families, where `found` was judged with an analysis.
+        tool_tilt: largest angle that the tool may be tilted by [rad]; 0: not at all.
+        base_shift: largest way that the base may be moved [m]; 0: not at all.
+        blend: farthest that the tool point may leave the path where a corner is cut [m]; 0: none is cut.
+        acceleration: () or (n,) limits [rad/s², m/s²]; None: none. Arms state none of their own.
+        progress: told the kind, and how much of it is done.
+
+    Returns:
+        The remedies found, one of each kind at most, and for the other kinds what was tried.
+
+    Raises:
+        OptionError: a bound outside what is allowed.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> path = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3], [0.9, 0.5, 0.3]]
+        >>> mended = mend_path(check_path(open_robot("planar3r"), path), blend=0.5)
+        >>> [(one.kind, one.check.verdict) for one in mended.remedies]
+        [('blend', 'free')]
+    """
+    _check(tool_tilt, base_shift, blend)
+    work = _Work(found, analysis, _limits(found, acceleration), progress)
+    wants = {TILT: tool_tilt, SHIFT: base_shift, BLEND: blend}
+    needed = not found.holds or work.breaks(found)
+    try:
+        if not found.holds:
+            work.path_kinds(wants)
+        if work.breaks(found):
+            work.in_new_time()
+    except KeyboardInterrupt:
+        work.complete = False
+    order = sorted(work.remedies, key=lambda one: KINDS.index(one.kind))
+    return Mending(found, tuple(order), tuple(work.notes), needed, work.complete)
+
+
+def _check(tool_tilt: float, base_shift: float, blend: float) -> None:
+    allowed = (
+        ("tool_tilt", tool_tilt, np.pi, "from 0 to π [rad]"), ("base_shift", base_shift, np.inf, "from 0 up [m]"),
+        ("blend", blend, np.inf, "from 0 up [m]"),
+    )  # fmt: skip
+    for name, value, most, words in allowed:
+        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        if not number or not isfinite(value) or not 0.0 <= value <= most:
+            raise OptionError("the bound is out of range", where=name, got=repr(value), allowed=words)
+
+
+def _limits(found: PathCheck, acceleration: ArrayLike | None) -> tuple[Array, Array]:
+    """(n,) each: of rates and accelerations."""
+    given = np.asarray(np.inf if acceleration is None else acceleration, dtype=np.float64)
+    if given.shape not in ((), (found.robot.n,)) or np.isnan(given).any() or not (given > 0.0).all():
+        raise OptionError("an acceleration limit is above zero", where="acceleration", got=given.tolist(),
+                          allowed=f"one number, or {found.robot.n}, one for each joint")  # fmt: skip
+    return rate_limits(found.robot), np.array(np.broadcast_to(given, (found.robot.n,)))
+
+
+@dataclass(eq=False)
+class _Work:
+    """Remedies of one path, as they are found."""
+
+    found: PathCheck
+    analysis: Analysis | None
+    limits: tuple[Array, Array]
+    progress: Progress | None
+    remedies: list[Remedy] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    complete: bool = True
+
+    def __post_init__(self) -> None:
+        self.scale = joint_scale(self.found.robot, self.found.task)
+        self.interpolate = self.found.settings.interpolate
+
+    def breaks(self, check: PathCheck) -> bool:
+        """Whether a path in time breaks a limit."""
+        took = self._usage(check)
+        return took is not None and took.slower > 1.0 + _KEPT
+
+    def _usage(self, check: PathCheck) -> Usage | None:
+        limited = bool(np.isfinite(self.limits[0]).any() or np.isfinite(self.limits[1]).any())
+        return usage(check.curve, *self.limits) if check.curve.times is not None and limited else None
+
+    def path_kinds(self, wants: dict[str, float]) -> None:
+        """Every kind that changes the path."""
+        tool = tool_path(self.found.robot, self.found.task, self.found.curve)
+        self._first(NULL, null_spaces(tool, self._told(NULL)), "null space")
+        self._first(FLIP, branches(tool, self._told(FLIP)), "other branch at the first pose")
+        if wants[BLEND] > 0.0:
+            self._blend(wants[BLEND])
+        if wants[TILT] > 0.0:
+            self._first(TILT, tilts(tool, wants[TILT], self._told(TILT)), "rotation in the task")
+        if wants[SHIFT] > 0.0:
+            self._first(SHIFT, shifts(tool, wants[SHIFT], self._told(SHIFT)), "translation in the task")
+
+    def _told(self, kind: str) -> Callable[[int, int], None]:
+        def told(done: int, count: int) -> None:
+            if self.progress is not None:
+                self.progress(kind, done, count)
+
+        return told
+
+    def _first(self, kind: str, ranking: Ranking, what: str) -> None:
+        """The widest candidate that is proven free."""
+        for other in ranking.found[:_JUDGED]:
+            tool, followed = other.tool.refined(other.start, other.pull)
+            if not followed.complete:
+                continue
+            plain = tool.trajectory(followed.q, self.interpolate)
+            made, again = self._in_time(plain)
+            check = self._judged(made)
+            if check.holds:
+                self._add(kind, other.words, other.parameters, made, check, tool.deviation(plain, self.interpolate),
+                          again=again)  # fmt: skip
+                return
+        self.notes.append(f"{kind}: {ranking.sentence(what)}")
+
+    def _blend(self, most: float) -> None:
+        if self.interpolate != "linear":
+            self.notes.append(f"{BLEND}: only paths that are straight between their rows have corners")
+            return
+        path, robot = self.found.curve, self.found.robot
+        met = np.array([one.closest.place.row - 1 + one.closest.place.share for one in self._bad()])
+        count = 0
+        for count, one in enumerate(blends(robot, path, self.scale, met, most), start=1):  # noqa: B007
+            tool = ToolPath(robot, self.found.task, path, one.place, one.q, np.zeros((0, 4, 4)), False)
+            made, again = self._in_time(tool.trajectory(one.q, self.interpolate))
+            check = self._judged(made)
+            if check.holds:
+                corners = ", ".join(str(row) for row in one.rows)
+                words = f"the corner{'s' if len(one.rows) > 1 else ''} at row {corners} cut by a parabola"
+                parameters = (Parameter("radius", one.radius, "rad"), Parameter("tool off", one.off, "m"))
+                self._add(BLEND, words, parameters, made, check, (one.off, np.nan), again=again)
+                return
+        none = "no corner is near enough for the tool to stay within the bound"
+        self.notes.append(f"{BLEND}: {f'{count} tried, none was proven free' if count else none}")
+
+    def _bad(self) -> list[Stretch]:
+        bad = [one for one in self.found.stretches if one.verdict != FREE]
+        least = self.found.settings.min_distance
+        return bad or [one for one in self.found.stretches if one.closest.distance < least]
+
+    def in_new_time(self) -> None:
+        """The path itself inside its limits."""
+        self._told(RETIME)(0, 1)
+        made = self._named(retimed(self.found.curve, *self.limits, self.scale))
+        took = self._taken(made)
+        if took.slower > 1.0 + _KEPT:
+            self.notes.append(f"{RETIME}: the limits could not be kept everywhere")
+            return
+        words = "the same path in a new time, never faster than before and slower where a limit asks for it"
+        check = self._judged(made)
+        self._add(RETIME, words, (), made, check, (0.0, 0.0), again=True)
+        self._told(RETIME)(1, 1)
+
+    def _in_time(self, made: Trajectory) -> tuple[Trajectory, bool]:
+        """A path in time that breaks a limit gets another time law."""
+        if not made.timed or not np.isfinite(np.concatenate(self.limits)).any():
+            return self._named(made), False
+        if self._taken(made).slower <= 1.0 + _KEPT:
+            return self._named(made), False
+        path = curve(made.q, made.times, made.velocities, made.accelerations, self.interpolate)
+        return self._named(retimed(path, *self.limits, self.scale)), True
+
+    def _named(self, made: Trajectory) -> Trajectory:
+        return replace(made, name="mended")
+
+    def _taken(self, made: Trajectory) -> Usage:
+        path = curve(made.q, made.times, made.velocities, made.accelerations, self.interpolate)
+        return usage(path, *self.limits)
+
+    def _judged(self, made: Trajectory) -> PathCheck:
+        settings = self.found.settings
+        check = check_path(
+            self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
+            accelerations=made.accelerations, interpolate=self.interpolate, task=self.found.task,
+            min_distance=settings.min_distance, limits=settings.limits, analysis=self.analysis,
+            evaluations=settings.evaluations, tolerances=settings.tolerances,
+        )  # fmt: skip
+        if not check.complete:
+            raise KeyboardInterrupt
+        return check
+
+    def _add(
+        self, kind: str, words: str, parameters: tuple[Parameter, ...], made: Trajectory, check: PathCheck,
+        off: tuple[float, float], *, again: bool,
+    ) -> None:  # fmt: skip
+        took = self._usage(check)
+        gains = [Gain("distance", _distance(self.found), _distance(check), "rad")]
+        before = self._usage(self.found)
+        if before is not None and took is not None:
+            gains.append(Gain("speed", 1 / before.slower, 1 / took.slower, ""))
+            gains.append(Gain("duration", _duration(self.found), _duration(check), "s"))
+        self.remedies.append(
+            Remedy(kind, words, parameters, tuple(gains), made, self.interpolate, check, took, off, again)
+        )
+
+
+def _distance(check: PathCheck) -> float:
+    """Least distance known along a path; 0 where it meets a singularity, or may."""
+    if any(one.verdict not in (FREE, UNDECIDED) for one in check.stretches):
+        return 0.0
+    return min((one.closest.distance for one in check.stretches), default=np.inf)
+
+
+def _duration(check: PathCheck) -> float:
+    times = check.curve.times
+    return np.nan if times is None else float(times[-1] - times[0])

@@ -1,0 +1,127 @@
+"""What `mend_path` returns: remedies for people, as a record, and as a file."""
+
+from __future__ import annotations
+
+from math import degrees, isfinite, isnan
+from typing import Any
+
+from rankdrop.motion.remedy import RETIME, Gain, MendingData, Parameter, Remedy
+from rankdrop.results.codec import number_or_null
+from rankdrop.robot.model import Robot
+from rankdrop.sections import Section, html, text
+
+
+class Mending(MendingData):
+    """`MendingData` that can be printed, shown in a notebook and written to a file."""
+
+    def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
+        """As sections of text."""
+        return (Section(self.sentence, lines=tuple(line for one in self.remedies for line in _lines(one, deg=deg))),
+                *([Section("Remedies that were not found", lines=self.notes)] if self.notes else []))  # fmt: skip
+
+    @property
+    def sentence(self) -> str:
+        """One line for people."""
+        if not self.needed:
+            return "Remedies: none is needed."
+        stopped = "" if self.complete else ", interrupted: not all kinds were tried"
+        if not self.remedies:
+            return f"Remedies: none was found{stopped}; that is no proof that there is none."
+        free = [one.kind for one in self.remedies if one.check.holds]
+        kept = [one.kind for one in self.remedies if not one.check.holds]
+        parts = [f"{', '.join(free)} (judged again: free, proven)"] if free else []
+        parts += [f"{', '.join(kept)} (limits kept; it still meets a singularity)"] if kept else []
+        return f"Remedies: {'; '.join(parts)}{stopped}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """The entry `remedies` of the record that `rankdrop path --json` writes."""
+        return {
+            "needed": self.needed,
+            "sentence": self.sentence,
+            "found": [_record(one) for one in self.remedies],
+            "notes": list(self.notes),
+            "complete": self.complete,
+        }
+
+    def __str__(self) -> str:
+        return text(self.sections())
+
+    def _repr_html_(self) -> str:
+        return html(self.sections())
+
+
+def _lines(one: Remedy, *, deg: bool) -> list[str]:
+    lines = [f"{one.kind}: {one.words}"]
+    robot = one.check.robot
+    lines += [f"    {parameter.name}: {_value(parameter, robot, deg=deg)}" for parameter in one.parameters]
+    lines += [f"    {_gain(gain)}" for gain in one.gains if not isnan(gain.before) or not isnan(gain.after)]
+    lines.append(f"    judged again: {one.check.sentence}")
+    if one.usage is not None:
+        retimed = "new time law; " if one.retimed and one.kind != RETIME else ""
+        used = [f"{_percent(share)} of the {what} limits" for share, what in
+                ((one.usage.rate, "rate"), (one.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
+        lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({one.usage.how})")
+    if one.off[0] > 0.0:
+        turn = "" if isnan(one.off[1]) else f", {degrees(one.off[1]):.2g}°"
+        where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
+        lines.append(f"    the tool is within {1000 * one.off[0]:.2g} mm{turn} {where}")
+    return lines
+
+
+def _gain(gain: Gain) -> str:
+    names = {"distance": "distance to the nearest singularity known", "speed": "speed that keeps the limits",
+             "duration": "duration"}  # fmt: skip
+    unit = f" {gain.unit}" if gain.unit else ""
+    shown = [f"{value:.4g}" if isfinite(value) else "not known" for value in (gain.before, gain.after)]
+    return f"{names[gain.what]}: {shown[0]} → {shown[1]}{unit}"
+
+
+def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
+    value = parameter.value
+    if parameter.unit == "rad, m" and isinstance(value, tuple):
+        parts = []
+        for joint, number in zip(robot.variables, value, strict=True):
+            angle = joint.unit == "rad"
+            shown = f"{degrees(number):.2f}°" if angle and deg else f"{number:.4f} {joint.unit}"
+            parts.append(f"{joint.name} {shown}")
+        return ", ".join(parts)
+    values = value if isinstance(value, tuple) else (value,)
+    if parameter.unit == "rad" and deg:
+        return f"{', '.join(f'{degrees(number):.4g}' for number in values)}°"
+    unit = f" {parameter.unit}" if parameter.unit else ""
+    inside = ", ".join(f"{number:.4g}" for number in values)
+    return f"({inside}){unit}" if isinstance(value, tuple) else f"{inside}{unit}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.4g} %"
+
+
+def _record(one: Remedy) -> dict[str, Any]:
+    made = one.trajectory
+    return {
+        "kind": one.kind,
+        "words": one.words,
+        "parameters": [
+            {"name": part.name, "value": list(part.value) if isinstance(part.value, tuple) else part.value,
+             "unit": part.unit} for part in one.parameters
+        ],
+        "gains": [
+            {"what": gain.what, "before": number_or_null(gain.before), "after": number_or_null(gain.after),
+             "unit": gain.unit} for gain in one.gains
+        ],
+        "verdict": one.check.verdict,
+        "sentence": one.check.sentence,
+        "limits": None if one.usage is None else {
+            "rate": one.usage.rate, "acceleration": one.usage.acceleration, "how": one.usage.how
+        },
+        "tool_off": {"m": one.off[0], "rad": number_or_null(one.off[1])},
+        "retimed": one.retimed,
+        "trajectory": {
+            "interpolate": one.interpolate,
+            "t": made.times.tolist() if made.timed else None,
+            "q": made.q.tolist(),
+            "velocities": None if made.velocities is None else made.velocities.tolist(),
+            "accelerations": None if made.accelerations is None else made.accelerations.tolist(),
+        },
+    }  # fmt: skip

@@ -1,0 +1,280 @@
+"""Other joint paths for a tool path: other branches, self-motions at its beginning, the base or the tool moved.
+
+Each is a start and what follows from it. They are looked at on some places of the path first, and ranked by how far
+they stay from a singularity to first order; whoever takes one judges it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from rankdrop.errors import RankdropError
+from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.null_motion import CLOSED, self_motion
+from rankdrop.motion.follow import Followed, Pull, solve
+from rankdrop.motion.remedy import Parameter
+from rankdrop.motion.tool_path import ToolPath, room, start_moved
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import about_axis, translation
+from rankdrop.task import Task
+
+_STARTS, _SEED = 600, 20241  # of Newton's method, for the branches at the first pose
+_SAME = 1e-5  # configurations nearer to each other are one [rad; slides divided by the length scale]
+_APART = 0.1  # … and of redundant arms, points nearer than this to a self-motion are on it
+_BRANCHES = 16  # that are followed of a redundant arm
+_ALONG = 9  # points of a self-motion that paths begin at
+_PULLS = (0.0, 1.0, 3.0)  # null-space motion per joint motion that the tool needs, where σ is small
+_PULLED = 0.3  # σ_r at which the pull has its full size
+_SHARES = (1.0, 0.5)  # of a bound
+
+Told = Callable[[int, int], None]
+"""told(done, all)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Other:
+    """A joint path to be tried.
+
+    Attributes:
+        tool: the tool's path, moved or not.
+        start: (n,) at its beginning.
+        pull: in the null space.
+        words: what is done.
+        parameters: what with.
+        room: the least first-order distance from a singularity on the places looked at [rad].
+    """
+
+    tool: ToolPath
+    start: Array
+    pull: Pull | None
+    words: str
+    parameters: tuple[Parameter, ...]
+    room: float
+
+
+@dataclass(eq=False)
+class Ranking:
+    """Those that run the whole tool path, widest first, and why the others do not."""
+
+    tried: int
+    found: list[Other]
+    ended: dict[str, int]
+
+    def sentence(self, what: str) -> str:
+        """What came of it."""
+        if not self.tried:
+            return f"there is no {what}"
+        reasons = {"singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
+                   "start": "do not reach the first pose"}  # fmt: skip
+        parts = [f"{count} {reasons[reason]}" for reason, count in sorted(self.ended.items())]
+        if self.found:
+            parts.append(f"{len(self.found)} run it as far as a first look tells, and none of them was proven free")
+        return f"{self.tried} tried: {', '.join(parts)}"
+
+
+def ranked(candidates: Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]],
+           count: int, told: Told) -> Ranking:  # fmt: skip
+    """Each candidate followed on some places of its path.
+
+    Args:
+        candidates: tool path, start (None: the first pose is not reached), pull, words and parameters.
+        count: how many there will be.
+        told: how many are done.
+    """
+    ranking = Ranking(0, [], {})
+    for k, (tool, start, pull, words, parameters) in enumerate(candidates):
+        told(k, count)
+        ranking.tried += 1
+        look = tool.coarse()
+        rank = generic_rank(tool.robot, tool.task)
+        found = None if start is None else look.followed(start, pull)
+        if found is not None and start is not None and not found.complete:
+            found, start = _turned(look, start, pull, found)
+        if found is None or start is None or not found.complete:
+            reason = "start" if found is None else found.reason
+            ranking.ended[reason] = ranking.ended.get(reason, 0) + 1
+            continue
+        ranking.found.append(
+            Other(tool, start, pull, words, parameters, float(room(tool.robot, tool.task, found.q, rank).min()))
+        )
+    ranking.found.sort(key=lambda one: -one.room)
+    told(count, count)
+    return ranking
+
+
+def _turned(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
+    """The same branch with a joint that reaches its limit begun a whole turn away, where there is room."""
+    robot = tool.robot
+    if found.reason != "limit":
+        return found, start
+    over = np.flatnonzero((found.last > robot.upper - 1e-4) | (found.last < robot.lower + 1e-4))
+    for joint in over[robot.periodic[over]]:
+        other = start.copy()
+        other[joint] -= 2 * np.pi * np.sign(found.last[joint] - start[joint])
+        if robot.lower[joint] <= other[joint] <= robot.upper[joint]:
+            again = tool.followed(other, pull)
+            if again.complete:
+                return again, other
+    return found, start
+
+
+def branches(tool: ToolPath, told: Told) -> Ranking:
+    """Other branches of the inverse kinematics at the first pose."""
+    robot, task = tool.robot, tool.task
+    starts = _branches(tool)
+
+    def candidates() -> Iterator[tuple[ToolPath, Array, Pull | None, str, tuple[Parameter, ...]]]:
+        for start in starts:
+            pull = _pull(robot, task, 1.0) if robot.n > task.m else None
+            yield tool, start, pull, "another branch of the inverse kinematics runs the same tool path", (
+                Parameter("start", tuple(start.tolist()), "rad, m"),
+            )  # fmt: skip
+
+    return ranked(candidates(), len(starts), told)
+
+
+def _branches(tool: ToolPath) -> list[Array]:
+    """Configurations at the first pose on other branches than the path's, near to it in whole turns."""
+    robot, task = tool.robot, tool.task
+    rng = np.random.default_rng(_SEED)
+    low, high = sampling_box(robot, task, limits=tool.limits)
+    starts = rng.uniform(low, high, (_STARTS, robot.n))
+    found, arrived = solve(robot, np.repeat(tool.poses[:1], _STARTS, axis=0), starts, task)
+    found = _nearest_turns(robot, found[arrived], tool.q[0], tool.limits)
+    scale = joint_scale(robot, task)
+    sigma = singular_values(robot, found, task)[:, generic_rank(robot, task) - 1]
+    redundant = robot.n > generic_rank(robot, task)
+    known = _self_motion(tool) if redundant else tool.q[:1]
+    if known is None:
+        return []
+    kept: list[Array] = []
+    for q, weakest in zip(found, sigma, strict=True):
+        near = _APART if redundant else _SAME
+        others = np.concatenate([known, np.array(kept).reshape(-1, robot.n)])
+        gap = (others - q) / scale
+        gap -= np.where(robot.periodic, 2 * np.pi * np.round(gap / (2 * np.pi)), 0.0)
+        if weakest > _SAME and np.linalg.norm(gap, axis=1).min() > near:
+            kept.append(q)
+        if redundant and len(kept) >= _BRANCHES:
+            break
+    return kept
+
+
+def _nearest_turns(robot: Robot, q: Array, to: Array, limits: bool) -> Array:
+    """Configurations (N, n) with whole turns added to come near another, inside the limits; those outside left out."""
+    turns = np.where(robot.periodic, 2 * np.pi * np.round((to - q) / (2 * np.pi)), 0.0)
+    near = q + turns
+    if not limits:
+        return near
+    for sign in (1.0, -1.0):
+        out = (near < robot.lower) if sign > 0 else (near > robot.upper)
+        near = np.where(out & robot.periodic, near + sign * 2 * np.pi, near)
+    return near[((near >= robot.lower) & (near <= robot.upper)).all(axis=1)]
+
+
+def _self_motion(tool: ToolPath) -> Array | None:
+    """(N, n) points of the self-motion through the beginning; None where there is more than one, or none is traced."""
+    robot, task = tool.robot, tool.task
+    if robot.n - generic_rank(robot, task) != 1:
+        return None
+    null = _null(robot, task, tool.q[0])
+    parts = []
+    for direction in (null, -null):
+        try:
+            traced = self_motion(robot, tool.q[0], task, length=30.0, direction=direction, limits=tool.limits)
+        except RankdropError:  # the start is singular, or the task is not told by the pose
+            return None
+        parts.append(traced.q)
+        if traced.ended == CLOSED:
+            break
+    return np.concatenate(parts)
+
+
+def _null(robot: Robot, task: Task, q: Array) -> Array:
+    """(n,) the first null motion [rad, m]."""
+    return np.asarray(block(robot, q, task, generic_rank(robot, task) - 1).v2[:, 1])
+
+
+def _pull(robot: Robot, task: Task, strength: float) -> Pull | None:
+    """Towards larger σ_r, the stronger the smaller it is."""
+    if strength == 0.0:
+        return None
+    rank, scale = generic_rank(robot, task), joint_scale(robot, task)
+
+    def pull(q: Array) -> Array:
+        parts = block(robot, q, task, rank - 1)
+        slope = parts.d[0, 0] * scale
+        size = float(np.linalg.norm(slope))
+        weak = min(1.0, (_PULLED / max(float(parts.sigma[rank - 1]), 1e-12)) ** 2)
+        return np.asarray(strength * weak * scale * slope / max(size, 1e-12))
+
+    return pull
+
+
+def null_spaces(tool: ToolPath, told: Told) -> Ranking:
+    """The same tool path with other null-space motion: begun elsewhere on the self-motion, pulled to larger σ."""
+    robot, task = tool.robot, tool.task
+    if robot.n <= generic_rank(robot, task):
+        return Ranking(0, [], {})
+    traced = _self_motion(tool)
+    starts: Sequence[Array] = [tool.q[0]]
+    if traced is not None:
+        starts = [tool.q[0], *traced[np.unique(np.linspace(0, len(traced) - 1, _ALONG).astype(int))[1:]]]
+
+    def candidates() -> Iterator[tuple[ToolPath, Array, Pull | None, str, tuple[Parameter, ...]]]:
+        for k, start in enumerate(starts):
+            for strength in _PULLS:
+                moved = "begun elsewhere on its self-motion" if k else "from the same start"
+                yield tool, start, _pull(robot, task, strength), f"the same tool path {moved}, by null-space motion", (
+                    Parameter("start", tuple(np.asarray(start).tolist()), "rad, m"),
+                    Parameter("pull to larger σ", strength, ""),
+                )  # fmt: skip
+
+    return ranked(candidates(), len(starts) * len(_PULLS), told)
+
+
+def shifts(tool: ToolPath, most: float, told: Told) -> Ranking:
+    """The base moved by up to a length [m], in directions that the task knows."""
+    ways = _ways([row for row in tool.task.rows if row < 3])
+
+    def candidates() -> Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]]:
+        for way, share in product(ways, _SHARES):
+            shift = most * share * way
+            moved = tool.shifted(translation(*(-shift)), np.eye(4))
+            yield moved, start_moved(moved), None, "the base of the arm moved, in its own axes", (
+                Parameter("base shift", tuple((shift + 0.0).tolist()), "m"),
+            )  # fmt: skip
+
+    return ranked(candidates(), len(ways) * len(_SHARES), told)
+
+
+def tilts(tool: ToolPath, most: float, told: Told) -> Ranking:
+    """The tool tilted about its tip by up to an angle [rad]: about axes square to Z of the tip, where the task allows.
+    """
+    rows = [row - 3 for row in tool.task.rows if row >= 3]
+    ways = _ways([row for row in rows if row < 2] or rows)
+
+    def candidates() -> Iterator[tuple[ToolPath, Array | None, Pull | None, str, tuple[Parameter, ...]]]:
+        for way, share in product(ways, _SHARES):
+            angle = most * share
+            moved = tool.shifted(np.eye(4), about_axis(way, angle))
+            yield moved, start_moved(moved), None, "the tool tilted about an axis through its tip, in its own axes", (
+                Parameter("tool tilt", angle, "rad"), Parameter("axis", tuple((way + 0.0).tolist()), ""),
+            )  # fmt: skip
+
+    return ranked(candidates(), len(ways) * len(_SHARES), told)
+
+
+def _ways(axes: Sequence[int]) -> list[Array]:
+    """Unit vectors (3,) in the directions whose parts along the axes given are −1, 0 or 1."""
+    ways = []
+    for signs in product((-1.0, 0.0, 1.0), repeat=len(axes)):
+        if any(signs):
+            way = np.zeros(3)
+            way[list(axes)] = signs
+            ways.append(way / np.linalg.norm(way))
+    return ways

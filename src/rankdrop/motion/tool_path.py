@@ -1,0 +1,195 @@
+"""The tool's path of a joint path, at places close enough together, and joint paths made anew from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rankdrop.kinematics import pose
+from rankdrop.local.block import block, generic_rank, joint_scale
+from rankdrop.local.orientation import orientation_coordinates
+from rankdrop.motion.curve import Curve, Index, curve
+from rankdrop.motion.follow import Followed, Pull, follow, solve
+from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+
+_FINE = 0.01  # joint motion between two places of a new joint path [rad; slides divided by the length scale]
+_RESOLVED = 0.5  # … and in shares of the way to the nearest singularity, to first order
+_TOO_NEAR = 2e-4  # paths nearer to a singularity than this are none [rad]
+_NEAR = 1.0  # of a start that was not followed to [rad]
+_COARSE = 200  # places of a first look
+_ROUNDS = 8  # of putting places in between
+_MOST = 200_000  # places
+
+
+@dataclass(frozen=True, eq=False)
+class ToolPath:
+    """Where the tool is at places of a joint path, all samples among them.
+
+    Attributes:
+        robot, task: the arm and its task.
+        path: the curve in joint space.
+        place: (K,) stretch and share of it, counted from 0.
+        q: (K, n) configurations of the path there.
+        poses: (K, 4, 4) of the tip; moved ones where the tool or the base is.
+        limits: joint limits count: they do where the path itself keeps them.
+        moved: (4, 4) left and right factors that the poses have been multiplied by.
+    """
+
+    robot: Robot
+    task: Task
+    path: Curve
+    place: Array
+    q: Array
+    poses: Array
+    limits: bool
+    moved: tuple[Array, Array] = (np.eye(4), np.eye(4))
+
+    def coarse(self) -> ToolPath:
+        """Some places, evenly along the length of the joint path, the ends among them."""
+        if len(self.place) <= _COARSE:
+            return self
+        until = np.concatenate([[0.0], np.cumsum(self._steps(self.q))]) + 1e-9 * np.arange(len(self.q))
+        rows = np.unique(np.searchsorted(until, np.linspace(0.0, until[-1], _COARSE)).clip(0, len(until) - 1))
+        return self._with(self.place[rows])
+
+    def shifted(self, left: Array, right: Array) -> ToolPath:
+        """The tool's path left · T · right: the base moved by left⁻¹, or the tool held in another way."""
+        both = left @ self.moved[0], self.moved[1] @ right
+        return ToolPath(self.robot, self.task, self.path, self.place, self.q, left @ self.poses @ right, self.limits,
+                        both)  # fmt: skip
+
+    def lead(self) -> Array:
+        """(2, 4, 4) from the first pose of the path as it was to the first pose as it is moved."""
+        return np.stack([pose(self.robot, self.q[0]), self.poses[0]])
+
+    def followed(self, start: Array, pull: Pull | None = None) -> Followed:
+        """The joint path on the branch of a start."""
+        return follow(self.robot, self.poses, start, self.task, limits=self.limits, pull=pull)
+
+    def refined(self, start: Array, pull: Pull | None = None) -> tuple[ToolPath, Followed]:
+        """The same with more places where the new joint path moves far between two, or far for how near it is to a
+        singularity: a path that bounces off one comes nearer with every place, and is not complete.
+        """
+        tool, rank = self, generic_rank(self.robot, self.task)
+        for _ in range(_ROUNDS):
+            found = tool.followed(start, pull)
+            if not found.complete:
+                break
+            far = room(self.robot, self.task, found.q, rank)
+            if far.min() < _TOO_NEAR:
+                break
+            wanted = np.minimum(_FINE, _RESOLVED * np.minimum(far[1:], far[:-1]))
+            parts = np.minimum(np.ceil(tool._steps(found.q) / np.maximum(wanted, 1e-12)), 16).astype(np.int64)
+            if (parts <= 1).all():
+                return tool, found
+            if len(tool.place) + int(parts.sum()) > _MOST:
+                break
+            added = [
+                tool.place[k] + np.arange(1, n) / n * (tool.place[k + 1] - tool.place[k])
+                for k, n in enumerate(parts.tolist()) if n > 1
+            ]  # fmt: skip
+            tool = tool._with(np.unique(np.concatenate([tool.place, *added])))
+        return tool, replace(found, complete=False)
+
+    def trajectory(self, q: Array, interpolate: str) -> Trajectory:
+        """A joint path (K, n) at the places, with the times of the old one, and rates where cubics need them."""
+        timed = self.path.times is not None
+        times = self._time() if timed else np.asarray(ROW_SECONDS * np.arange(len(q), dtype=np.float64))
+        velocities = None if interpolate == "linear" else _slope(q, times)
+        accelerations = _slope(velocities, times) if interpolate == "quintic" and velocities is not None else None
+        return Trajectory("", times, q, timed, (), velocities, accelerations)
+
+    def deviation(self, made: Trajectory, interpolate: str) -> tuple[float, float]:
+        """How far the tool is from its path in the middle between two places of a new joint path, at most: [m], [rad].
+
+        A measurement at the middles; at the places themselves the path is kept to rounding.
+        """
+        new = curve(made.q, made.times, made.velocities, made.accelerations, interpolate)
+        k = np.arange(len(made.q) - 1)
+        middle = (self.place[:-1] + self.place[1:]) / 2
+        now = pose(self.robot, new.at(k, np.full(len(k), 0.5)))
+        wanted = self.moved[0] @ pose(self.robot, joints_at(self.path, middle)) @ self.moved[1]
+        turn = orientation_coordinates(now[:, :3, :3] @ wanted[:, :3, :3].swapaxes(1, 2), "rotvec")
+        apart = np.linalg.norm(now[:, :3, 3] - wanted[:, :3, 3], axis=1)
+        return float(apart.max(initial=0.0)), float(np.linalg.norm(turn, axis=1).max(initial=0.0))
+
+    def _with(self, place: Array) -> ToolPath:
+        q = joints_at(self.path, place)
+        poses = self.moved[0] @ pose(self.robot, q) @ self.moved[1]
+        return ToolPath(self.robot, self.task, self.path, place, q, poses, self.limits, self.moved)
+
+    def _time(self) -> Array:
+        times = self.path.time(*_split(self.path, self.place))
+        assert times is not None
+        return times
+
+    def _steps(self, q: Array) -> Array:
+        return np.asarray(np.linalg.norm(np.diff(q, axis=0) / joint_scale(self.robot, self.task), axis=1))
+
+
+def tool_path(robot: Robot, task: Task, path: Curve) -> ToolPath:
+    """The tool's path of a joint path: at all samples, and between samples that are far apart.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`.
+        path: the curve.
+    """
+    scale = joint_scale(robot, task)
+    length = np.linalg.norm(np.diff(path.control, axis=1) / scale, axis=2).sum(axis=1)
+    parts = np.maximum(1, np.ceil(length / _FINE)).astype(np.int64)
+    if int(parts.sum()) > max(_MOST, 2 * len(parts)):
+        parts = np.ones(len(parts), dtype=np.int64)
+    stretch = np.repeat(np.arange(len(parts)), parts)
+    part = np.arange(len(stretch)) - np.repeat(np.cumsum(parts) - parts, parts)
+    place = np.append(stretch + part / parts[stretch], float(len(parts)))
+    low, high = path.control.min(axis=(0, 1)), path.control.max(axis=(0, 1))
+    limits = bool((low >= robot.lower - 1e-9).all() and (high <= robot.upper + 1e-9).all())
+    q = joints_at(path, place)
+    return ToolPath(robot, task, path, place, q, pose(robot, q), limits)
+
+
+def room(robot: Robot, task: Task, q: Array, rank: int) -> Array:
+    """(N,) σ_r/‖∇σ_r‖: distance from a singularity to first order [rad; slides divided by the length scale].
+
+    Args:
+        robot, task: the arm and its task.
+        q: (N, n) configurations.
+        rank: r, the generic rank.
+    """
+    parts = block(robot, q, task, rank - 1)
+    slope = np.linalg.norm(parts.d[:, 0, 0] * joint_scale(robot, task), axis=1)
+    return np.asarray(parts.sigma[:, rank - 1] / np.maximum(slope, 1e-2))
+
+
+def joints_at(path: Curve, place: Array) -> Array:
+    """(K, n) configurations at places (K,)."""
+    return path.at(*_split(path, place))
+
+
+def _slope(values: Array, times: Array) -> Array:
+    """(K, n) derivative by time, of second order."""
+    if len(times) > 2:
+        return np.asarray(np.gradient(values, times, axis=0, edge_order=2))
+    return np.asarray(np.gradient(values, times, axis=0))
+
+
+def _split(path: Curve, place: Array) -> tuple[Index, Array]:
+    stretch = np.clip(np.floor(place), 0, len(path.control) - 1).astype(np.int64)
+    return stretch, place - stretch
+
+
+def start_moved(tool: ToolPath) -> Array | None:
+    """(n,) a configuration at the first pose as it is moved: followed to from the path's first one, else the one that
+    Newton's method finds near it; None where neither gets there.
+    """
+    lead = follow(tool.robot, tool.lead(), tool.q[0], tool.task, limits=tool.limits)
+    if lead.complete:
+        return np.asarray(lead.q[-1])
+    found, arrived = solve(tool.robot, tool.poses[:1], tool.q[:1], tool.task)
+    near = float(np.linalg.norm((found[0] - tool.q[0]) / joint_scale(tool.robot, tool.task))) < _NEAR
+    inside = not tool.limits or bool(((found[0] >= tool.robot.lower) & (found[0] <= tool.robot.upper)).all())
+    return np.asarray(found[0]) if arrived[0] and near and inside else None

@@ -229,7 +229,7 @@ def test_the_limit_holds_on_an_arm_without_any_structure(method: str) -> None:
     chain = exact_chain(from_dh(rows, convention="standard"))
     assert len(chain.columns) == 7
     before = spent()
-    found = derive(chain, method, 0.5)
+    found = derive(chain, method, 0.02)
     assert spent() - before < 2.0
     assert not found.complete
     assert found.left

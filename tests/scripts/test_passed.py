@@ -7,9 +7,9 @@ import pytest
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (91, 63),
-    "conditions puma560 --quiet": (55, 33),
-    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (100, 67),
+    "analyze planar3r --starts 300 --quiet --threads 1": (77, 62),
+    "conditions puma560 --quiet": (50, 33),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (80, 65),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""
 

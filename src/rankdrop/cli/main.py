@@ -14,6 +14,7 @@ try:
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.aspects import aspects
     from rankdrop.cli.conditions import conditions
     from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
@@ -67,6 +68,7 @@ app.command(escape)
 app.command(nearest)
 app.command(tolerant)
 app.command(path)
+app.command(aspects)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -10,6 +10,11 @@ from .many import Judged as Judged
 from .many import judged as judged
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
+from .postures.record import CUSPIDAL as CUSPIDAL
+from .postures.record import NOT_CUSPIDAL as NOT_CUSPIDAL
+from .postures.record import NOT_FOUND as NOT_FOUND
+from .postures.record import Postures as Postures
+from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .result import PathCheck as PathCheck

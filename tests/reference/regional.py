@@ -37,7 +37,7 @@ def inverse(rows: Array, f: float, g: float) -> Array:
     a1, sine = rows[0, 1], np.sin(rows[0, 2])
     angles = np.linspace(0.0, 2 * np.pi, 11)[:-1]
     # values at θ2 = 0, π/2, π give the parts as functions of θ3
-    (f0, g0), (f1, g1), (f2, g2) = (image(rows, np.full(10, t), angles) for t in (0.0, np.pi / 2, np.pi))
+    (f0, g0), (f1, _), (f2, g2) = (image(rows, np.full(10, t), angles) for t in (0.0, np.pi / 2, np.pi))
     middle_f, middle_g = 0.5 * (f0 + f2), 0.5 * (g0 + g2)
     k1, k2 = 0.5 * (f0 - f2) / (2 * a1), (f1 - middle_f) / (2 * a1)
     value = ((f - middle_f) / (2 * a1)) ** 2 + ((g - middle_g) / sine) ** 2 - k1**2 - k2**2
@@ -72,9 +72,10 @@ def inverse(rows: Array, f: float, g: float) -> Array:
 def determinant(rows: Array, theta2: Array, theta3: Array) -> Array:
     """∂(f, g)/∂(θ2, θ3) by central differences."""
     h = 1e-6
-    by2 = [(a - b) / (2 * h) for a, b in zip(image(rows, theta2 + h, theta3), image(rows, theta2 - h, theta3), strict=True)]
-    by3 = [(a - b) / (2 * h) for a, b in zip(image(rows, theta2, theta3 + h), image(rows, theta2, theta3 - h), strict=True)]
-    return by2[0] * by3[1] - by2[1] * by3[0]
+    up2, down2 = image(rows, theta2 + h, theta3), image(rows, theta2 - h, theta3)
+    up3, down3 = image(rows, theta2, theta3 + h), image(rows, theta2, theta3 - h)
+    f2, g2, f3, g3 = (up2[0] - down2[0], up2[1] - down2[1], up3[0] - down3[0], up3[1] - down3[1])
+    return (f2 * g3 - g2 * f3) / (4 * h * h)
 
 
 def flooded(rows: Array, count: int) -> NDArray[np.int64]:

@@ -26,6 +26,7 @@ try:
     from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.cli.through import through
     from rankdrop.cli.tolerant import tolerant
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
@@ -69,6 +70,7 @@ app.command(nearest)
 app.command(tolerant)
 app.command(path)
 app.command(aspects)
+app.command(through)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -18,5 +18,7 @@ from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .result import PathCheck as PathCheck
+from .time_law import through as through
+from .time_law_record import Through as Through
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint

@@ -36,8 +36,17 @@ def check_square(robot: Robot, task: Task) -> None:
             got=f"{task.m} rows, {robot.n} joints", allowed="as many joints as rows",
             mend="choose a task with as many rows as joints" if robot.n <= 6 else "",
         )  # fmt: skip
+    check_axes(task)
+
+
+def check_axes(task: Task) -> None:
+    """Refuse rows that are not of the tip in the axes of the base.
+
+    Raises:
+        TaskError: they are not.
+    """
     if task.frame != WORLD_ALIGNED:
-        raise TaskError("solutions of the inverse are of the tip, in the axes of the base", got=task.frame,
+        raise TaskError("poses are those of the tip, in the axes of the base", got=task.frame,
                         allowed="WORLD_ALIGNED")  # fmt: skip
 
 

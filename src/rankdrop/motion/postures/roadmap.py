@@ -22,12 +22,17 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 
-EVALUATIONS = 200_000
-"""Enclosures that one proof of a way may cost."""
+EVALUATIONS = 5_000
+"""Enclosures that one proof of a way may cost; those that succeed take some dozens."""
+_NODES = {1: 100, 2: 400, 3: 800}  # by how many joints det J depends on
+_MOST_NODES = 1_500
 _NEIGHBOURS = 12
 _STEP = 0.08  # between sample points of a straight way [rad; slides scaled]
+_FINER = ((2e-2, 10), (2e-4, 100))
+"""Below such a share of the usual |det J| so many times as many sample points: two sheets of the singular set near to
+each other leave the sign on their far side as it was, and values of the second order between."""
 _PART = 200_000  # configurations looked at together
-_TRIES = 4  # ways that are tried where the proof of one fails
+_TRIES = 3  # ways that are tried where the proof of one fails
 _SHORTER = 0.5  # share of the smallest |det J| that a shorter way keeps
 
 Index = NDArray[np.int64]
@@ -54,7 +59,7 @@ class Roadmap:
 
     Attributes:
         robot, task: as many joints as rows.
-        seed, count: of the configurations.
+        seed: of the configurations.
         limits: whether joints keep their limits; else turning joints go round.
         matters: (n,) joints on which det J depends.
     """
@@ -62,9 +67,9 @@ class Roadmap:
     robot: Robot
     task: Task
     seed: int
-    count: int
     limits: bool
     matters: NDArray[np.bool_] = field(init=False)
+    _usual: float = field(init=False)  # median |det J|
     _nodes: Array = field(init=False)  # (N, n) in scaled joints
     _edges: Index = field(init=False)  # (E, 2)
     _weights: Array = field(init=False)  # (E,)
@@ -75,11 +80,13 @@ class Roadmap:
         self.matters = _matters(robot, task, self.scale)
         low, high = limit_box(robot, task) if self.limits else sampling_box(robot, task, limits=False)
         self._low, self._high = low / self.scale, high / self.scale
-        nodes = sample(robot, task, self.count, self.seed, limits=self.limits) / self.scale
+        count = _NODES.get(int(self.matters.sum()), _MOST_NODES)
+        nodes = sample(robot, task, count, self.seed, limits=self.limits) / self.scale
         middle = np.where(np.isfinite(self._low + self._high), 0.5 * (self._low + self._high), 0.0)
         self._nodes = np.where(self.matters, nodes, middle)
-        signs = np.sign(self._determinants(self._nodes))
-        pairs = [self._near(self._nodes[[i]], signs[[i]], self._nodes, signs, skip=i) for i in range(self.count)]
+        values = self._determinants(self._nodes)
+        signs, self._usual = np.sign(values), float(np.median(np.abs(values)))
+        pairs = [self._near(self._nodes[[i]], signs[[i]], self._nodes, signs, skip=i) for i in range(count)]
         joined = [(i, j) for i, found in enumerate(pairs) for j in found]
         edges = np.unique(np.sort(np.array(joined, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
         self._edges, self._weights = self._kept(self._nodes, edges)
@@ -175,10 +182,17 @@ class Roadmap:
 
     def _least(self, start: Array, end: Array) -> Array:
         """(E,) the smallest |det J| on straight ways; negative where the sign changes."""
+        least = self._sampled(start, end, 1)
+        for share, finer in _FINER:
+            small = (least > 0.0) & (least < share * self._usual)
+            least[small] = self._sampled(start[small], end[small], finer)
+        return least
+
+    def _sampled(self, start: Array, end: Array, finer: int) -> Array:
         least = np.full(len(start), np.inf)
         if not len(start):
             return least
-        points = int(np.ceil(np.linalg.norm(end - start, axis=1).max() / _STEP)) + 2
+        points = finer * int(np.ceil(np.linalg.norm(end - start, axis=1).max() / _STEP)) + 2
         share = np.linspace(0.0, 1.0, points)[None, :, None]
         part = max(1, _PART // points)
         for first in range(0, len(start), part):

@@ -29,8 +29,6 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 from rankdrop.version import VERSION
 
-_NODES = {2: 600, 3: 1_500}
-_MOST_NODES = 2_500
 _RINGS = (0.05, 0.1, 0.2, 0.3, 0.4)  # distances from a cusp at which poses are tried [rad]
 _AROUND = 4  # poses on each
 
@@ -159,8 +157,7 @@ class _Search:
 
     def _roadmap(self) -> Roadmap:
         if self._map is None:
-            nodes = _NODES.get(self.robot.n - 1, _MOST_NODES)
-            self._map = Roadmap(self.robot, self.task, self.settings.seed, nodes, self.settings.limits)
+            self._map = Roadmap(self.robot, self.task, self.settings.seed, self.settings.limits)
         return self._map
 
 

@@ -143,13 +143,14 @@ class _Path:
             raise ConfigurationError("the configuration is of corank 2 or more, or the arm is singular everywhere",
                                      got=f"rank {self.rank} of {task.m}", allowed="corank 1 at most")  # fmt: skip
         self.u, self.kernel = u[:, self.rank:][:, :1], vt[self.rank:].T
-        self.outside = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
+        lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
+        self.outside = lost if abs(lost) > _NOTHING else 0.0
 
     def judged(self) -> _Found:
         """The kind, the order, and the law checked by finite motion."""
         if self.rank == self.full:
             return _Found(REGULAR, 1)
-        return self._leaving() if abs(self.outside) > _NOTHING else self._tangent()
+        return self._leaving() if self.outside else self._tangent()
 
     def _leaving(self) -> _Found:
         """u·ξ ≠ 0: along the kernel."""

@@ -108,7 +108,8 @@ class Through:
         if len(self.s):
             ends = f"s = {self.s[0]:.4g} to {self.s[-1]:.4g}"
             lines.append(f"followed from {ends}: off the path by {self.off:.1e} at most")
-            lines.append(f"joint rates under the law: {self.rate:.3g} rad/s at most, in {self.times[-1] * 2:.3g} s")
+            law = "at path speed 1" if self.kind == TANGENT else f"under the law, in {self.times[-1] * 2:.3g} s"
+            lines.append(f"joint rates {law}: {self.rate:.3g} rad/s at most")
         if self.exponent:
             lines.append(f"joint rates at constant path speed grow as |s|^{self.exponent:.3f} (measured)")
         yield Section(f"{self.robot.name}, {self.task.name}", lines=tuple(x.replace("-", "−") for x in lines))

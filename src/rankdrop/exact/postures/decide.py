@@ -7,8 +7,8 @@ Two proofs that it cannot:
    then has signs of its own, and no path between two of them keeps them. The arms for which this is known are in
    `_SIGNS`; for three joints that move a point they are those of Wenger (axes 1, 2 or 2, 3 parallel or meeting).
 2. No cusp. Three turning joints that move a point, with a singular set without nodes (generic in Burdick's sense), are
-   cuspidal if and only if three solutions of the inverse meet somewhere (Salunkhe, Spartalis, Capco, Chablat, Wenger,
-   Mechanism and Machine Theory 170, 2022). Such a cusp is where the direction of motion that is lost in joint space,
+   cuspidal if and only if three solutions of the inverse meet somewhere (Salunkhe, Spartalis, Capco, Chablat and
+   Wenger 2022, arXiv:2202.08686). Such a cusp is where the direction of motion that is lost in joint space,
    the kernel of d(f, g), is tangent to the singular curve D = 0:
 
        D = 0,   dD(v) = 0,   v = (−∂g/∂θ₃, ∂g/∂θ₂) and (−∂f/∂θ₃, ∂f/∂θ₂);

@@ -15,8 +15,8 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.postures.decide import OPEN, Decision
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.motion.check import check_path
+from rankdrop.motion.inverse import error, solutions
 from rankdrop.motion.postures import search
-from rankdrop.motion.postures.inverse import error, solutions
 from rankdrop.motion.postures.record import CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, Postures
 from rankdrop.motion.postures.search import aspects_of
 from rankdrop.results.codec import json_text
@@ -79,7 +79,7 @@ def test_a_pose_is_chosen_near_a_cusp_where_random_ones_do_not_do() -> None:
     assert [one.near_cusp for one in found.solved] == [False, True]
 
 
-@pytest.mark.parametrize(("name", "count"), [("puma560", 8), ("ur5", 8), ("stanford", 8), ("planar2r", 2), ("scara", 2)])
+@pytest.mark.parametrize(("name", "count"), [("puma560", 8), ("ur5", 8), ("stanford", 8), ("scara", 2)])
 def test_each_solution_has_signs_of_its_own_where_that_is_the_proof(name: str, count: int) -> None:
     q = [0.3, 0.5, 0.4, 0.6, 0.8, 0.2][: open_robot(name).n]
     found = aspects_of(open_robot(name), q=q, starts=300)

@@ -35,7 +35,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
-from rankdrop.motion.postures.inverse import check_axes, error
+from rankdrop.motion.inverse import check_axes, error
 from rankdrop.motion.time_law_record import (
     CORNER,
     HIGHEST,

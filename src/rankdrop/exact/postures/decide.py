@@ -76,7 +76,7 @@ def decide_postures(chain: Chain) -> Decision:
         >>> from rankdrop.exact.arm.chain import exact_chain
         >>> from rankdrop.robot.open import open_robot
         >>> decide_postures(exact_chain(open_robot("puma560"))).words
-        'each solution has signs of its own: axes 2 and 3 are parallel; the wrist, by the sign of its middle joint'
+        'each solution has signs of its own: axes 1 and 2 meet; the wrist, by the sign of its middle joint'
     """
     rows, n = chain.task.rows, chain.n
     turning = [section.kind is JointKind.REVOLUTE for section in chain.sections]

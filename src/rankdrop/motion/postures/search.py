@@ -21,7 +21,7 @@ from rankdrop.exact.signs.aspects import Signs, configuration_flags, signs_of
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.verdict import one_configuration
-from rankdrop.motion.postures.inverse import apart, check_square, determinants, regular, solutions
+from rankdrop.motion.inverse import apart, check_square, determinants, regular, solutions
 from rankdrop.motion.postures.record import Change, Postures, PosturesSettings, Solved
 from rankdrop.motion.postures.roadmap import Roadmap, Way
 from rankdrop.robot.model import Array, Robot

@@ -33,6 +33,7 @@ try:
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
+    from rankdrop.cli.aspects import aspects
     from rankdrop.cli.conditions import conditions
     from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
@@ -44,6 +45,7 @@ try:
     from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
     from rankdrop.cli.terminal import encode_plainly, say
+    from rankdrop.cli.through import through
     from rankdrop.cli.tolerant import tolerant
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
@@ -89,6 +91,8 @@ app.command(escape)
 app.command(nearest)
 app.command(tolerant)
 app.command(path)
+app.command(aspects)
+app.command(through)
 app.command(view)
 app.command(reproduce)
 app.command(report)

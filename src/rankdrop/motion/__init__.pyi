@@ -12,10 +12,17 @@ from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .mend import mend_path as mend_path
 from .mending import Mending as Mending
+from .postures.record import CUSPIDAL as CUSPIDAL
+from .postures.record import NOT_CUSPIDAL as NOT_CUSPIDAL
+from .postures.record import NOT_FOUND as NOT_FOUND
+from .postures.record import Postures as Postures
+from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .remedy import Remedy as Remedy
 from .result import PathCheck as PathCheck
+from .time_law import through as through
+from .time_law_record import Through as Through
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint
 from .write import WRITTEN as WRITTEN

@@ -145,6 +145,12 @@ class Chain:
         moved = {e: c * ten ** (self.power * sum(int(e[i]) for i in lengths)) for e, c in f.to_dict().items()}
         return primitive(made.from_dict(moved)) * (1 if f.coeffs()[0] > 0 else -1)
 
+    @property
+    def tip(self) -> tuple[Fraction, Fraction, Fraction]:
+        """Position of the tip in the frame of link n, lengths as numbers."""
+        x, y, z = _tip(self.robot)
+        return x, y, z
+
     def length(self, place: int, which: str) -> Polynomial:
         """Length "a" or "d" of section `place` (from 0) as an element of the trigonometric ring."""
         return self._length(place, which, getattr(self.sections[place], which))
@@ -274,7 +280,7 @@ class Chain:
         pose = identity(ring)
         for j in range(k + 1, self.n + 1):
             pose = times(ring, times(ring, pose, self._link(j - 1)), self._joint(j))
-        x, y, z = _tip(self.robot)
+        x, y, z = self.tip
         tip = [self._length(self.n, "a", x), ring.constant(y), self._length(self.n, "d", z)]
         point = [ring.reduce(sum((pose[i][h] * tip[h] for h in range(3)), pose[i][3])) for i in range(3)]
         return [moved(ring, screw, point) for screw in self.screws(k)]

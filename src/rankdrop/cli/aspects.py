@@ -1,0 +1,88 @@
+"""`rankdrop aspects`: can the arm change its posture without a singularity, and how?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+
+def aspects(
+    robot: str,
+    /,
+    *,
+    q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    arm: ArmOptions = NO_OPTIONS,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    poses: Whole = 10,
+    starts: Whole = 600,
+    seed: Whole = 0,
+    path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Tell whether the arm can change its posture without a singularity (cuspidal).
+
+    An aspect is a connected set of regular configurations. The inverse of a pose
+    is solved, and its solutions are sorted by aspect. Cuspidal: two lie in one,
+    shown by a path between them that is proven free. Not cuspidal: proven from
+    the arm's structure, or because no three solutions meet anywhere.
+
+    For example:
+        rankdrop aspects crx10ia
+        rankdrop aspects crx10ia --deg --q 10,50,20,-30,50,0 --path change.csv
+        rankdrop path crx10ia change.csv
+
+    Exit code 0: a path was found, or it is proven that there is none; 3: no
+    change of posture was found, which is no proof; 2: bad input.
+
+    Args:
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
+        q: A configuration whose pose is solved: one number per joint [rad, m]. Default: poses of random ones.
+        deg: Angles without a unit are in degrees, and so are those printed.
+        limits: Solutions and paths within the joint limits only.
+        poses: How many random poses, where no configuration is given.
+        starts: Of Newton's method for the inverse of each pose.
+        seed: Of every random choice; the same seed gives the same result.
+        path: Write the path to this file (.csv), as `rankdrop path` reads it; - writes it to stdout.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress.
+    """
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import say
+    from rankdrop.motion import NOT_FOUND, aspects_of
+
+    check_target(json, "--json")
+    check_target(path, "--path", (".csv",))
+    check_different({"--json": json, "--path": path})
+    model, task = open_arm(robot, arm)
+    start = None if q is None else parse_configuration(q, model, deg=deg)
+    with reporter(quiet=quiet) as report:
+        found = aspects_of(
+            model, task, q=start, poses=poses, starts=starts, seed=seed, limits=limits,
+            progress=lambda done, total: report("poses solved", done, total),
+        )  # fmt: skip
+    csv = found.path_csv()
+    steps: list[Callable[[], None]] = []
+    if STDOUT not in (json, path):
+        steps.append(lambda: print_sections(found.sections(deg=deg)))
+    if path is not None and csv:
+        steps.append(lambda: write_text(csv, path))
+    if json is not None:
+        steps.append(lambda: write_json(found.to_dict(), json))
+    do_all(steps)
+    if path is not None and not csv:
+        say(f"{path} is not written: there is no path")
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.UNEXPLAINED if found.verdict == NOT_FOUND else exits.FINE

@@ -1,0 +1,328 @@
+"""Is an arm cuspidal: can it change its posture, from one solution of a pose to another, without a singularity?
+
+Two proofs that it cannot:
+
+1. Signs. Where the equations of the inverse can be solved one after another, each in one unknown with at most two
+   solutions, the derivative of each has opposite signs at its two solutions, and is a factor of det J. Each solution
+   then has signs of its own, and no path between two of them keeps them. The arms for which this is known are in
+   `_SIGNS`; for three joints that move a point they are those of Wenger (axes 1, 2 or 2, 3 parallel or meeting).
+2. No cusp. Three turning joints that move a point, with a singular set without nodes (generic in Burdick's sense), are
+   cuspidal if and only if three solutions of the inverse meet somewhere (Salunkhe, Spartalis, Capco, Chablat and
+   Wenger 2022, arXiv:2202.08686). Such a cusp is where the direction of motion that is lost in joint space,
+   the kernel of d(f, g), is tangent to the singular curve D = 0:
+
+       D = 0,   dD(v) = 0,   v = (−∂g/∂θ₃, ∂g/∂θ₂) and (−∂f/∂θ₃, ∂f/∂θ₂);
+
+   nodes are where D = 0, dD = 0. Both are solved exactly; that there are none is a proof.
+
+A cusp on a smooth point of the curve joins two of its three solutions, whether there are nodes elsewhere or not; the
+arm is called cuspidal when a path between two solutions is proven free, which is not done here. An arm with six joints
+and a spherical wrist behind its first three is cuspidal where these are: det J is the product of theirs and the
+wrist's, whose two solutions have opposite signs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import atan, pi, remainder
+
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients
+from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import structure_of
+from rankdrop.exact.postures.common_zeros import Unbounded, common_zeros, real_zeros
+from rankdrop.exact.postures.regional import Regional, regional
+from rankdrop.robot.model import JointKind
+
+SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"
+_TURNS = ((Fraction(0), Fraction(0)), (Fraction(2, 7), Fraction(3, 11)), (Fraction(5, 13), Fraction(4, 9)),
+          (Fraction(8, 17), Fraction(7, 15)))  # fmt: skip
+Pair = tuple[float, float]
+POSE, POSITION, ORIENTATION = (0, 1, 2, 3, 4, 5), (0, 1, 2), (3, 4, 5)
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What is decided without a search.
+
+    Attributes:
+        kind: `SIGNS` and `NO_CUSP`: proven not to be cuspidal; `CUSPS`: there are cusps (to the precision of balls of
+            600 bits), and near each two solutions in one aspect; `OPEN`: none of these.
+        words: why, in one sentence.
+        cusps: (q₂, q₃) of each [rad].
+        nodes: (q₂, q₃) where the singular curve crosses itself [rad]; None where they were not looked for.
+    """
+
+    kind: str
+    words: str
+    cusps: tuple[Pair, ...] = ()
+    nodes: tuple[Pair, ...] | None = None
+
+    @property
+    def impossible(self) -> bool:
+        """Whether it is proven that no change of posture is free of singularities."""
+        return self.kind in (SIGNS, NO_CUSP)
+
+
+def decide_postures(chain: Chain) -> Decision:
+    """Decide from the arm's exact lengths and twists whether it is cuspidal, where one of the two proofs applies.
+
+    Args:
+        chain: from `exact_chain`, with as many joints as the task has rows. Joints turn as far as they like.
+
+    Example:
+        >>> from rankdrop.exact.arm.chain import exact_chain
+        >>> from rankdrop.robot.open import open_robot
+        >>> decide_postures(exact_chain(open_robot("puma560"))).words
+        'each solution has signs of its own: axes 1 and 2 meet; the wrist, by the sign of its middle joint'
+    """
+    rows, n = chain.task.rows, chain.n
+    turning = [section.kind is JointKind.REVOLUTE for section in chain.sections]
+    if rows == POSE and n == 6 and structure_of(chain).wrist == (4, 5, 6):
+        return _of_a_point(chain, _centre(chain), "the wrist, by the sign of its middle joint")
+    if rows == POSITION and n == 3:
+        return _of_a_point(chain, chain.tip, "")
+    by_structure = (_three_parallel(chain) if rows == POSE and n == 6 else
+                    "z₁·z₃ leaves two values of θ2" if rows == ORIENTATION and n == 3 else
+                    _planar(chain, turning))  # fmt: skip
+    if by_structure:
+        return Decision(SIGNS, f"each solution has signs of its own: {by_structure}")
+    return Decision(OPEN, "neither proof applies to an arm of this structure")
+
+
+def _centre(chain: Chain) -> tuple[Fraction, Fraction, Fraction]:
+    """Of a spherical wrist behind joint 3, in the frame of link 3."""
+    link, along = chain.sections[2], chain.sections[3].d
+    return link.a, -link.twist.sin * along, link.twist.cos * along
+
+
+def _three_parallel(chain: Chain) -> str:
+    """Axes 2, 3, 4 parallel, 5 and 6 meeting, six turning joints; "" where this is not so.
+
+    The point O of axes 5 and 6 keeps its height along axis 2, which leaves two values of θ1; the angle between axes 2
+    and 6 leaves two of θ5; then axis 4 is known, and an arm of two links is left. The arm is singular where one of the
+    three derivatives is zero: O cannot move along axis 2; no turn about axes 2, 5, 6 has the direction missing; elbow.
+    """
+    known = structure_of(chain)
+    turning = all(section.kind is JointKind.REVOLUTE for section in chain.sections)
+    if turning and (2, 3, 4) in known.parallel and (5, 6) in known.meeting:
+        return "axes 2, 3 and 4 are parallel, 5 and 6 meet; shoulder, elbow and wrist have two solutions each"
+    return ""
+
+
+def _planar(chain: Chain, turning: list[bool]) -> str:
+    """All axes parallel, slides along them: three turning joints whose sum is prescribed, or two of which it is not."""
+    count = sum(turning)
+    one_direction = all(section.twist.sin == 0 for section in chain.sections[:-1])
+    about_z = 5 in chain.task.rows
+    if one_direction and len(turning) - count <= 1 and count == (3 if about_z else 2):
+        return "all axes are parallel, and the elbow has two solutions"
+    return ""
+
+
+def _of_a_point(chain: Chain, point: tuple[Fraction, Fraction, Fraction], wrist: str) -> Decision:
+    known = regional(chain, point, _TURNS[0])
+    why = next((words for words, holds in _SIGNS if holds(chain, known)), "")
+    if why:
+        return Decision(SIGNS, f"each solution has signs of its own: {'; '.join(x for x in (why, wrist) if x)}")
+    whose = "the first three joints" if wrist else "the arm"
+    if not all(known.turns):
+        return Decision(OPEN, f"{whose} have a slide" if wrist else "the arm has a slide")
+    for turned in _TURNS:
+        moved = regional(chain, point, turned)
+        try:
+            cusps, nodes, points = _cusps_and_nodes(moved)
+        except Unbounded:
+            continue
+        return _by_cusps(_in_q(moved, cusps), _in_q(moved, nodes), points, whose)
+    return Decision(OPEN, f"the singular curve of {whose} has a repeated part")
+
+
+def _by_cusps(cusps: tuple[Pair, ...], nodes: tuple[Pair, ...], points: int, whose: str) -> Decision:
+    if cusps:
+        return Decision(CUSPS, f"three solutions of {whose} meet at {_count(cusps, 'cusp')}", cusps, nodes)
+    if nodes or points:
+        has = _count(nodes, "node") if nodes else "a part that is mapped to one point"
+        words = f"the singular curve of {whose} has no cusp but {has}, and the theorem is of arms without"
+        return Decision(OPEN, words, (), nodes)
+    words = f"no three solutions of {whose} meet anywhere, and the singular curve has no nodes"
+    return Decision(NO_CUSP, words, (), ())
+
+
+def _count(places: tuple[Pair, ...], what: str) -> str:
+    return f"{len(places)} {what}{'s' if len(places) > 1 else ''}"
+
+
+def _alone(which: str, joint: int) -> Callable[[Chain, Regional], bool]:
+    """f or g does not depend on one of the joints: it gives the other, and the other function this one."""
+    def holds(chain: Chain, known: Regional) -> bool:
+        del chain
+        return bool(known.by(getattr(known, which), joint) == 0)
+
+    return holds
+
+
+def _parallel(chain: Chain, known: Regional) -> bool:
+    return known.turns[1] and known.turns[2] and chain.sections[1].twist.sin == 0
+
+
+def _meeting(chain: Chain, known: Regional) -> bool:
+    return known.turns[1] and known.turns[2] and chain.sections[1].a == 0
+
+
+def _two_slides(chain: Chain, known: Regional) -> bool:
+    del chain
+    return not (known.turns[1] or known.turns[2])
+
+
+def _one_factor(chain: Chain, known: Regional) -> bool:
+    """f = A + B(θ₂) U(θ₃), g = C + E(θ₂) U(θ₃) with numbers A and C, or the same with 2 and 3 exchanged.
+
+    (f − A) E − (g − C) B = 0 is of first degree in sin θ₂, cos θ₂: two values, derivative U (B E′ − E B′); U then
+    leaves two values of θ₃. D is U U′ (B′ E − B E′).
+    """
+    del chain
+    if not (known.turns[1] and known.turns[2]):
+        return False
+    f, g = (_bilinear(known, h) for h in (known.f, known.g))
+    return any(_shares_a_factor(one, other) for one, other in ((f, g), (_transposed(f), _transposed(g))))
+
+
+def _bilinear(known: Regional, h: Polynomial) -> list[list[Fraction]]:
+    """Coefficients of h by (1, c₂, s₂) and (1, c₃, s₃)."""
+    names = h.context().names()
+    found = [[Fraction(0)] * 3 for _ in range(3)]
+    for exponents, value in h.terms():
+        powers = dict(zip(names, (int(e) for e in exponents), strict=True))
+        row, column = (powers[f"c{j}"] + 2 * powers[f"s{j}"] for j in (2, 3))
+        found[row][column] = Fraction(int(value.p), int(value.q))
+    return found
+
+
+def _transposed(m: list[list[Fraction]]) -> list[list[Fraction]]:
+    return [list(row) for row in zip(*m, strict=True)]
+
+
+def _shares_a_factor(f: list[list[Fraction]], g: list[list[Fraction]]) -> bool:
+    rows = [*f[1:], *g[1:]]
+    u = next((row for row in rows if any(row)), None)
+    if u is None:
+        return False
+    along = all(u[i] * row[j] == u[j] * row[i] for row in rows for i in range(3) for j in range(i))
+    return along and all(u[1] * row[2] == u[2] * row[1] for row in (f[0], g[0])) and any(u[1:])
+
+
+def _axes_meet(chain: Chain, known: Regional) -> bool:
+    return known.turns[0] and known.turns[1] and chain.sections[0].a == 0 and _alone("f", 2)(chain, known)
+
+
+def _axes_parallel(chain: Chain, known: Regional) -> bool:
+    return known.turns[0] and known.turns[1] and chain.sections[0].twist.sin == 0 and _alone("g", 2)(chain, known)
+
+
+_SIGNS: tuple[tuple[str, Callable[[Chain, Regional], bool]], ...] = (
+    # |p|² or p·z₁ gives joint 3, two values with opposite derivatives; the other one then joint 2, likewise
+    ("axes 1 and 2 meet", _axes_meet),
+    ("axes 1 and 2 are parallel", _axes_parallel),
+    # θ2, θ3 move p in a plane (u, w): g gives w, f then (u + a1)², two values; then an arm of two links
+    ("axes 2 and 3 are parallel", _parallel),
+    # p keeps its distance from O where axes 2 and 3 meet, which joint 1 alone moves: two values of q1; p·z₂ gives two
+    # of θ3. det J = ((p − O)·(z₂ × z₃)) (z₁·(p × O))
+    ("axes 2 and 3 meet", _meeting),
+    *((f"the inverse falls apart: one of its two equations does not hold joint {joint}", _alone(which, joint))
+      for which in "fg" for joint in (2, 3)),
+    ("orthogonal axes without offsets, or alike: θ2 and θ3 follow from one equation after the other", _one_factor),
+    # f and g on the line that one linear equation leaves: one quadratic equation
+    ("joints 2 and 3 slide", _two_slides),
+)  # fmt: skip
+
+
+def _cusps_and_nodes(known: Regional) -> tuple[tuple[Pair, ...], tuple[Pair, ...], int]:
+    """Half-angle tangents (t₂, t₃) of both, with nothing at θ = π, and how many factors of D are mapped to points.
+
+    On a curve that is mapped to a point dD(v) is zero throughout, and nothing is a cusp.
+
+    Raises:
+        Unbounded: they are not isolated, or one may be at θ = π.
+    """
+    factors = _curves(known)
+    whole = known.ring.half.constant(1)
+    cusps: list[Pair] = []
+    points = 0
+    for d in factors:
+        whole = whole * d
+        slopes = _slopes(known, d)
+        tangents = [slopes[1] * _half(known, known.by(h, 2)) - slopes[0] * _half(known, known.by(h, 3))
+                    for h in (known.g, known.f)]  # fmt: skip
+        if d.gcd(tangents[0]) == d.gcd(tangents[1]) == d.gcd(d):
+            points += 1
+            continue
+        degrees = d.degrees()
+        wider = (degrees[0] + 2, degrees[1] + 2)
+        cusps += _zeros((d, *tangents), (degrees, wider, wider))
+    nodes = _zeros((whole, *_slopes(known, whole)), (whole.degrees(),) * 3)
+    smooth = [place for place in cusps if not any(abs(place[0] - a) + abs(place[1] - b) < 1e-9 for a, b in nodes)]
+    return tuple(sorted(smooth)), nodes, points
+
+
+def _slopes(known: Regional, d: Polynomial) -> list[Polynomial]:
+    """∂/∂θ₂ and ∂/∂θ₃ of the form that d stands for, of the same degrees, twice."""
+    generators = zip(known.ring.half.gens(), d.degrees(), strict=True)
+    return [d.derivative(k) * (1 + t**2) - m * t * d for k, (t, m) in enumerate(generators)]
+
+
+def _zeros(system: tuple[Polynomial, ...], degrees: tuple[tuple[int, int], ...]) -> tuple[Pair, ...]:
+    """Of three forms of the degrees given.
+
+    Raises:
+        Unbounded: they may all be zero where one of the angles is π.
+    """
+    for place in (0, 1):
+        tops = [_top(f, place, degree[place]) for f, degree in zip(system, degrees, strict=True)]
+        shared = tops[0].gcd(tops[1]).gcd(tops[2])
+        corner = all(_top(top, 1 - place, degree[1 - place]) == 0 for top, degree in zip(tops, degrees, strict=True))
+        if shared == 0 or corner or real_zeros(shared, 1 - place):
+            raise Unbounded
+    return common_zeros(*system)
+
+
+def _top(f: Polynomial, place: int, degree: int) -> Polynomial:
+    """Coefficient of the power `degree` of one variable."""
+    parts = coefficients(f, place)
+    return parts[degree] if degree < len(parts) else f * 0
+
+
+def _curves(known: Regional) -> list[Polynomial]:
+    """The factors of D, but those without a real zero.
+
+    Raises:
+        Unbounded: a factor is repeated, or one is θ = π.
+    """
+    half, degree = known.ring.to_half(known.determinant)
+    if tuple(half.degrees()) != tuple(2 * m for m in degree):
+        raise Unbounded
+    found = []
+    for factor, power in half.factor()[1]:
+        degrees = factor.degrees()
+        if 0 in degrees and not real_zeros(factor, 0 if degrees[0] else 1):
+            continue
+        if power > 1:
+            raise Unbounded
+        found.append(factor)
+    return found
+
+
+def _half(known: Regional, p: Polynomial) -> Polynomial:
+    """p times (1 + t₂²)(1 + t₃²): p is of first degree in each joint."""
+    ring = known.ring
+    half, degree = ring.to_half(p)
+    for t, m in zip(ring.half.gens(), degree, strict=True):
+        half = half * (1 + t**2) ** (1 - m)
+    return half
+
+
+def _in_q(known: Regional, places: tuple[Pair, ...]) -> tuple[Pair, ...]:
+    """Half-angle tangents as joint angles in (−π, π]."""
+    angles = ([2 * atan(t) - offset for t, offset in zip(place, known.offsets, strict=True)] for place in places)
+    return tuple((remainder(a, 2 * pi), remainder(b, 2 * pi)) for a, b in angles)

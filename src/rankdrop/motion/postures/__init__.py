@@ -1,0 +1,1 @@
+"""Postures: the solutions of the inverse, the aspects they lie in, and ways from one to another without singularity."""

@@ -1,0 +1,368 @@
+"""Tool paths through a singular configuration, and the time law that keeps the joint rates finite (Chevallereau).
+
+A tool path x(s) is tracked by joints q(s) with J q′ = ξ, ξ = dx/ds. At a singularity of corank 1, u the direction lost
+and V the kernel of J, take s as one more joint: y = (q, s), [J, −ξ] y′ = 0.
+
+Where u·ξ ≠ 0 the path leaves the image of J. The curve y(σ) is smooth, starts in the kernel, q′ = v, s′ = 0, and
+
+    s(σ) = c_k σ^k + …,    c₂ = u·dJ(v) v / (2 u·ξ).
+
+k odd: the path goes through; k even: it is met on one side only, and the arm comes back on it in another posture. With
+the time law s = c_k (ρt)^k, σ = ρt, the path stands still at the singular point, and the joint rates are finite; at
+constant path speed they grow as |s|^−(k−1)/k. Joints to spare may come along one direction of the kernel and leave
+along another: then the arm has to stop between.
+
+Where u·ξ = 0 the path is tangent to the image, and is tracked at any speed along q′ = q₀ + V μ, J q₀ = ξ, if
+
+    μᵀQμ + 2 b·μ + g = 0,   Q = u·dJ(V) V,   b = ½ u·(dJ(V) q₀ + dJ(q₀) V),   g = u·(dJ(q₀) q₀ − dξ/ds)
+
+has a real solution: orthogonal to the lost direction at first order, and in the image at second.
+
+Source: C. Chevallereau, ICRA 1996 and Int. J. Robotics Research 17 (1998), as quoted by Gallardo-Alvarado and
+Rico-Martínez; the orders and the curve are derived here. What is claimed is checked by finite motion: the curve is
+followed on the path itself, and rates are those of the joints followed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rankdrop._handles import check_robot
+from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
+from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.local.verdict import one_configuration
+from rankdrop.motion.inverse import check_axes, error
+from rankdrop.motion.time_law_record import (
+    CORNER,
+    HIGHEST,
+    NOT,
+    PASSES,
+    REGULAR,
+    TANGENT,
+    TURNS,
+    UNDECIDED,
+    Through,
+)  # fmt: skip
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.tolerances import DEFAULT
+from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
+
+_SPAN = 0.1  # of σ to either side [rad]: four digits of a fifth-order term are left
+_POINTS = 12  # on each side
+_NOTHING = 1e-7  # coefficients of s(σ), u·ξ and the quadric below this are zero; finite motion leaves 1e-10
+_CLOSE = 1e-12
+
+
+def through(
+    robot: Robot,
+    q: ArrayLike,
+    along: ArrayLike,
+    task: Task | str | None = None,
+    *,
+    bend: ArrayLike | None = None,
+) -> Through:
+    """Whether a tool path through a configuration can be tracked, and with which time law.
+
+    Args:
+        robot: the arm.
+        q: (n,) configuration [rad, m].
+        along: (m,) direction of the path in the rows of the task, in the base's axes [m, rad]: the tool is at
+            x(s) = x(0) + s along + ½ s² bend, turned by exp of its angular part.
+        task: name, rows or Task; None is the task the arm is made for.
+        bend: (m,) of the same kind; None: a straight path.
+
+    Returns:
+        The kind, and what was followed.
+
+    Raises:
+        ConfigurationError: q is not one configuration, or of corank 2 or more.
+        OptionError: along or bend is not one finite number per row, or along is zero.
+        TaskError: no such task, or rows not in the base's axes.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> arm = open_robot("planar2r")
+        >>> through(arm, [0, 0], [-1, 0]).kind, through(arm, [0, 0], [0, 1]).kind     # stretched: inwards, sideways
+        ('turns back', 'not trackable')
+    """
+    check_robot(robot)
+    resolved = resolve_task(task, robot)
+    check_axes(resolved)
+    at = one_configuration(robot, q)
+    there, there_task = in_metres(robot), task_in_metres(resolved, robot)
+    length = out_of_metres_factor(robot, resolved, there_task)
+    direction, curved = (_vector(name, value, resolved) for name, value in (("along", along), ("bend", bend)))
+    if not direction.any():
+        raise OptionError("the path has no direction", where="along", got=direction.tolist())
+    work = _Path(there, there_task, into_metres(robot, at), direction * length, curved * length)
+    found = work.judged()
+    joints = out_of_metres(robot, found.joints) if len(found.joints) else found.joints
+    return Through(robot, resolved, at, direction, curved, found.kind, found.order, work.outside, found.side,
+                   found.times, found.s, joints, found.off, found.rate, found.exponent)  # fmt: skip
+
+
+def out_of_metres_factor(robot: Robot, task: Task, there: Task) -> Array:
+    """(m,) by which the rows of a twist in the robot's unit are multiplied to get them in metres and rad."""
+    ratio = float(there.scale(in_metres(robot)) / task.scale(robot))
+    return np.array([ratio if row < 3 else 1.0 for row in task.rows])
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    kind: str
+    order: int | None = None
+    side: int = 0
+    times: Array = field(default_factory=lambda: np.zeros(0))
+    s: Array = field(default_factory=lambda: np.zeros(0))
+    joints: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    off: float = 0.0
+    rate: float = 0.0
+    exponent: float = 0.0
+
+
+class _Path:
+    """A path at a configuration, everything in scaled joints and scaled rows."""
+
+    def __init__(self, robot: Robot, task: Task, q: Array, along: Array, bend: Array) -> None:
+        self.robot, self.task, self.q = robot, task, q
+        self.scale = joint_scale(robot, task)
+        self.unit = np.array([1.0 / task.scale(robot) if row < 3 else 1.0 for row in task.rows])
+        self.along, self.bend, self.home = along, bend, pose(robot, q)
+        self.xi, self.curve = along * self.unit, bend * self.unit
+        size = float(np.linalg.norm(self.xi))
+        self.size = size
+        u, sigma, vt = np.linalg.svd(task_jacobian(robot, q, task) * self.scale)
+        self.rank = int((sigma > DEFAULT.singular).sum())
+        self.full = generic_rank(robot, task)
+        if self.full < task.m or self.rank < self.full - 1:
+            raise ConfigurationError("the configuration is of corank 2 or more, or the arm is singular everywhere",
+                                     got=f"rank {self.rank} of {task.m}", allowed="corank 1 at most")  # fmt: skip
+        self.u, self.kernel = u[:, self.rank:][:, :1], vt[self.rank:].T
+        lost = 0.0 if self.rank == self.full else float(self.u[:, 0] @ self.xi / size)
+        self.outside = lost if abs(lost) > _NOTHING else 0.0
+
+    def judged(self) -> _Found:
+        """The kind, the order, and the law checked by finite motion."""
+        if self.rank == self.full:
+            return _Found(REGULAR, 1)
+        return self._leaving() if self.outside else self._tangent()
+
+    def _leaving(self) -> _Found:
+        """u·ξ ≠ 0: along the kernel."""
+        q2 = self._quadric() / (2.0 * self.outside * self.size)
+        values, vectors = np.linalg.eigh(q2)
+        if values[0] < -_NOTHING and values[-1] > _NOTHING:
+            return self._corner(vectors[:, 0], vectors[:, -1])
+        e = vectors[:, np.argmax(np.abs(values))]
+        sigma, s, joints, off = self._followed(e)
+        order = _order(sigma, s, self.size)
+        alone = self._alone(values, vectors)  # else other directions of the kernel may do what this one does not
+        if order is None:
+            still = float(np.abs(s).max()) * self.size < _CLOSE * 1e3
+            return _Found(NOT if still and alone else UNDECIDED)
+        if order % 2 == 0 and not alone:
+            return _Found(UNDECIDED)
+        exponent = _exponent(s, joints / self.scale)
+        rate = float(np.abs(np.gradient(joints / self.scale, sigma, axis=0)).max())
+        kind = PASSES if order % 2 else TURNS
+        side = 0 if order % 2 else int(np.sign(s[-1]))
+        return _Found(kind, order, side, sigma, s, joints, off, rate, exponent)
+
+    def _alone(self, values: Array, vectors: Array) -> bool:
+        """Whether the terms of second order, or a kernel of one dimension, say how s goes in every direction.
+
+        s has there a minimum or maximum, or one along a curve of self-motion (Morse and Bott): a single direction
+        without a term of second order, in which the tool stays where it is.
+        """
+        flat = np.flatnonzero(np.abs(values) <= _NOTHING)
+        if len(values) == 1 or not len(flat):
+            return True
+        if len(flat) > 1:
+            return False
+        _, s, _, _ = self._followed(vectors[:, flat[0]])
+        return float(np.abs(s).max()) * self.size < _CLOSE * 1e3
+
+    def _corner(self, behind: Array, ahead: Array) -> _Found:
+        """In along one direction of the kernel, out along another; σ = t², so that the joints rest between."""
+        halves = []
+        for e in (behind, ahead):
+            sigma, s, joints, off = self._followed(e)
+            keep = sigma >= 0.0
+            halves.append((np.sqrt(sigma[keep]), s[keep], joints[keep], off))
+        (t0, s0, q0, off0), (t1, s1, q1, off1) = halves
+        times, s = np.concatenate([-t0[::-1], t1[1:]]), np.concatenate([s0[::-1], s1[1:]])
+        joints = np.concatenate([q0[::-1], q1[1:]])
+        rate = float(np.abs(np.diff(joints / self.scale, axis=0) / np.diff(times)[:, None]).max())
+        return _Found(CORNER, 2, 0, times, s, joints, max(off0, off1), rate, _exponent(s1, q1 / self.scale))
+
+    def _tangent(self) -> _Found:
+        """u·ξ = 0: the quadric decides."""
+        jacobian = task_jacobian(self.robot, self.q, self.task) * self.scale
+        particular = np.linalg.lstsq(jacobian, self.xi, rcond=DEFAULT.singular)[0]
+        bracket = self._second()
+        linear = 0.5 * (np.einsum("ik,i->k", np.einsum("ijk,j->ik", bracket, particular), self.u[:, 0])
+                        + np.einsum("ij,i->j", np.einsum("ijk,k->ij", bracket, particular), self.u[:, 0]))  # fmt: skip
+        b = self.kernel.T @ linear
+        g = float(self.u[:, 0] @ (np.einsum("ijk,j,k->i", bracket, particular, particular) - self.curve))
+        for mu in _on_quadric(self._quadric(), b, g):
+            found = self._at_speed(particular + self.kernel @ mu)
+            if found is not None:
+                return found
+        return _Found(NOT if _none(self._quadric(), b, g) else UNDECIDED)
+
+    def _at_speed(self, slope: Array) -> _Found | None:
+        """The path followed at constant speed from a first guess of dq/ds; None where it is not followed."""
+        span = _SPAN / max(1.0, float(np.linalg.norm(slope)))
+        steps = span * np.arange(1, _POINTS + 1) / _POINTS
+        sides = []
+        for sign in (-1.0, 1.0):
+            rows: list[Array] = []
+            q, before, last = self.q / self.scale, slope * sign, 0.0
+            for step in steps:
+                solved = self._solved(q + (step - last) * before, sign * step)
+                if solved is None:
+                    return None
+                q, before, last = solved, (solved - q) / (step - last), step
+                rows.append(q)
+            sides.append(np.array(rows))
+        joints = np.concatenate([sides[0][::-1], self.q[None] / self.scale, sides[1]])
+        s = np.concatenate([-steps[::-1], [0.0], steps])
+        rates = np.diff(joints, axis=0) / np.diff(s)[:, None]
+        if np.abs(np.diff(rates, axis=0)).max() > 0.5 * (1.0 + np.abs(rates).max()):
+            return None  # another branch was caught
+        return _Found(TANGENT, 1, 0, s, s, joints * self.scale, self._off(joints, s), float(np.abs(rates).max()), 0.0)
+
+    def _solved(self, q: Array, s: float) -> Array | None:
+        """Configuration at s near a first guess, by Newton's method with least change."""
+        target = self._target(s)
+        for _ in range(30):
+            e = error(self.robot, self.task, (q * self.scale)[None], target)[0]
+            if np.linalg.norm(e) <= _CLOSE:
+                return q
+            jacobian = task_jacobian(self.robot, q * self.scale, self.task) * self.scale
+            q = q + np.linalg.lstsq(jacobian, e, rcond=1e-12)[0]
+        return None
+
+    def _followed(self, e: Array) -> tuple[Array, Array, Array, float]:
+        """σ, s, joints on the curve whose kernel part is σ e, and the deviation from the path; s(0) = 0."""
+        steps = _SPAN * np.arange(1, _POINTS + 1) / _POINTS
+        sides = []
+        for sign in (-1.0, 1.0):
+            y, rows = np.append(self.q / self.scale, 0.0), []
+            for step in steps:
+                y = self._corrected(y, sign * step * e)
+                rows.append(y)
+            sides.append(np.array(rows))
+        y = np.concatenate([sides[0][::-1], np.append(self.q / self.scale, 0.0)[None], sides[1]])
+        sigma = np.concatenate([-steps[::-1], [0.0], steps])
+        joints, s = y[:, :-1], y[:, -1] / self.size
+        return sigma, s, joints * self.scale, self._off(joints, s)
+
+    def _corrected(self, y: Array, wanted: Array) -> Array:
+        """Newton's method on: the tool is on the path at s, and the kernel part of q − q(0) is as wanted."""
+        n = self.robot.n
+        for _ in range(30):
+            q, s = y[:n] * self.scale, y[n] / self.size
+            e = np.concatenate([error(self.robot, self.task, q[None], self._target(s))[0],
+                                wanted - self.kernel.T @ (y[:n] - self.q / self.scale)])  # fmt: skip
+            if np.linalg.norm(e) <= _CLOSE:
+                break
+            slope = -(self.xi + s * self.curve)[:, None] / self.size
+            top = np.hstack([task_jacobian(self.robot, q, self.task) * self.scale, slope])
+            bottom = np.hstack([self.kernel.T, np.zeros((self.kernel.shape[1], 1))])
+            y = y + np.linalg.lstsq(np.vstack([top, bottom]), e, rcond=1e-13)[0]
+        return y
+
+    def _off(self, joints: Array, s: Array) -> float:
+        """Largest distance of the tool from the path, in the rows of the task."""
+        gaps = (error(self.robot, self.task, (q * self.scale)[None], self._target(float(x)))[0]
+                for q, x in zip(joints, s, strict=True))  # fmt: skip
+        return max(float(np.linalg.norm(gap)) for gap in gaps)
+
+    def _target(self, s: float) -> Array:
+        six = np.zeros(6)
+        six[list(self.task.rows)] = s * self.along + 0.5 * s * s * self.bend
+        found = self.home.copy()
+        found[:3, 3] += six[:3]
+        found[:3, :3] = _turn(six[3:]) @ self.home[:3, :3]
+        return found
+
+    def _second(self) -> Array:
+        """(m, n, n) dJ[:, j]/dq_k in scaled rows and joints."""
+        return np.asarray(task_jacobian_derivative(self.robot, self.q, self.task) * self.scale[:, None] * self.scale)
+
+    def _quadric(self) -> Array:
+        """Q, symmetric, on the kernel."""
+        whole = np.einsum("ijk,i->jk", self._second(), self.u[:, 0])
+        return np.asarray(self.kernel.T @ (0.5 * (whole + whole.T)) @ self.kernel)
+
+
+def _on_quadric(q: Array, b: Array, g: float) -> list[Array]:
+    """Points μ with μᵀQμ + 2 b·μ + g = 0, [] where there is none that is real."""
+    values, vectors = np.linalg.eigh(q)
+    there = np.abs(values) > _NOTHING
+    flat = vectors[:, ~there]
+    loose = flat @ (flat.T @ b)
+    if np.linalg.norm(loose) > _NOTHING:
+        return [-g * loose / (2.0 * float(loose @ loose))]
+    centre = -vectors[:, there] @ ((vectors[:, there].T @ b) / values[there])
+    left = float(centre @ q @ centre + 2.0 * b @ centre + g)
+    if abs(left) <= _NOTHING:
+        return [centre]
+    fitting = [i for i in np.flatnonzero(there) if values[i] * left < 0.0]
+    return [centre + sign * np.sqrt(-left / values[i]) * vectors[:, i] for i in fitting for sign in (1.0, -1.0)]
+
+
+def _none(q: Array, b: Array, g: float) -> bool:
+    """Whether it is clear that the quadric has no real point."""
+    values, vectors = np.linalg.eigh(q)
+    there = np.abs(values) > _NOTHING
+    if not there.any():
+        return bool(np.linalg.norm(b) <= _NOTHING < abs(g))
+    part = (vectors[:, there].T @ b) / values[there]
+    left = g - float(part**2 @ values[there])
+    flat = float(np.linalg.norm(vectors[:, ~there].T @ b))
+    return bool(flat <= _NOTHING < abs(left) and (values[there] * left > 0.0).all())
+
+
+def _order(sigma: Array, s: Array, size: float) -> int | None:
+    """k of the first term of s(σ), a polynomial through the points; None where no term up to `HIGHEST` counts."""
+    scaled = sigma / _SPAN
+    basis = scaled[:, None] ** np.arange(1, 2 * HIGHEST + 1)
+    c = np.linalg.lstsq(basis, s * size, rcond=None)[0] / _SPAN ** np.arange(1, 2 * HIGHEST + 1)
+    for k in range(2, HIGHEST + 1):
+        if abs(c[k - 1]) > _NOTHING * 10.0 ** (2 * (k - 2)):  # what rounding leaves grows as σ^−k
+            return k
+    return None
+
+
+def _exponent(s: Array, joints: Array) -> float:
+    """Power of |s| in |dq/ds|, by central differences at the points ahead of the singularity."""
+    ahead = len(s) - _POINTS + np.arange(3, 8)
+    gap = np.linalg.norm(joints[ahead + 1] - joints[ahead - 1], axis=1)
+    steps = np.abs(s[ahead + 1] - s[ahead - 1])
+    return float(np.polyfit(np.log(np.abs(s[ahead])), np.log(gap / steps), 1)[0])
+
+
+def _turn(vector: Array) -> Array:
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * (k @ k))
+
+
+def _vector(name: str, value: ArrayLike | None, task: Task) -> Array:
+    if value is None:
+        return np.zeros(task.m)
+    found = np.asarray(value, dtype=np.float64)
+    if found.shape != (task.m,) or not np.isfinite(found).all():
+        raise OptionError("one finite number for each row of the task is needed", where=name, got=str(value),
+                          allowed=f"{task.m} numbers: {task.name}")  # fmt: skip
+    return found

@@ -1,17 +1,23 @@
 // Families of singular configurations as flat tables of numbers, and what a monitor says of each configuration.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace rankdrop {
 
-// Equations f = sum_t (a_t cos(m_t . q - shift_t) + b_t sin(m_t . q - shift_t)) prod_j q_j^p_tj. Families stand in the
-// order in which they are preferred.
+// Equations f = sum_t (a_t cos(m_k . q - shift_k) + b_t sin(m_k . q - shift_k)) prod_j q_j^p_tj with k = angle_t. Families
+// stand in the order in which they are preferred.
 struct Families {
     int variables = 0;
-    std::vector<double> m;            // (terms, n)
-    std::vector<double> shift, a, b;  // (terms)
+    std::vector<double> shift;        // of every angle
+    std::vector<int> turns;           // first joint that turns every angle, and the end
+    std::vector<int> turning;         // these joints
+    std::vector<double> m;            // and by how much
+    std::vector<int> angle;           // of every term
+    std::vector<double> a, b;         // (terms)
     std::vector<int> powers;          // (terms, n)
     std::vector<int> terms;           // first term of every equation, and the end
     std::vector<int> equations;       // first equation of every family, and the end
@@ -23,13 +29,43 @@ struct Families {
     std::vector<int> pinned;          // the pinned joints
     std::vector<int> at;              // first value of every pinned joint, and the end
     std::vector<double> values;       // [rad, or the unit of the arm's lengths]
+    std::vector<char> powered{};      // of every term: has it any power (`finish`)
+
+    int angles() const { return static_cast<int>(shift.size()); }
+
+    // Whether the sizes agree and every index is one; then the rest is filled in.
+    bool finish() {
+        const std::size_t n = static_cast<std::size_t>(variables), count = a.size();
+        const auto rising = [](const std::vector<int>& starts, std::size_t end) {
+            return !starts.empty() && starts.front() == 0 && starts.back() == static_cast<int>(end) &&
+                   std::is_sorted(starts.begin(), starts.end());
+        };
+        const auto within = [](const std::vector<int>& numbers, int end) {
+            return std::all_of(numbers.begin(), numbers.end(), [&](int one) { return one >= 0 && one < end; });
+        };
+        if (variables < 1 || b.size() != count || angle.size() != count || powers.size() != count * n || scale.size() != n ||
+            periodic.size() != n || turns.size() != shift.size() + 1 || !rising(turns, turning.size()) ||
+            m.size() != turning.size() || !within(turning, variables) || !within(angle, angles()) || !rising(terms, count) ||
+            !rising(equations, terms.size() - 1) || equations.size() != corank.size() + 1 ||
+            coupled.size() + 1 != terms.size() || pins.size() != equations.size() || !rising(pins, pinned.size()) ||
+            at.size() != pinned.size() + 1 || !rising(at, values.size()) || !within(pinned, variables))
+            return false;
+        powered.assign(count, 0);
+        for (std::size_t i = 0; i < powers.size(); ++i)
+            if (powers[i] != 0) powered[i / n] = 1;
+        return true;
+    }
 };
 
 struct MonitorSettings {
-    int generic = 0;         // generic rank
-    double singular = 1e-9;  // sigma at or below: zero
-    double on = 1e-5;        // a singular configuration with a smaller residual lies on the family [rad]
-    double loose = 1e-3;     // where none of its corank does: the nearest one of its corank, up to here [rad]
+    int generic = 0;            // generic rank
+    double singular = 1e-9;     // sigma at or below: zero
+    double on = 1e-5;           // a singular configuration with a smaller residual lies on the family [rad]
+    double loose = 1e-3;        // where none of its corank does: the nearest one of its corank, up to here [rad]
+    double start = 0.2;         // motion towards a family is slowed nearer than this [rad]
+    double stop = 0.02;         // and stopped nearer than this [rad]
+    bool beyond = false;        // there may be singularities beyond the families: sigma's first-order distance counts
+    std::vector<double> rates{};  // (n) largest joint rates, infinite for none; or empty
 };
 
 // Rows are configurations; `v` may be null.

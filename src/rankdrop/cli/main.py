@@ -19,6 +19,7 @@ try:
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.jacobian import jacobian
+    from rankdrop.cli.monitor import monitor
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.path import path
     from rankdrop.cli.report import report
@@ -67,6 +68,7 @@ app.command(escape)
 app.command(nearest)
 app.command(tolerant)
 app.command(path)
+app.command(monitor)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
+from rankdrop.families.arm_header import arm_header
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale
@@ -173,16 +174,39 @@ class Monitor:
         """Whether there may be singularities beyond the families' conditions."""
         self._numbers = [*order, -1]  # number in the core -> index; the core's −1 finds the last entry
         self._order = np.array(self._numbers, dtype=np.int32)
-        self._table = compiled([self.families[i] for i in order], robot, self.task)
+        self._table = compiled(self.watched, robot, self.task)
         self._chain, self._view = chain_of(robot), task_view(robot, self.task)
         self._settings = _core.MonitorSettings(
-            generic=self.generic_rank, singular=tolerances.singular, on=tolerances.explained,
-            loose=cbrt(tolerances.singular), start=self.start, stop=self.stop, beyond=self.beyond,
+            generic=self.generic_rank, **self.settings, start=self.start, stop=self.stop, beyond=self.beyond,
             rates=self.rates.tolist(),
-        )  # fmt: skip
+        )
         self._watcher = _core.Watcher(self._chain, self._view, self._table, self._settings)
         self._shape = (robot.n,)
         self._s, self._m = min(self.task.m, robot.n), self.task.m
+
+    @property
+    def watched(self) -> tuple[Family, ...]:
+        """The families with conditions, in the order in which they are preferred."""
+        return tuple(self.families[i] for i in self._numbers[:-1])
+
+    @property
+    def tables(self) -> Tables:
+        """Their conditions as lists by name."""
+        return tables_of(self.watched, self.robot, self.task)
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """What counts as zero, and as on a family, by the core's names."""
+        set_to = self.tolerances
+        return {"singular": set_to.singular, "on": set_to.explained, "loose": cbrt(set_to.singular)}
+
+    def header(self, mark: str | None = None) -> str:
+        """All of it as a C header for `rankdrop/monitor.hpp` and `rankdrop/monitor.h`: the constant `rankdrop_MARK_arm`.
+
+        Args:
+            mark: part of the constant's name; else made of the robot's.
+        """
+        return arm_header(self, mark=mark)
 
     def look(self, Q: ArrayLike, threads: int = 0) -> Sightings:
         """All of it for configurations Q.
@@ -223,7 +247,8 @@ class Monitor:
         A motion away from every family, or along it, is not slowed, at whatever corank: s = 1. One straight towards a
         family goes at s = k, so that it comes to rest at `stop`; s has no jump where the motion turns, except at `stop`
         and nearer. At d ≤ `tolerances.explained` every motion leads away: an arm that stands on a singularity is let
-        go. Distances are in joint space, so that neither units nor the number of joints matter (a condition number's do).
+        go. Distances are in joint space: neither units nor the number of joints matter, as they do to a condition
+        number.
 
         `rate_scaling` = min(1, min_j rates_j/|velocity_j|) keeps joint rates, for motions that leave too: near a
         singularity a slow end effector may need fast joints. Multiply the motion by the smaller of the two.

@@ -1,6 +1,6 @@
 // Watches one arm in a control loop: header only, C++17, no Python. `rankdrop monitor ROBOT --header arm.h` writes the arm.
 //
-//     rankdrop::Monitor monitor(rankdrop_ur5);
+//     rankdrop::Monitor monitor(rankdrop_ur5_arm);
 //     rankdrop_step seen;
 //     monitor.step(q, velocity, seen);               // allocates nothing, throws nothing
 //     velocity *= std::min(seen.scaling, seen.rate_scaling);

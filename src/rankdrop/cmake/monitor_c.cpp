@@ -1,5 +1,5 @@
 // The C interface of the monitor.
-#include "monitor.hpp"
+#include <rankdrop/monitor.hpp>
 
 #include <new>
 

@@ -11,13 +11,18 @@
 
 static long allocations = 0;
 
-void* operator new(std::size_t bytes) {
+#if defined(__GNUC__)
+#define APART __attribute__((noinline))  // inlined, GCC takes new and free for a mismatch
+#else
+#define APART
+#endif
+APART void* operator new(std::size_t bytes) {
     ++allocations;
     if (void* memory = std::malloc(bytes ? bytes : 1)) return memory;
     throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+APART void operator delete(void* memory) noexcept { std::free(memory); }
+APART void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 static void print(const double* values, int count) {
     for (int i = 0; i < count; ++i) std::printf(" %.17g", values[i]);

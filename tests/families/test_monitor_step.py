@@ -177,9 +177,9 @@ def test_the_internal_step_moves_away_with_the_end_effector_at_rest(name: str, r
     assert steps >= 20
 
 
-@pytest.mark.parametrize("name", ["pa10", "panda"])
+@pytest.mark.parametrize("name", ["pa10", "iiwa14"])
 def test_internal_steps_one_after_the_other_leave_the_neighbourhood(name: str, rng: np.random.Generator) -> None:
-    """20 motions of 0.3 rad at most: nearer than 0.2 rad before, farther after, where an internal motion leads away."""
+    """20 motions of 0.3 rad at most. (A Panda near θ2 = θ4 = 0 has none to speak of: inside, θ4 cannot move.)"""
     monitor, left = monitor_of(name), 0
     f = next(i for i, one in enumerate(monitor.families) if one.corank == 1 and len(one.pinned) == 2)
     for _ in range(20):
@@ -234,14 +234,14 @@ def test_without_conditions_the_slope_of_sigma_slows() -> None:
 # MoveIt Servo's rule on the same motions
 
 
-def recorded(name: str, seed: int, least: float, samples: int = 400) -> tuple[Array, Array]:
+def recorded(name: str, seed: int, least: float, size: float = 0.25, samples: int = 400) -> tuple[Array, Array]:
     """A motion as it is recorded: joint angles and rates of sums of sines, at least so far from every family."""
     monitor, t = monitor_of(name), np.linspace(0.0, 8.0, samples)[:, None]
     rng = np.random.default_rng(seed)
     for _ in range(400):
-        centre, size = rng.uniform(-2.5, 2.5, monitor.robot.n), rng.uniform(0.05, 0.25, monitor.robot.n)
+        centre, wide = rng.uniform(-2.5, 2.5, monitor.robot.n), rng.uniform(0.2 * size, size, monitor.robot.n)
         speed, phase = rng.uniform(0.4, 1.6, monitor.robot.n), rng.uniform(0.0, 6.0, monitor.robot.n)
-        q, rates = centre + size * np.sin(speed * t + phase), size * speed * np.cos(speed * t + phase)
+        q, rates = centre + wide * np.sin(speed * t + phase), wide * speed * np.cos(speed * t + phase)
         if min(monitor.step(row).reach for row in q[::8]) >= least + 0.05:
             return q, rates
     raise AssertionError(f"{name}: no motion that far from every singularity")
@@ -267,12 +267,17 @@ def test_arms_below_six_joints_are_not_stopped_for_ever(name: str, joints: int) 
 
 def test_a_planned_path_of_a_motoman_is_not_halted_where_nothing_is_near() -> None:
     """ros-industrial/motoman 556: an HC10DTP halts on paths that were planned; here the HC10, at 0.2 rad and more."""
-    monitor, stops = monitor_of("hc10"), 0
-    for seed in range(20):
-        q, rates = recorded("hc10", seed, monitor.start)
-        assert min(monitor.step(row, rate).scaling for row, rate in zip(q, rates, strict=True)) == 1.0
-        stops += any(condition(monitor.robot, row) >= HARD_STOP for row in q[::10])
-    assert stops >= 1
+    monitor, halted = monitor_of("hc10"), 0
+    for seed in range(60):
+        q, rates = recorded("hc10", seed, monitor.start, size=0.1)
+        if all(condition(monitor.robot, row) < HARD_STOP for row in q[::40]):
+            continue
+        halted += 1
+        for row, rate in zip(q, rates, strict=True):
+            assert monitor.step(row, rate).scaling == 1.0
+        twists = (rankdrop.jacobian(monitor.robot, row) @ rate for row, rate in zip(q, rates, strict=True))
+        assert min(servo_scaling(monitor.robot, row, twist) for row, twist in zip(q, twists, strict=True)) == 0.0
+    assert halted >= 2
 
 
 def test_leaving_is_not_slowed_where_the_rule_halts_for_ever() -> None:

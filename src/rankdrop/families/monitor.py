@@ -201,7 +201,7 @@ class Monitor:
         return {"singular": set_to.singular, "on": set_to.explained, "loose": cbrt(set_to.singular)}
 
     def header(self, mark: str | None = None) -> str:
-        """All of it as a C header for `rankdrop/monitor.hpp` and `rankdrop/monitor.h`: the constant `rankdrop_MARK_arm`.
+        """All of it as a header for `rankdrop/monitor.hpp` and `rankdrop/monitor.h`: the constant `rankdrop_MARK_arm`.
 
         Args:
             mark: part of the constant's name; else made of the robot's.

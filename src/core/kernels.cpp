@@ -212,13 +212,14 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Workspace ws(chain, m, arena);
     Pack *x = take(arena, n), *gradient = take(arena, n), *scratch = take(arena, n * m);
     Pack* room = take(arena, std::max(n, m) * std::max(n, m));
-    Pack *sine = take(arena, families.angles()), *cosine = take(arena, families.angles());
+    Pack *sine = take(arena, families.nodes()), *cosine = take(arena, families.nodes());
+    Pack* phase = take(arena, 2 * families.phases());
     const Waves<Pack> waves{sine, cosine};
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, s, ws);
-        waves_at(families, x, sine, cosine);
+        waves_at(families, x, phase, sine, cosine);
         Pack rank = fill(0.0);
         for (int i = 0; i < settings.generic; ++i)
             rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));

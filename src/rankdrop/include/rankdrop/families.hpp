@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace rankdrop {
@@ -29,9 +31,16 @@ struct Families {
     std::vector<int> pinned;          // the pinned joints
     std::vector<int> at;              // first value of every pinned joint, and the end
     std::vector<double> values;       // [rad, or the unit of the arm's lengths]
-    std::vector<char> powered{};      // of every term: has it any power (`finish`)
+    // `finish` fills in the rest: e^(i angle) as products of phases e^(i m_j q_j) and e^(-i shift), shared as they begin alike
+    std::vector<char> powered{};                    // of every term: has it any power
+    std::vector<int> phase_joint{};                 // -1: a constant
+    std::vector<double> phase_m{};                  // multiple of the joint, or the constant
+    std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
+    std::vector<int> node{};                        // of every term: e^(i angle)
 
     int angles() const { return static_cast<int>(shift.size()); }
+    int phases() const { return static_cast<int>(phase_m.size()); }
+    int nodes() const { return static_cast<int>(node_phase.size()); }
 
     // Whether the sizes agree and every index is one; then the rest is filled in.
     bool finish() {
@@ -53,7 +62,30 @@ struct Families {
         powered.assign(count, 0);
         for (std::size_t i = 0; i < powers.size(); ++i)
             if (powers[i] != 0) powered[i / n] = 1;
+        multiply_out();
         return true;
+    }
+
+    void multiply_out() {
+        std::map<std::pair<int, double>, int> phases_met;
+        std::map<std::pair<int, int>, int> nodes_met;
+        std::vector<int> leaf;
+        phase_joint.clear(), phase_m.clear(), node_before.clear(), node_phase.clear(), node.clear();
+        const auto times = [&](int before, int joint, double by) {
+            const auto [phase, fresh] = phases_met.insert({{joint, by}, phases()});
+            if (fresh) phase_joint.push_back(joint), phase_m.push_back(by);
+            const auto [product, made] = nodes_met.insert({{before, phase->second}, nodes()});
+            if (made) node_before.push_back(before), node_phase.push_back(phase->second);
+            return product->second;
+        };
+        for (std::size_t k = 0; k < shift.size(); ++k) {
+            int product = -1;
+            for (int i = turns[k]; i < turns[k + 1]; ++i)
+                product = times(product, turning[static_cast<std::size_t>(i)], m[static_cast<std::size_t>(i)]);
+            if (product < 0 || shift[k] != 0.0) product = times(product, -1, -shift[k]);
+            leaf.push_back(product);
+        }
+        for (const int k : angle) node.push_back(leaf[static_cast<std::size_t>(k)]);
     }
 };
 

@@ -65,9 +65,10 @@ class Monitor {
         if (!settings_.rates.empty() && static_cast<int>(settings_.rates.size()) != chain_.variables)
             throw std::invalid_argument("rankdrop: one rate for each variable");
         const std::size_t n = size(), m = static_cast<std::size_t>(view_.m), count = families_.corank.size() + 1;
-        const std::size_t angles = static_cast<std::size_t>(families_.angles());
+        const std::size_t nodes = static_cast<std::size_t>(families_.nodes());
         work_ = std::make_unique<Work>(chain_, view_.m);
-        sigma_.resize(std::min(m, n)), u_.resize(m * m), sine_.resize(angles), cosine_.resize(angles);
+        sigma_.resize(std::min(m, n)), u_.resize(m * m), phase_.resize(2 * static_cast<std::size_t>(families_.phases()));
+        sine_.resize(nodes), cosine_.resize(nodes);
         reach_.resize(count), residual_.resize(count), away_.resize(count * n), slope_.resize(count * n);
         inner_.resize(count * n), square_.resize(count), pull_.resize(count), active_.resize(count);
         basis_.resize(n * n), gradient_.resize(n), null_.resize(n);
@@ -132,7 +133,7 @@ class Monitor {
         out.rank = 0;
         for (int i = 0; i < settings_.generic; ++i) out.rank += sigma_[i] > settings_.singular;
         out.corank = settings_.generic - out.rank;
-        RANKDROP_ISA::waves_of_one(families_, q, sine_.data(), cosine_.data());
+        RANKDROP_ISA::waves_of_one(families_, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
         const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, [&](int family) {
             const auto one = RANKDROP_ISA::apart<double>(families_, family, q, waves, gradient_.data(), away_.data() + family * n);
@@ -354,7 +355,7 @@ class Monitor {
     std::string name_;
     std::vector<std::string> ids_, names_;
     std::unique_ptr<Work> work_;
-    std::vector<double> sigma_, u_, sine_, cosine_, reach_, residual_;
+    std::vector<double> sigma_, u_, phase_, sine_, cosine_, reach_, residual_;
     std::vector<double> away_, slope_, inner_;  // (families + 1, n) gradients of reach: by scaled variables, by q, internal
     std::vector<double> square_, pull_, basis_, gradient_, null_;
     std::vector<char> active_;

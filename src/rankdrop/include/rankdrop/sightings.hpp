@@ -19,34 +19,48 @@ inline T power(T x, int exponent) {
 template <class T>
 using Said = std::conditional_t<std::is_same_v<T, double>, bool, Mask>;
 
-// Sines and cosines of all angles that occur in the equations.
+// Sines and cosines of all products of phases (`Families::nodes`).
 template <class T>
 struct Waves {
     const T *sine, *cosine;
 };
 
+// `phase`: sines of all phases, then their cosines.
 template <class T>
-inline T angle_at(const Families& table, int k, const T* q) {
-    T angle = T{} - table.shift[k];
-    for (int i = table.turns[k]; i < table.turns[k + 1]; ++i) angle = angle + q[table.turning[i]] * table.m[i];
-    return angle;
+inline void multiply(const Families& table, const T* phase, T* sine, T* cosine) {
+    for (int k = 0; k < table.nodes(); ++k) {
+        const int before = table.node_before[k], last = table.node_phase[k];
+        const T s = phase[last], c = phase[table.phases() + last];
+        sine[k] = before < 0 ? s : sine[before] * c + cosine[before] * s;
+        cosine[k] = before < 0 ? c : cosine[before] * c - sine[before] * s;
+    }
+}
+
+template <class T>
+inline T phase_at(const Families& table, int k, const T* q) {
+    return table.phase_joint[k] < 0 ? T{} + table.phase_m[k] : q[table.phase_joint[k]] * table.phase_m[k];
 }
 
 // One configuration in each lane.
-inline void waves_at(const Families& table, const Pack* q, Pack* sine, Pack* cosine) {
-    for (int k = 0; k < table.angles(); ++k) sincos(angle_at(table, k, q), sine[k], cosine[k]);
+inline void waves_at(const Families& table, const Pack* q, Pack* phase, Pack* sine, Pack* cosine) {
+    for (int k = 0; k < table.phases(); ++k) sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]);
+    multiply(table, phase, sine, cosine);
 }
 
-// One configuration, one angle in each lane: the same bits.
-inline void waves_of_one(const Families& table, const double* q, double* sine, double* cosine) {
-    const int count = table.angles();
+// One configuration, one phase in each lane: the same bits.
+inline void waves_of_one(const Families& table, const double* q, double* phase, double* sine, double* cosine) {
+    const int count = table.phases();
     for (int first = 0; first < count; first += W) {
         const int here = count - first < W ? count - first : W;
         Pack angle = fill(0.0), s, c;
-        for (int lane = 0; lane < here; ++lane) set(angle, lane, angle_at(table, first + lane, q));
+        for (int lane = 0; lane < here; ++lane) set(angle, lane, phase_at(table, first + lane, q));
         sincos(angle, s, c);
-        for (int lane = 0; lane < here; ++lane) sine[first + lane] = get(s, lane), cosine[first + lane] = get(c, lane);
+        for (int lane = 0; lane < here; ++lane) {
+            phase[first + lane] = get(s, lane);
+            phase[count + first + lane] = get(c, lane);
+        }
     }
+    multiply(table, phase, sine, cosine);
 }
 
 // One equation and its gradient at q.
@@ -58,8 +72,9 @@ inline T equation_at(const Families& table, int equation, const T* q, const Wave
     for (int t = table.terms[equation]; t < table.terms[equation + 1]; ++t) {
         const int k = table.angle[t];
         const int* p = table.powers.data() + (std::size_t)t * n;
-        const T wave = waves.cosine[k] * table.a[t] + waves.sine[k] * table.b[t];
-        T slope = waves.cosine[k] * table.b[t] - waves.sine[k] * table.a[t], monomial = T{} + 1.0;
+        const T sine = waves.sine[table.node[t]], cosine = waves.cosine[table.node[t]];
+        const T wave = cosine * table.a[t] + sine * table.b[t];
+        T slope = cosine * table.b[t] - sine * table.a[t], monomial = T{} + 1.0;
         if (table.powered[t]) {
             for (int j = 0; j < n; ++j)
                 if (p[j] > 0) monomial = monomial * power(q[j], p[j]);

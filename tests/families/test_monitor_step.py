@@ -195,6 +195,46 @@ def test_internal_steps_one_after_the_other_leave_the_neighbourhood(name: str, r
     assert left >= 15
 
 
+@pytest.mark.parametrize("name", REDUNDANT)
+def test_at_a_singular_configuration_there_is_no_internal_step(name: str) -> None:
+    """The null space is larger there, and most of it no motion with the end effector at rest."""
+    monitor = monitor_of(name)
+    for family in monitor.families:
+        seen = monitor.step(np.array(family.witness) + 1e-11)
+        assert seen.corank >= 1
+        assert seen.null_rate == 0.0
+        assert not seen.null_step.any()
+
+
+def steepest(goal: Array, others: Array) -> Array:
+    """goal projected on {h: others · h ≥ 0}, by trying every set of those that bind."""
+    for bits in range(2 ** len(others)):
+        on = others[[bool(bits >> i & 1) for i in range(len(others))]]
+        push = np.linalg.lstsq(on.T, -goal, rcond=None)[0]
+        h = goal + on.T @ push
+        if (push >= -1e-12).all() and (others @ h >= -1e-9).all():
+            return np.asarray(h)
+    raise AssertionError("no set binds")
+
+
+def test_of_internal_motions_the_steepest_that_approaches_nothing_is_taken(rng: np.random.Generator) -> None:
+    """Four freedoms to spare: a 7R arm of which only the position matters, among families that lie close together."""
+    found = shipped("pa10")
+    monitor, turned = Monitor(found.robot, "position", found.families, start=1.0), 0
+    for q in rng.uniform(-0.9, 0.9, (60, 7)):
+        seen, at = monitor.step(q), monitor.nearby(q)
+        null = np.linalg.svd(rankdrop.jacobian(found.robot, q)[:3])[2][3:].T
+        inside = at.away @ null @ null.T
+        near = np.flatnonzero((at.reach < 1.0) | (np.arange(len(at.reach)) == seen.nearest))
+        want = steepest(inside[seen.nearest], inside[near])
+        length = np.linalg.norm(want)
+        if length < 1e-4:
+            continue
+        np.testing.assert_allclose(seen.null_step, want / length, atol=1e-4)
+        turned += np.linalg.norm(want - inside[seen.nearest]) > 1e-3
+    assert turned >= 5
+
+
 def test_arms_without_a_joint_to_spare_have_no_internal_step(rng: np.random.Generator) -> None:
     for name in ("ur5e", "open_manipulator", "scara"):
         seen = monitor_of(name).step(rng.uniform(-2, 2, monitor_of(name).robot.n))

@@ -266,8 +266,8 @@ class Monitor:
         Raises:
             ConfigurationError: q or velocity is not one of this arm.
 
-        Source: distances that slow an approach are Faverjon and Tournassoud's (ICRA 1987); the projection is
-        Hildreth's (1957).
+        Source: distances that slow an approach are Faverjon and Tournassoud's (ICRA 1987); the projection is by Lawson
+        and Hanson's nonnegative least squares (1974).
         """
         if not (type(q) is np.ndarray and q.shape == self._shape and q.dtype == np.float64):
             q = one_configuration(self.robot, q)

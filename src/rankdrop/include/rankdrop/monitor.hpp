@@ -70,8 +70,9 @@ class Monitor {
         sigma_.resize(std::min(m, n)), u_.resize(m * m), phase_.resize(2 * static_cast<std::size_t>(families_.phases()));
         sine_.resize(nodes), cosine_.resize(nodes);
         reach_.resize(count), residual_.resize(count), away_.resize(count * n), slope_.resize(count * n);
-        inner_.resize(count * n), square_.resize(count), pull_.resize(count), active_.resize(count);
+        inner_.resize(count * n), square_.resize(count), active_.resize(count);
         basis_.resize(n * n), gradient_.resize(n), null_.resize(n);
+        held_.resize(n * n), upper_.resize(n * n), bound_.resize(n), pull_.resize(n), wish_.resize(n);
     }
 
     int variables() const { return chain_.variables; }
@@ -117,7 +118,6 @@ class Monitor {
     };
 
     static constexpr double kAlong = 1e-9;  // a share of motion that rounding makes [1]
-    static constexpr int kRounds = 200;     // of the projection on a cone
 
     std::size_t size() const { return static_cast<std::size_t>(chain_.variables); }
 
@@ -197,8 +197,8 @@ class Monitor {
         }
     }
 
-    // Internal motion: the null space in scaled variables, the gradients in it, and the projection on their cone by
-    // Hildreth's rounds. None at singular configurations, whose null space is not all motion.
+    // Internal motion: the null space in scaled variables, the gradients in it, and the projection on their cone. None at
+    // singular configurations, whose null space is not all motion.
     void step_inside(rankdrop_step& out) noexcept {
         const int n = chain_.variables, rank = settings_.generic, nearest = first();
         for (int j = 0; j < n; ++j) null_[j] = 0.0;
@@ -208,32 +208,88 @@ class Monitor {
         for (int f = 0; f < count(); ++f) {
             active_[f] = f == nearest || (reach_[f] < settings_.start && reach_[f] > settings_.on);
             if (active_[f]) project(f, columns);
-            pull_[f] = 0.0;
         }
         if (!(square_[nearest] > 1e-18)) return;
         double* h = null_.data();
         const double *goal = inner_.data() + nearest * n, size_goal = square_[nearest];
         for (int j = 0; j < n; ++j) h[j] = goal[j];
-        for (int round = 0; round < kRounds; ++round) {
-            double worst = 0.0;
-            for (int f = 0; f < count(); ++f) {
-                if (!active_[f] || !(square_[f] > 1e-18)) continue;
-                const double* g = inner_.data() + f * n;
-                double along = 0.0;
-                for (int j = 0; j < n; ++j) along += g[j] * h[j];
-                const double more = std::max(-along / square_[f], -pull_[f]);
-                if (more == 0.0) continue;
-                pull_[f] += more;
-                for (int j = 0; j < n; ++j) h[j] += more * g[j];
-                worst = std::max(worst, std::fabs(more) * square_[f]);
-            }
-            if (worst <= 1e-14 * size_goal) break;
-        }
+        project_on_cone(goal, h, size_goal);
         double square = 0.0, along = 0.0;
         for (int j = 0; j < n; ++j) square += h[j] * h[j], along += h[j] * goal[j];
         const bool leads = square > 1e-12 * size_goal && along > 0.0 && harmless(h, std::sqrt(square));
         out.null_rate = leads ? along / std::sqrt(square) : 0.0;
         for (int j = 0; j < n; ++j) h[j] = leads ? h[j] / std::sqrt(square) * families_.scale[j] : 0.0;
+    }
+
+    // h: `goal` projected on {h: g_f . h >= 0 for all active f}, by nonnegative least squares of its dual (Lawson and Hanson):
+    // h = goal + sum pull_f g_f over a set of gradients that bind, at most as many as there are internal freedoms.
+    void project_on_cone(const double* goal, double* h, double size_goal) noexcept {
+        const int n = chain_.variables, rounds = 3 * count() + 3;
+        int binding = 0;
+        for (int round = 0; round < rounds; ++round) {
+            int worst = -1;
+            double most = 1e-9 * std::sqrt(size_goal);
+            for (int f = 0; f < count(); ++f) {
+                if (!active_[f] || !(square_[f] > 1e-18)) continue;
+                double along = 0.0;
+                for (int j = 0; j < n; ++j) along -= inner_[f * n + j] * h[j];
+                along /= std::sqrt(square_[f]);
+                if (along > most) most = along, worst = f;
+            }
+            if (worst < 0 || binding == n) return;
+            bound_[binding] = worst, pull_[binding++] = 0.0;
+            for (;;) {
+                if (!solve(goal, binding)) {  // as good as parallel to those that bind
+                    active_[worst] = 0;
+                    --binding;
+                    solve(goal, binding);
+                }
+                double part = 1.0;
+                int least = -1;
+                for (int b = 0; b < binding; ++b)
+                    if (wish_[b] <= 0.0 && pull_[b] < part * (pull_[b] - wish_[b]))
+                        part = pull_[b] / (pull_[b] - wish_[b]), least = b;
+                    else if (wish_[b] <= 0.0 && pull_[b] == 0.0)
+                        part = 0.0, least = b;
+                for (int b = 0; b < binding; ++b) pull_[b] += part * (wish_[b] - pull_[b]);
+                if (least < 0) break;
+                for (int b = least + 1; b < binding; ++b) bound_[b - 1] = bound_[b], pull_[b - 1] = pull_[b];
+                --binding;
+                if (binding == 0) break;
+            }
+            for (int j = 0; j < n; ++j) h[j] = goal[j];
+            for (int b = 0; b < binding; ++b)
+                for (int j = 0; j < n; ++j) h[j] += pull_[b] * inner_[bound_[b] * n + j];
+        }
+    }
+
+    // wish: least squares of goal + sum wish_b g_b over those that bind, by Gram-Schmidt. False where they are dependent.
+    bool solve(const double* goal, int binding) noexcept {
+        const int n = chain_.variables;
+        for (int b = 0; b < binding; ++b) {
+            double* x = held_.data() + b * n;
+            const double* g = inner_.data() + bound_[b] * n;
+            for (int j = 0; j < n; ++j) x[j] = g[j];
+            for (int c = 0; c < b; ++c) {
+                const double* y = held_.data() + c * n;
+                double overlap = 0.0;
+                for (int j = 0; j < n; ++j) overlap += x[j] * y[j];
+                for (int j = 0; j < n; ++j) x[j] -= overlap * y[j];
+                upper_[c * n + b] = overlap;
+            }
+            double square = 0.0;
+            for (int j = 0; j < n; ++j) square += x[j] * x[j];
+            if (!(square > 1e-20 * square_[bound_[b]])) return false;
+            upper_[b * n + b] = std::sqrt(square);
+            for (int j = 0; j < n; ++j) x[j] /= upper_[b * n + b];
+        }
+        for (int b = binding - 1; b >= 0; --b) {
+            double sum = 0.0;
+            for (int j = 0; j < n; ++j) sum -= held_[b * n + j] * goal[j];
+            for (int c = b + 1; c < binding; ++c) sum -= upper_[b * n + c] * wish_[c];
+            wish_[b] = sum / upper_[b * n + b];
+        }
+        return true;
     }
 
     // Column i of V in scaled variables, made orthogonal to the columns before: 1 where something is left.
@@ -357,7 +413,8 @@ class Monitor {
     std::unique_ptr<Work> work_;
     std::vector<double> sigma_, u_, phase_, sine_, cosine_, reach_, residual_;
     std::vector<double> away_, slope_, inner_;  // (families + 1, n) gradients of reach: by scaled variables, by q, internal
-    std::vector<double> square_, pull_, basis_, gradient_, null_;
+    std::vector<double> square_, basis_, gradient_, null_, held_, upper_, pull_, wish_;
+    std::vector<int> bound_;
     std::vector<char> active_;
 };
 

@@ -11,7 +11,6 @@ import numpy as np
 
 import rankdrop
 from rankdrop.certify.ball import certified_radius
-from rankdrop.families.monitor import Monitor
 from rankdrop.results.known import known_analysis
 from rankdrop.task import resolve_task
 
@@ -30,7 +29,7 @@ path = np.stack([np.interp(t, time, column) for column in corners.T], axis=1)  #
 arm = rankdrop.open_robot("ur5")
 task = resolve_task(None, arm)
 families = known_analysis(arm, task).families
-seen = Monitor(arm, task, families).look(path)
+seen = rankdrop.Monitor(arm, task, families).look(path)
 for i in range(0, 301, 50):
     name = families[seen.nearest[i]].name
     print(f"t = {t[i]:.1f} s  σ6 = {seen.sigma[i, -1]:.4f}  about {seen.distance[i]:.2f} rad from: {name}")

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
-    "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "_core": 0,
+    "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0,
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
     "local": 3,

@@ -14,25 +14,9 @@ std::unique_ptr<Chain> make_chain(const In2& screws, const std::vector<int>& tur
     auto chain = std::make_unique<Chain>();
     chain->variables = variables;
     for (std::size_t i = 0; i < joints; ++i) {
-        JointConstants joint{};
-        const double* s = screws.data() + 6 * i;
-        for (int c = 0; c < 3; ++c) joint.v[c] = s[c], joint.w[c] = s[3 + c], joint.a[c] = s[c];
-        joint.turns = turns[i] != 0;
-        if (joint.turns) {
-            const double *w = joint.w, *v = joint.v;
-            const double along = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
-            const double wv[3] = {w[1] * v[2] - w[2] * v[1], w[2] * v[0] - w[0] * v[2], w[0] * v[1] - w[1] * v[0]};
-            for (int c = 0; c < 3; ++c) {
-                joint.b[c] = wv[c];
-                joint.c[c] = w[c] * along - v[c];
-                joint.a[c] = w[c] * along;
-            }
-        }
-        joint.variable = variable[i];
-        if (joint.variable < 0 || joint.variable >= variables) throw nb::value_error("variable out of range");
-        joint.multiplier = multiplier.data()[i];
-        joint.offset = offset.data()[i];
-        chain->joints.push_back(joint);
+        if (variable[i] < 0 || variable[i] >= variables) throw nb::value_error("variable out of range");
+        chain->joints.push_back(
+            joint_constants(screws.data() + 6 * i, turns[i] != 0, variable[i], multiplier.data()[i], offset.data()[i]));
     }
     for (std::size_t link = 0; link < joints + 2; ++link) {
         const double* t = frames.data() + 16 * link;

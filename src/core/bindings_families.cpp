@@ -2,6 +2,7 @@
 #include "bindings.hpp"
 
 #include "readable.hpp"
+#include "watcher.hpp"
 
 namespace rankdrop {
 namespace {
@@ -34,30 +35,24 @@ nb::object readable_bases(const In3& bases) {
     return out.give();
 }
 
-std::unique_ptr<Families> make_families(int variables, const std::vector<double>& m, const std::vector<double>& shift,
-                                        const std::vector<double>& a, const std::vector<double>& b,
-                                        const std::vector<int>& powers, const std::vector<int>& terms,
-                                        const std::vector<int>& equations, const std::vector<int>& corank,
-                                        const std::vector<double>& scale, const std::vector<int>& periodic,
-                                        const std::vector<int>& coupled, const std::vector<int>& pins,
-                                        const std::vector<int>& pinned, const std::vector<int>& at,
-                                        const std::vector<double>& values) {
-    const std::size_t count = shift.size(), n = variables;
-    const auto rising = [](const std::vector<int>& starts, std::size_t end) {
-        return !starts.empty() && starts.front() == 0 && starts.back() == (int)end && std::is_sorted(starts.begin(), starts.end());
-    };
-    if (a.size() != count || b.size() != count || m.size() != count * n || powers.size() != count * n || scale.size() != n ||
-        !rising(terms, count) || !rising(equations, terms.size() - 1) || equations.size() != corank.size() + 1 ||
-        periodic.size() != n || coupled.size() + 1 != terms.size() || pins.size() != equations.size() ||
-        !rising(pins, pinned.size()) || at.size() != pinned.size() + 1 || !rising(at, values.size()) ||
-        std::any_of(pinned.begin(), pinned.end(), [&](int j) { return j < 0 || j >= variables; }))
-        throw nb::value_error("sizes of the families' arrays do not agree");
-    return std::make_unique<Families>(Families{variables, m, shift, a, b, powers, terms, equations, corank, scale,
-                                               periodic, coupled, pins, pinned, at, values});
+std::unique_ptr<Families> make_families(int variables, const std::vector<double>& shift, const std::vector<int>& turns,
+                                        const std::vector<int>& turning, const std::vector<double>& m,
+                                        const std::vector<int>& angle, const std::vector<double>& a,
+                                        const std::vector<double>& b, const std::vector<int>& powers,
+                                        const std::vector<int>& terms, const std::vector<int>& equations,
+                                        const std::vector<int>& corank, const std::vector<double>& scale,
+                                        const std::vector<int>& periodic, const std::vector<int>& coupled,
+                                        const std::vector<int>& pins, const std::vector<int>& pinned,
+                                        const std::vector<int>& at, const std::vector<double>& values) {
+    auto families = std::make_unique<Families>(Families{variables, shift, turns, turning, m, angle, a, b, powers, terms,
+                                                        equations, corank, scale, periodic, coupled, pins, pinned, at, values});
+    if (!families->finish()) throw nb::value_error("sizes of the families' arrays do not agree");
+    return families;
 }
 
-std::unique_ptr<MonitorSettings> make_monitor_settings(int generic, double singular, double on, double loose) {
-    return std::make_unique<MonitorSettings>(MonitorSettings{generic, singular, on, loose});
+std::unique_ptr<MonitorSettings> make_monitor_settings(int generic, double singular, double on, double loose, double start,
+                                                       double stop, bool beyond, const std::vector<double>& rates) {
+    return std::make_unique<MonitorSettings>(MonitorSettings{generic, singular, on, loose, start, stop, beyond, rates});
 }
 
 void fit(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings) {
@@ -84,20 +79,34 @@ nb::object monitor(const Chain& chain, const View& view, const Families& familie
                           distance.give());
 }
 
-// One configuration; None for a q that is not finite. As for `jacobian_one`, the narrowest lanes give the same bits.
-nb::object monitor_one(const Chain& chain, const View& view, const Families& families, const In1& q,
-                       const MonitorSettings& settings) {
+std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, const Families& families,
+                                      const MonitorSettings& settings) {
     fit(chain, view, families, settings);
-    const std::size_t m = static_cast<std::size_t>(view.m), n = static_cast<std::size_t>(chain.variables), s = std::min(m, n);
-    if (q.shape(0) != n) throw nb::value_error("q has the wrong shape");
-    for (std::size_t j = 0; j < n; ++j)
-        if (!std::isfinite(q.data()[j])) return nb::none();
-    Result<double> sigma({s}), u({m, m});
-    double residual, distance;
-    std::int32_t rank, family, nearest;
-    const SightingsOutput out{sigma.data(), u.data(), nullptr, &residual, &distance, &rank, &family, &nearest};
-    narrowest().monitor(chain, view, families, settings, q.data(), 0, 1, out);
-    return nb::make_tuple(sigma.give(), rank, family, nearest, residual, u.give(), distance);
+    return std::make_unique<Watcher>(chain, view, families, settings);
+}
+
+// One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step.
+nb::object watch(Watcher& watcher, const In1& q, const std::optional<In1>& velocity) {
+    const std::size_t m = static_cast<std::size_t>(watcher.rows()), n = static_cast<std::size_t>(watcher.variables()),
+                      s = std::min(m, n);
+    if (q.shape(0) != n || (velocity && velocity->shape(0) != n)) throw nb::value_error("q or velocity has the wrong shape");
+    rankdrop_step seen;
+    if (!watcher.step(q.data(), velocity ? velocity->data() : nullptr, seen)) return nb::none();
+    Result<double> arrays({s + m * m + n});
+    double* next = std::copy_n(seen.sigma, s, arrays.data());
+    next = std::copy_n(seen.u, m * m, next);
+    std::copy_n(seen.null_step, n, next);
+    return nb::make_tuple(arrays.give(), seen.rank, seen.corank, seen.family, seen.nearest, seen.residual, seen.distance,
+                          seen.reach, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate);
+}
+
+// Of every family at the last step: reach (F), residual (F), and the gradient of the reach by q (F, n).
+nb::object apart(const Watcher& watcher) {
+    const std::size_t count = static_cast<std::size_t>(watcher.families()), n = static_cast<std::size_t>(watcher.variables());
+    Result<double> reach({count}), residual({count}), away({count, n});
+    for (std::size_t f = 0; f < count; ++f)
+        watcher.family(static_cast<int>(f), reach.data() + f, residual.data() + f, away.data() + f * n);
+    return nb::make_tuple(reach.give(), residual.give(), away.give());
 }
 
 }  // namespace
@@ -105,17 +114,19 @@ nb::object monitor_one(const Chain& chain, const View& view, const Families& fam
 void bind_families(nb::module_& module) {
     nb::class_<Families>(module, "Families").def_ro("variables", &Families::variables);
     module.def("readable", &readable_bases, nb::arg("bases"));
-    module.def("make_families", &make_families, nb::kw_only(), nb::arg("variables"), nb::arg("m"), nb::arg("shift"),
-               nb::arg("a"), nb::arg("b"), nb::arg("powers"), nb::arg("terms"), nb::arg("equations"), nb::arg("corank"),
-               nb::arg("scale"), nb::arg("periodic"), nb::arg("coupled"), nb::arg("pins"), nb::arg("pinned"), nb::arg("at"),
-               nb::arg("values"));
+    module.def("make_families", &make_families, nb::kw_only(), nb::arg("variables"), nb::arg("shift"), nb::arg("turns"),
+               nb::arg("turning"), nb::arg("m"), nb::arg("angle"), nb::arg("a"), nb::arg("b"), nb::arg("powers"),
+               nb::arg("terms"), nb::arg("equations"), nb::arg("corank"), nb::arg("scale"), nb::arg("periodic"),
+               nb::arg("coupled"), nb::arg("pins"), nb::arg("pinned"), nb::arg("at"), nb::arg("values"));
     nb::class_<MonitorSettings>(module, "MonitorSettings")
         .def(nb::new_(&make_monitor_settings), nb::kw_only(), nb::arg("generic"), nb::arg("singular"), nb::arg("on"),
-             nb::arg("loose"));
+             nb::arg("loose"), nb::arg("start"), nb::arg("stop"), nb::arg("beyond"), nb::arg("rates"));
     module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
-    module.def("monitor_one", &monitor_one, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
-               nb::arg("settings"));
+    nb::class_<Watcher>(module, "Watcher")
+        .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))
+        .def("step", &watch, nb::arg("q"), nb::arg("velocity").none())
+        .def("apart", &apart);
 }
 
 }  // namespace rankdrop

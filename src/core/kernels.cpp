@@ -9,8 +9,8 @@
 #include "enclosure.hpp"
 #include "nearest.hpp"
 #include "links.hpp"
-#include "monitor.hpp"
 #include "newton.hpp"
+#include "sightings.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 namespace {
@@ -212,15 +212,21 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Workspace ws(chain, m, arena);
     Pack *x = take(arena, n), *gradient = take(arena, n), *scratch = take(arena, n * m);
     Pack* room = take(arena, std::max(n, m) * std::max(n, m));
+    Pack *sine = take(arena, families.nodes()), *cosine = take(arena, families.nodes());
+    Pack* phase = take(arena, 2 * families.phases());
+    const Waves<Pack> waves{sine, cosine};
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, s, ws);
+        waves_at(families, x, phase, sine, cosine);
         Pack rank = fill(0.0);
         for (int i = 0; i < settings.generic; ++i)
             rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));
-        const Attribution met = attribute(families, settings, fill((double)settings.generic) - rank, x, gradient);
-        const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch);
+        const Attribution<Pack> met =
+            attribute<Pack>(families, settings, fill((double)settings.generic) - rank,
+                            [&](int family) { return apart<Pack>(families, family, x, waves, gradient, nullptr); });
+        const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch, gradient);
         store(ws.sigma, s, count, out.sigma + row * s, s);
         store_columns(ws.u, m, m, count, out.u + row * m * m, m * m, room);
         if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n, room);

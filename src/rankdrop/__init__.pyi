@@ -1,4 +1,5 @@
 from .errors import RankdropError as RankdropError
+from .families.monitor import Monitor as Monitor
 from .families.searching import search as search
 from .frames import Frame as Frame
 from .kinematics import jacobian as jacobian

@@ -94,8 +94,11 @@ def readable(bases: _A) -> _A: ...
 def make_families(
     *,
     variables: int,
-    m: list[float],
     shift: list[float],
+    turns: list[int],
+    turning: list[int],
+    m: list[float],
+    angle: list[int],
     a: list[float],
     b: list[float],
     powers: list[int],
@@ -112,14 +115,30 @@ def make_families(
 ) -> Families: ...
 
 class MonitorSettings:
-    def __init__(self, *, generic: int, singular: float, on: float, loose: float) -> None: ...
+    def __init__(
+        self,
+        *,
+        generic: int,
+        singular: float,
+        on: float,
+        loose: float,
+        start: float,
+        stop: float,
+        beyond: bool,
+        rates: list[float],
+    ) -> None: ...
 
 def monitor(
     chain: Chain, view: View, families: Families, q: _A, settings: MonitorSettings, *, threads: int = 0
 ) -> tuple[_A, _I, _I, _I, _A, _A, _A, _A]: ...
-def monitor_one(
-    chain: Chain, view: View, families: Families, q: _A, settings: MonitorSettings
-) -> tuple[_A, int, int, int, float, _A, float] | None: ...
+
+class Watcher:
+    def __init__(self, chain: Chain, view: View, families: Families, settings: MonitorSettings) -> None: ...
+    def step(
+        self, q: _A, velocity: _A | None
+    ) -> tuple[_A, int, int, int, int, float, float, float, float, float, float, float] | None: ...
+    def apart(self) -> tuple[_A, _A, _A]: ...
+
 def threads_kept() -> int: ...
 def instruction_sets() -> list[str]: ...
 def instruction_set() -> str: ...

@@ -88,12 +88,12 @@ def test_residuals_and_families_are_those_of_the_equations(name):
     seen = monitor.look(q)
     want = residuals(monitor, q)
     nearest, reach = want[np.arange(len(q)), seen.nearest], reaches(monitor, q)
-    # √|f| makes a difference of 1e-16 in f one of 1e-8
-    assert np.abs(reach[np.arange(len(q)), seen.nearest] - reach.min(axis=1)).max() < 3e-8
+    # √|f| makes a difference of 1e-15 in f, a few hundred terms, one of 3e-8
+    assert np.abs(reach[np.arange(len(q)), seen.nearest] - reach.min(axis=1)).max() < 1e-7
     named = seen.family >= 0
     assert named.sum() >= 4 * len(monitor.families)
     own = np.where(named, want[np.arange(len(q)), seen.family], nearest)
-    assert np.abs(own - seen.residual).max() < 3e-8
+    assert np.abs(own - seen.residual).max() < 1e-7
     coranks = np.array([family.corank for family in monitor.families])
     assert (coranks[seen.family[named]] <= seen.corank[named]).all()
     assert (seen.corank[named] > 0).all()

@@ -39,6 +39,7 @@ try:
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
     from rankdrop.cli.jacobian import jacobian
+    from rankdrop.cli.monitor import monitor
     from rankdrop.cli.nearest import nearest
     from rankdrop.cli.path import path
     from rankdrop.cli.report import report
@@ -93,6 +94,7 @@ app.command(tolerant)
 app.command(path)
 app.command(aspects)
 app.command(through)
+app.command(monitor)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -5,22 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cbrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
+from rankdrop.families.arm_header import arm_header
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 Index = NDArray[np.int32]
+Tables = dict[str, Any]
+"""Families as lists by name."""
+_Seen = tuple[Array, int, int, int, int, float, float, float, float, float, float, float]
+
+START, STOP = 0.2, 0.02  # distances at which motion towards a family is slowed, and stopped [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,18 +62,72 @@ class Sightings:
     distance: Array
 
 
-@dataclass(slots=True)
 class Sighting:
-    """What a monitor sees at one configuration: as `Sightings`, without its first axis and without v."""
+    """What a monitor sees at one configuration.
 
-    sigma: Array
-    rank: int
-    corank: int
-    family: int
-    nearest: int
-    residual: float
-    u: Array
-    distance: float
+    Attributes:
+        rank, corank, family, nearest, residual, distance: as in `Sightings`.
+        reach: distance to `nearest` [rad; metres divided by the length scale]: what the pinned joints have to turn,
+            exactly, and the coupled ones to first order. Where some family has no conditions, or none is given, it is
+            `distance` if that is smaller. inf where there is neither.
+        approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.
+        scaling: 0 to 1, what the motion is to be multiplied by (`Monitor.step`).
+        rate_scaling: 0 to 1, what it is to be multiplied by for all joint rates to keep their limits.
+        null_rate: 0 to 1, how much of `null_step` leads away from the nearest family; 0 where there is no such step.
+    """
+
+    __slots__ = ("_arrays", "_m", "_s", "approach", "corank", "distance", "family", "nearest", "null_rate", "rank",
+                 "rate_scaling", "reach", "residual", "scaling")  # fmt: skip
+
+    def __init__(self, seen: _Seen, s: int, m: int, numbers: Sequence[int]) -> None:
+        (self._arrays, self.rank, self.corank, family, nearest, self.residual, self.distance, self.reach, self.approach,
+         self.scaling, self.rate_scaling, self.null_rate) = seen  # fmt: skip
+        self.family, self.nearest = numbers[family], numbers[nearest]
+        self._s, self._m = s, m
+
+    @property
+    def sigma(self) -> Array:
+        """(min(m, n)) singular values of the task Jacobian, descending [1]."""
+        return self._arrays[: self._s]
+
+    @property
+    def u(self) -> Array:
+        """(m, m) left singular vectors as columns."""
+        return self._arrays[self._s : self._s + self._m * self._m].reshape(self._m, self._m)
+
+    @property
+    def lost(self) -> Array:
+        """(m, m − rank) directions of the task that are lost, as columns, weakest last."""
+        return self.u[:, self.rank :]
+
+    @property
+    def null_step(self) -> Array:
+        """(n) internal motion away from the nearest family, of length 1 in scaled joint variables, or zeros
+        (`Monitor.step`) [rad or m].
+        """
+        return self._arrays[self._s + self._m * self._m :]
+
+    def __repr__(self) -> str:
+        return (
+            f"Sighting(rank={self.rank}, corank={self.corank}, family={self.family}, nearest={self.nearest}, "
+            f"reach={self.reach:.6g}, scaling={self.scaling:.6g}, rate_scaling={self.rate_scaling:.6g})"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearby:
+    """All families at one configuration, in the order of `Monitor.families`; nan for those without conditions.
+
+    Attributes:
+        reach: (F) distance to each: pinned joints exactly, coupled ones to first order [rad].
+        residual: (F) largest |f|/|∇f| over its equations [rad].
+        away: (F, n) gradient of `reach` by q: d(reach)/dt = away · q̇, positive for motions that leave; zeros on the
+            family itself [1; 1 over the length scale for slides].
+    """
+
+    reach: Array
+    residual: Array
+    away: Array
 
 
 class Monitor:
@@ -74,38 +135,78 @@ class Monitor:
 
     Args:
         robot: the arm.
-        task: from `resolve_task`.
-        families: of this arm and task (`Analysis.families`); those without equations are never named.
+        task: what the end effector has to do, as in `analyze`; None for the task the arm is made for.
+        families: of this arm and task (`Analysis.families`); those without equations are never named, σ's first-order
+            distance stands for them.
         tolerances: `singular` decides the rank, `explained` how near a singular configuration has to be to a family.
             Where none of the same corank is, the nearest one counts up to the cube root of `singular`: where sheets
             cross, σ is of second or third order in the distance. `Sightings.residual` says how far it is.
+        start, stop: distances at which motion towards a family begins to be slowed, and is stopped (`step`) [rad].
+        rates: (n) largest joint rates [rad/s or m/s]; None for those of the robot.
+
+    One monitor serves one thread at a time.
 
     Raises:
-        OptionError: a family of an arm with another number of joints.
+        OptionError: a family of an arm with another number of joints; start not above stop, or stop below zero; rates
+            that are no n positive numbers.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
-        >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("pa10")
-        >>> seen = Monitor(arm, resolve_task(None, arm), ()).look([[0.0] * 7, [0.1, 0.5, 0.2, 0.9, 0.3, 0.8, 0.0]])
+        >>> seen = Monitor(arm, None, ()).look([[0.0] * 7, [0.1, 0.5, 0.2, 0.9, 0.3, 0.8, 0.0]])
         >>> seen.corank.tolist(), seen.family.tolist()
         ([3, 0], [-1, -1])
     """
 
-    def __init__(self, robot: Robot, task: Task, families: Sequence[Family], tolerances: Tolerances = DEFAULT) -> None:
-        self.robot, self.task, self.families = robot, task, tuple(families)
-        self.generic_rank = generic_rank(robot, task)
+    def __init__(
+        self, robot: Robot, task: Task | str | Sequence[str] | None, families: Sequence[Family],
+        tolerances: Tolerances = DEFAULT, *, start: float = START, stop: float = STOP, rates: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
+        check_robot(robot)
+        self.robot, self.task, self.families = robot, resolve_task(task, robot), tuple(families)
+        self.generic_rank = generic_rank(robot, self.task)
         self.tolerances = tolerances
+        self.start, self.stop = _thresholds(start, stop)
+        self.rates = _rates(robot, rates)
         usable = [i for i, family in enumerate(self.families) if family.equations]
         order = sorted(usable, key=lambda i: (-self.families[i].corank, self.families[i].dimension, i))
+        self.beyond = len(usable) < len(self.families) or not usable
+        """Whether there may be singularities beyond the families' conditions."""
         self._numbers = [*order, -1]  # number in the core -> index; the core's −1 finds the last entry
         self._order = np.array(self._numbers, dtype=np.int32)
-        self._table = compiled([self.families[i] for i in order], robot, task)
-        self._chain, self._view = chain_of(robot), task_view(robot, task)
+        self._table = compiled(self.watched, robot, self.task)
+        self._chain, self._view = chain_of(robot), task_view(robot, self.task)
         self._settings = _core.MonitorSettings(
-            generic=self.generic_rank, singular=tolerances.singular, on=tolerances.explained,
-            loose=cbrt(tolerances.singular),
-        )  # fmt: skip
+            generic=self.generic_rank, **self.settings, start=self.start, stop=self.stop, beyond=self.beyond,
+            rates=self.rates.tolist(),
+        )
+        self._watcher = _core.Watcher(self._chain, self._view, self._table, self._settings)
+        self._shape = (robot.n,)
+        self._s, self._m = min(self.task.m, robot.n), self.task.m
+
+    @property
+    def watched(self) -> tuple[Family, ...]:
+        """The families with conditions, in the order in which they are preferred."""
+        return tuple(self.families[i] for i in self._numbers[:-1])
+
+    @property
+    def tables(self) -> Tables:
+        """Their conditions as lists by name."""
+        return tables_of(self.watched, self.robot, self.task)
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """What counts as zero, and as on a family, by the core's names."""
+        set_to = self.tolerances
+        return {"singular": set_to.singular, "on": set_to.explained, "loose": cbrt(set_to.singular)}
+
+    def header(self, mark: str | None = None) -> str:
+        """All of it as a header for `rankdrop/monitor.hpp` and `rankdrop/monitor.h`: the constant `rankdrop_MARK_arm`.
+
+        Args:
+            mark: part of the constant's name; else made of the robot's.
+        """
+        return arm_header(self, mark=mark)
 
     def look(self, Q: ArrayLike, threads: int = 0) -> Sightings:
         """All of it for configurations Q.
@@ -126,21 +227,74 @@ class Monitor:
         )
 
     def look_one(self, q: ArrayLike) -> Sighting:
-        """All of it for one configuration (n,), by the shortest way.
+        """All of it for one configuration (n,), by the shortest way; `step` without a motion.
 
         Raises:
             ConfigurationError: q is not one configuration of this arm.
         """
-        if not (type(q) is np.ndarray and q.shape == (self.robot.n,) and q.dtype == np.float64):
+        return self.step(q)
+
+    def step(self, q: ArrayLike, velocity: ArrayLike | None = None) -> Sighting:
+        """One step of a control loop: what is seen at q, how fast the motion may go on, and an internal motion away.
+
+        With x = velocity/scale, joint by joint (scale: 1 for angles, the length scale for slides), and for every family
+        its distance d (`reach`) and the gradient g of d by the scaled variables,
+
+            c = max(0, −g·x/‖x‖)                  share of the motion that leads towards the family
+            k = (d − stop)/(start − stop), kept within 0 … 1
+            1/s = 1 − c + c/k,                    scaling = the least s of all families
+
+        A motion away from every family, or along it, is not slowed, at whatever corank: s = 1. One straight towards a
+        family goes at s = k, so that it comes to rest at `stop`; s has no jump where the motion turns, except at `stop`
+        and nearer. At d ≤ `tolerances.explained` every motion leads away: an arm that stands on a singularity is let
+        go. Distances are in joint space: neither units nor the number of joints matter, as they do to a condition
+        number.
+
+        `rate_scaling` = min(1, min_j rates_j/|velocity_j|) keeps joint rates, for motions that leave too: near a
+        singularity a slow end effector may need fast joints. Multiply the motion by the smaller of the two.
+
+        `null_step`, of arms with more joints than the task's rank r: with P the projection on the null space in scaled
+        variables, the projection of P g of the nearest family on the cone {h: P g_f·h ≥ 0 for all families f nearer
+        than `start`}, at length 1: the steepest internal motion away from the nearest one that approaches none of the
+        others. Zeros where there is none, and at singular configurations, whose null space is more than internal
+        motions (`escape` says what leads out of them).
+
+        Args:
+            q: (n,) [rad or m].
+            velocity: (n,) joint rates that are about to be commanded [rad/s or m/s]; None for none.
+
+        Raises:
+            ConfigurationError: q or velocity is not one of this arm.
+
+        Source: distances that slow an approach are Faverjon and Tournassoud's (ICRA 1987); the projection is by Lawson
+        and Hanson's nonnegative least squares (1974).
+        """
+        if not (type(q) is np.ndarray and q.shape == self._shape and q.dtype == np.float64):
             q = one_configuration(self.robot, q)
-        seen = _core.monitor_one(self._chain, self._view, self._table, q, self._settings)
+        if velocity is not None and not (
+            type(velocity) is np.ndarray and velocity.shape == self._shape and velocity.dtype == np.float64
+        ):
+            velocity = one_configuration(self.robot, velocity)
+        seen = self._watcher.step(q, velocity)
         if seen is None:
             one_configuration(self.robot, q)  # says which value is not finite
+            if velocity is not None:
+                one_configuration(self.robot, velocity)
             raise AssertionError("the core and the check disagree")
-        sigma, rank, family, nearest, residual, u, distance = seen
-        return Sighting(
-            sigma, rank, self.generic_rank - rank, self._numbers[family], self._numbers[nearest], residual, u, distance
-        )
+        return Sighting(seen, self._s, self._m, self._numbers)
+
+    def nearby(self, q: ArrayLike) -> Nearby:
+        """Distance to every family at one configuration (n,), and where it grows.
+
+        Raises:
+            ConfigurationError: q is not one configuration of this arm.
+        """
+        self.step(one_configuration(self.robot, q))
+        reach, residual, away = self._watcher.apart()
+        order, count = self._order[:-1], len(self.families)
+        found = Nearby(np.full(count, np.nan), np.full(count, np.nan), np.full((count, self.robot.n), np.nan))
+        found.reach[order], found.residual[order], found.away[order] = reach, residual, away
+        return found
 
 
 def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Families:
@@ -149,8 +303,17 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
     Raises:
         OptionError: an equation with another number of joints than the arm.
     """
-    m: list[float] = []
-    shift: list[float] = []
+    return _core.make_families(**tables_of(families, robot, task))
+
+
+def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
+    """The same as lists by name, as `_core.make_families` takes them and an exported arm holds them.
+
+    Raises:
+        OptionError: an equation with another number of joints than the arm.
+    """
+    numbers: dict[tuple[tuple[float, ...], float], int] = {}  # an angle, by its joints' multiples and its shift
+    angle: list[int] = []
     a: list[float] = []
     b: list[float] = []
     powers: list[int] = []
@@ -163,12 +326,12 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
         for equation in family.equations:
             _check(equation, family, robot)
             table = equation.tables
-            m += table.multiples.reshape(-1).tolist()
-            shift += table.shift.tolist()
+            for m, shift in zip(table.multiples.tolist(), table.shift.tolist(), strict=True):
+                angle.append(numbers.setdefault((tuple(m), shift), len(numbers)))
             a += table.cosine.tolist()
             b += table.sine.tolist()
             powers += table.powers.reshape(-1).astype(int).tolist()
-            terms.append(len(shift))
+            terms.append(len(angle))
             coupled.append(int(not held.issuperset(equation.joints)))
         equations.append(len(terms) - 1)
         for one in family.pinned:
@@ -176,13 +339,15 @@ def compiled(families: Sequence[Family], robot: Robot, task: Task) -> _core.Fami
             values += one.values
             at.append(len(values))
         pins.append(len(pinned))
-    corank = [family.corank for family in families]
-    scale = joint_scale(robot, task).tolist()
-    return _core.make_families(
-        variables=robot.n, m=m, shift=shift, a=a, b=b, powers=powers, terms=terms, equations=equations, corank=corank,
-        scale=scale, periodic=robot.periodic.astype(int).tolist(), coupled=coupled, pins=pins, pinned=pinned, at=at,
-        values=values,
-    )  # fmt: skip
+    turning = [[(j, x) for j, x in enumerate(m) if x] for m, _ in numbers]
+    return {
+        "variables": robot.n, "shift": [shift for _, shift in numbers],
+        "turns": np.cumsum([0, *map(len, turning)]).tolist(), "turning": [j for row in turning for j, _ in row],
+        "m": [x for row in turning for _, x in row], "angle": angle, "a": a, "b": b, "powers": powers, "terms": terms,
+        "equations": equations, "corank": [family.corank for family in families],
+        "scale": joint_scale(robot, task).tolist(), "periodic": robot.periodic.astype(int).tolist(),
+        "coupled": coupled, "pins": pins, "pinned": pinned, "at": at, "values": values,
+    }  # fmt: skip
 
 
 def _check(equation: Equation, family: Family, robot: Robot) -> None:
@@ -191,3 +356,18 @@ def _check(equation: Equation, family: Family, robot: Robot) -> None:
             "the family is of an arm with another number of joints", where=f"family {family.id}", got=equation.n,
             allowed=f"{robot.n}, as robot {robot.name!r} has",
         )
+
+
+def _thresholds(start: float, stop: float) -> tuple[float, float]:
+    if not (np.isfinite(start) and 0.0 <= stop < start):
+        raise OptionError("motion is slowed before it is stopped", where="start, stop", got=f"{start}, {stop}",
+                          allowed="0 ≤ stop < start [rad]")  # fmt: skip
+    return float(start), float(stop)
+
+
+def _rates(robot: Robot, rates: ArrayLike | None) -> Array:
+    found = np.array([joint.velocity for joint in robot.variables] if rates is None else rates, dtype=np.float64)
+    if found.shape != (robot.n,) or not (found > 0.0).all():
+        raise OptionError("these are no joint rates", where="rates", got=np.asarray(rates).tolist(),
+                          allowed=f"{robot.n} positive numbers")  # fmt: skip
+    return found

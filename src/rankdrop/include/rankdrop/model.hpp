@@ -14,6 +14,23 @@ struct JointConstants {
     double multiplier, offset;    // joint value = multiplier * q[variable] + offset
 };
 
+// Constants of the joint with this screw, linear part first, at q = 0.
+inline JointConstants joint_constants(const double* screw, bool turns, int variable, double multiplier, double offset) {
+    JointConstants joint{};
+    for (int c = 0; c < 3; ++c) joint.v[c] = screw[c], joint.w[c] = screw[3 + c], joint.a[c] = screw[c];
+    joint.turns = turns, joint.variable = variable, joint.multiplier = multiplier, joint.offset = offset;
+    if (!turns) return joint;
+    const double *w = joint.w, *v = joint.v;
+    const double along = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
+    const double wv[3] = {w[1] * v[2] - w[2] * v[1], w[2] * v[0] - w[0] * v[2], w[0] * v[1] - w[1] * v[0]};
+    for (int c = 0; c < 3; ++c) {
+        joint.b[c] = wv[c];
+        joint.c[c] = w[c] * along - v[c];
+        joint.a[c] = w[c] * along;
+    }
+    return joint;
+}
+
 struct Chain {
     std::vector<JointConstants> joints;
     std::vector<double> frames;   // (joints + 2) poses at q = 0, 12 numbers each (rotation by rows, then translation)

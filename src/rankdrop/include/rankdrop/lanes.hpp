@@ -58,6 +58,14 @@ inline Pack to_unit(Pack x) {
 }
 #endif
 
+#if RANKDROP_WIDTH > 1
+// the same of one number, for code that serves packs and single configurations
+inline double select(bool mask, double yes, double no) { return mask ? yes : no; }
+inline double abs(double x) { return std::fabs(x); }
+inline double max(double a, double b) { return a > b ? a : b; }
+inline double min(double a, double b) { return a < b ? a : b; }
+inline double sqrt(double x) { return std::sqrt(x); }
+#endif
 inline Pack select(Mask mask, Pack yes, Pack no) { return mask ? yes : no; }
 inline Pack abs(Pack x) { return select(x < fill(0.0), -x, x); }
 inline Pack max(Pack a, Pack b) { return select(a > b, a, b); }

@@ -1,0 +1,109 @@
+// Families of singular configurations as flat tables of numbers, and what a monitor says of each configuration.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace rankdrop {
+
+// Equations f = sum_t (a_t cos(m_k . q - shift_k) + b_t sin(m_k . q - shift_k)) prod_j q_j^p_tj with k = angle_t. Families
+// stand in the order in which they are preferred.
+struct Families {
+    int variables = 0;
+    std::vector<double> shift;        // of every angle
+    std::vector<int> turns;           // first joint that turns every angle, and the end
+    std::vector<int> turning;         // these joints
+    std::vector<double> m;            // and by how much
+    std::vector<int> angle;           // of every term
+    std::vector<double> a, b;         // (terms)
+    std::vector<int> powers;          // (terms, n)
+    std::vector<int> terms;           // first term of every equation, and the end
+    std::vector<int> equations;       // first equation of every family, and the end
+    std::vector<int> corank;          // of every family
+    std::vector<double> scale;        // (n) what a joint motion is measured by: 1, or the length scale
+    std::vector<int> periodic;        // (n) 1: a turn of 2 pi is no motion
+    std::vector<int> coupled;         // of every equation: 0 where pinned joints alone say it
+    std::vector<int> pins;            // first pinned joint of every family, and the end
+    std::vector<int> pinned;          // the pinned joints
+    std::vector<int> at;              // first value of every pinned joint, and the end
+    std::vector<double> values;       // [rad, or the unit of the arm's lengths]
+    // `finish` fills in the rest: e^(i angle) as products of phases e^(i m_j q_j) and e^(-i shift), shared as they begin alike
+    std::vector<char> powered{};                    // of every term: has it any power
+    std::vector<int> phase_joint{};                 // -1: a constant
+    std::vector<double> phase_m{};                  // multiple of the joint, or the constant
+    std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
+    std::vector<int> node{};                        // of every term: e^(i angle)
+
+    int angles() const { return static_cast<int>(shift.size()); }
+    int phases() const { return static_cast<int>(phase_m.size()); }
+    int nodes() const { return static_cast<int>(node_phase.size()); }
+
+    // Whether the sizes agree and every index is one; then the rest is filled in.
+    bool finish() {
+        const std::size_t n = static_cast<std::size_t>(variables), count = a.size();
+        const auto rising = [](const std::vector<int>& starts, std::size_t end) {
+            return !starts.empty() && starts.front() == 0 && starts.back() == static_cast<int>(end) &&
+                   std::is_sorted(starts.begin(), starts.end());
+        };
+        const auto within = [](const std::vector<int>& numbers, int end) {
+            return std::all_of(numbers.begin(), numbers.end(), [&](int one) { return one >= 0 && one < end; });
+        };
+        if (variables < 1 || b.size() != count || angle.size() != count || powers.size() != count * n || scale.size() != n ||
+            periodic.size() != n || turns.size() != shift.size() + 1 || !rising(turns, turning.size()) ||
+            m.size() != turning.size() || !within(turning, variables) || !within(angle, angles()) || !rising(terms, count) ||
+            !rising(equations, terms.size() - 1) || equations.size() != corank.size() + 1 ||
+            coupled.size() + 1 != terms.size() || pins.size() != equations.size() || !rising(pins, pinned.size()) ||
+            at.size() != pinned.size() + 1 || !rising(at, values.size()) || !within(pinned, variables))
+            return false;
+        powered.assign(count, 0);
+        for (std::size_t i = 0; i < powers.size(); ++i)
+            if (powers[i] != 0) powered[i / n] = 1;
+        multiply_out();
+        return true;
+    }
+
+    void multiply_out() {
+        std::map<std::pair<int, double>, int> phases_met;
+        std::map<std::pair<int, int>, int> nodes_met;
+        std::vector<int> leaf;
+        phase_joint.clear(), phase_m.clear(), node_before.clear(), node_phase.clear(), node.clear();
+        const auto times = [&](int before, int joint, double by) {
+            const auto [phase, fresh] = phases_met.insert({{joint, by}, phases()});
+            if (fresh) phase_joint.push_back(joint), phase_m.push_back(by);
+            const auto [product, made] = nodes_met.insert({{before, phase->second}, nodes()});
+            if (made) node_before.push_back(before), node_phase.push_back(phase->second);
+            return product->second;
+        };
+        for (std::size_t k = 0; k < shift.size(); ++k) {
+            int product = -1;
+            for (int i = turns[k]; i < turns[k + 1]; ++i)
+                product = times(product, turning[static_cast<std::size_t>(i)], m[static_cast<std::size_t>(i)]);
+            if (product < 0 || shift[k] != 0.0) product = times(product, -1, -shift[k]);
+            leaf.push_back(product);
+        }
+        for (const int k : angle) node.push_back(leaf[static_cast<std::size_t>(k)]);
+    }
+};
+
+struct MonitorSettings {
+    int generic = 0;            // generic rank
+    double singular = 1e-9;     // sigma at or below: zero
+    double on = 1e-5;           // a singular configuration with a smaller residual lies on the family [rad]
+    double loose = 1e-3;        // where none of its corank does: the nearest one of its corank, up to here [rad]
+    double start = 0.2;         // motion towards a family is slowed nearer than this [rad]
+    double stop = 0.02;         // and stopped nearer than this [rad]
+    bool beyond = false;        // there may be singularities beyond the families: sigma's first-order distance counts
+    std::vector<double> rates{};  // (n) largest joint rates, infinite for none; or empty
+};
+
+// Rows are configurations; `v` may be null.
+struct SightingsOutput {
+    double *sigma, *u, *v, *residual, *distance;
+    std::int32_t *rank, *family, *nearest;
+};
+
+}  // namespace rankdrop

@@ -1,0 +1,138 @@
+"""The headers for C and C++: the example is built, and says what Python says, bit for bit or nearly so."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop import Monitor
+from rankdrop.cli.main import run
+from rankdrop.families.arm_header import FORMAT
+from rankdrop.headers import get_cmake_dir, get_include, main
+from rankdrop.results.known import shipped
+from rankdrop.robot.model import Array
+
+ROOT = Path(__file__).resolve().parents[2]
+ARMS = ("pa10", "ur5e", "open_manipulator")
+COMPILER = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
+needs_compiler = pytest.mark.skipif(
+    COMPILER is None or shutil.which("cmake") is None or shutil.which("cc") is None,
+    reason="no C++ compiler, C compiler or CMake on the PATH",
+)
+SETTINGS = {"CC", "CXX", "HOME", "LANG", "PATH", "PYTHONPATH", "TMPDIR", "VIRTUAL_ENV"}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the example's programs."""
+    folder = tmp_path_factory.mktemp("cpp")
+    environment = {name: value for name, value in os.environ.items() if name in SETTINGS}
+    configure = ["cmake", "-S", str(ROOT / "examples" / "cpp"), "-B", str(folder), f"-Drankdrop_DIR={get_cmake_dir()}",
+                 f"-DPython_EXECUTABLE={sys.executable}", f"-DROBOTS={';'.join(ARMS)}", "-DCMAKE_BUILD_TYPE=Release",
+                 "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror"]  # fmt: skip
+    for command in (configure, ["cmake", "--build", str(folder)]):
+        done = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def rows_of(monitor: Monitor) -> Array:
+    """100 rows of q and joint rates: on a family, near one, anywhere."""
+    rng, n = np.random.default_rng(7), monitor.robot.n
+    rows = rng.uniform(-3.0, 3.0, (100, 2 * n))
+    witnesses = np.array([family.witness for family in monitor.watched])
+    rows[:70, :n] = witnesses[np.arange(70) % len(witnesses)]
+    rows[20:70, :n] += rng.normal(size=(50, n)) * 0.05
+    return rows
+
+
+def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]:
+    """What the example prints of one row, from Python."""
+    seen, at = monitor.step(q, rates), monitor.nearby(q)
+    of = {i: family.id for i, family in enumerate(monitor.families)} | {-1: "none"}
+    order = [monitor.families.index(family) for family in monitor.watched]
+    each = np.concatenate([at.reach[order, None], at.residual[order, None], at.away[order]], axis=1)
+    numbers = [seen.residual, seen.distance, seen.reach, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate]
+    words = [of[seen.nearest], of[seen.family], str(seen.rank), str(seen.corank)]
+    return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
+
+
+@needs_compiler
+@pytest.mark.parametrize("program", ["watch", "watch_c"])
+@pytest.mark.parametrize("name", ARMS)
+def test_cpp_and_c_say_what_python_says(built: Path, name: str, program: str) -> None:
+    """To 1e-12, on 100 rows; and no step in C++ allocates (the program would end with 3)."""
+    found = shipped(name)
+    monitor = Monitor(found.robot, found.task, found.families)
+    rows = rows_of(monitor)
+    text = "\n".join(" ".join(repr(float(value)) for value in row) for row in rows)
+    done = subprocess.run([built / program, name], input=text, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert len(lines) == 100
+    n, slowed = monitor.robot.n, 0
+    for row, line in zip(rows, lines, strict=True):
+        words = line.split()
+        want, numbers = said_by(monitor, row[:n], row[n:])
+        assert words[:4] == want
+        np.testing.assert_allclose(np.array(words[4:], dtype=float), numbers, rtol=1e-12, atol=1e-12)
+        slowed += float(words[8]) < 1.0
+    assert slowed >= 10
+
+
+@needs_compiler
+def test_an_unknown_arm_ends_with_2(built: Path) -> None:
+    for program in ("watch", "watch_c"):
+        assert subprocess.run([built / program, "nobody"], input="", capture_output=True, text=True).returncode == 2
+
+
+def test_the_header_says_which_format_it_is_of() -> None:
+    text = (Path(get_include()) / "rankdrop" / "monitor.h").read_text(encoding="utf-8")
+    assert f"#define RANKDROP_ARM_FORMAT {FORMAT}\n" in text
+
+
+def test_the_fields_of_an_arm_stand_in_the_order_of_the_header() -> None:
+    """The constant is written without names of fields, so that C++17 reads it."""
+    text = (Path(get_include()) / "rankdrop" / "monitor.h").read_text(encoding="utf-8")
+    body = text[text.index("typedef struct rankdrop_arm {") : text.index("} rankdrop_arm;")]
+    declared = []
+    for line in body.splitlines()[1:]:
+        line = line.split("/*")[0].strip().rstrip(";")
+        line = line.removeprefix("const ").removeprefix("char").removeprefix("int").removeprefix("double")
+        declared += [name.replace("const", "").strip(" *") for name in line.split(",") if name.strip(" *")]
+    found = shipped("pa10")
+    written = Monitor(found.robot, found.task, found.families).header()
+    constant = written[written.index("static const rankdrop_arm ") :]
+    names = [line.split("/*")[1].strip(" */") for line in constant.splitlines() if "/*" in line]
+    assert names == declared
+
+
+def test_folders_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--include-dir"]) == 0
+    assert (Path(capsys.readouterr().out.strip()) / "rankdrop" / "monitor.hpp").is_file()
+    assert main(["--cmake-dir"]) == 0
+    assert (Path(capsys.readouterr().out.strip()) / "rankdropConfig.cmake").is_file()
+    assert main([]) == 2
+    assert "--cmake-dir" in capsys.readouterr().err
+
+
+def test_the_command_writes_the_header(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "arm.h"
+    words = ["monitor", "scara", "--header", str(target), "--start", "10deg", "--stop", "1deg", "--mark", "2nd arm"]
+    assert run(words) == 0
+    text = target.read_text(encoding="utf-8")
+    assert "static const rankdrop_arm rankdrop_2nd_arm_arm = {" in text
+    found = shipped("scara")
+    written = Monitor(found.robot, found.task, found.families, start=np.radians(10), stop=np.radians(1))
+    assert text == written.header("2nd arm")
+    assert run(["monitor", "scara", "--header", str(target), "--start", "1deg", "--stop", "2deg"]) == 2
+    assert "0 ≤ stop < start" in capsys.readouterr().err
+    assert run(["monitor", "scara", "--header", str(target), "--stop", "2mm"]) == 2
+    assert "--stop" in capsys.readouterr().err
+    assert target.read_text(encoding="utf-8") == text

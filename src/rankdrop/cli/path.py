@@ -32,6 +32,7 @@ def path(
     analysis: str | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 2_000_000,
+    topic: str | None = None,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: str | None = None,
@@ -48,14 +49,15 @@ def path(
         rankdrop path panda plan.yaml --interpolate cubic --min-distance 5deg
         rankdrop path ur5e programs/ --json paths.json
         rankdrop path puma560 weld.npz --figure weld.svg
+        rankdrop path ur10e recorded.mcap --topic /joint_states
 
     Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
     touching, too near, or undecided; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, or JSON or YAML of a
-            JointTrajectory; or folders of these.
+        files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
+            JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these.
         deg: Angles without a unit are in degrees.
         interpolate: What the controller makes of the samples: straight lines, cubics through the velocities, or
             quintics through the accelerations too.
@@ -64,6 +66,7 @@ def path(
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
         limits: Distances to singularities within the joint limits only.
         evaluations: Enclosures that one path may cost; about 10 microseconds each.
+        topic: Of a bag in which several have joint values (JointState, JointTrajectory).
         full: Every stretch, not the ten worst.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
@@ -84,7 +87,7 @@ def path(
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, report)
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, report)
 
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
@@ -118,17 +121,17 @@ def _files(names: tuple[str, ...]) -> list[Path]:
     from pathlib import Path
 
     from rankdrop.errors import OptionError
-    from rankdrop.motion import ENDINGS
+    from rankdrop.motion import ENDINGS, is_bag, trajectories_in
 
     if not names:
         raise OptionError("no file is named", where="FILE", allowed="trajectory files, or folders of them",
                           mend="rankdrop path ROBOT FILE")  # fmt: skip
     found: list[Path] = []
     for name in names:
-        if not Path(name).is_dir():
+        if not Path(name).is_dir() or is_bag(Path(name)):
             found.append(Path(name))
             continue
-        inside = sorted(one for one in Path(name).iterdir() if one.suffix.lower() in ENDINGS and one.is_file())
+        inside = trajectories_in(Path(name))
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=name, allowed=", ".join(ENDINGS))
         found += inside
@@ -152,11 +155,11 @@ def _distance(text: str, figure: str | None, count: int) -> float:
 
 def _check(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, report: Report,
+    limits: bool, evaluations: int, deg: bool, topic: str | None, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.motion import check_path, read_trajectory
 
-    read = read_trajectory(file, robot, deg=deg)
+    read = read_trajectory(file, robot, deg=deg, topic=topic)
     _warn(read, robot, deg=deg)
     return check_path(
         robot, read.q, read.times if read.timed else None, velocities=read.velocities,
@@ -174,6 +177,8 @@ def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
     hint = unit_hint(read.q, robot, deg=deg)
     if hint is not None:
         say(f"warning: {read.name}: {hint}{'' if deg else '; --deg reads them as degrees'}")
+    for note in read.notes:
+        say(f"{read.name}: {note}")
     if read.unused:
         say(f"{read.name}: not used: {', '.join(read.unused)}")
 

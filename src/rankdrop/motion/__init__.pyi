@@ -1,3 +1,4 @@
+from .bag_file import is_bag as is_bag
 from .check import check_path as check_path
 from .csv_file import parse_trajectory as parse_trajectory
 from .data import CROSSING as CROSSING
@@ -12,6 +13,7 @@ from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
+from .read import trajectories_in as trajectories_in
 from .result import PathCheck as PathCheck
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint

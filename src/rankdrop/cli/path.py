@@ -33,6 +33,7 @@ def path(
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 2_000_000,
     topic: str | None = None,
+    start: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: str | None = None,
@@ -50,6 +51,7 @@ def path(
         rankdrop path ur5e programs/ --json paths.json
         rankdrop path puma560 weld.npz --figure weld.svg
         rankdrop path ur10e recorded.mcap --topic /joint_states
+        rankdrop path ur5e poses.csv --start "0,-90deg,90deg,0,90deg,0"
 
     Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
     touching, too near, or undecided; 2: bad input.
@@ -57,7 +59,9 @@ def path(
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
-            JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these.
+            JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
+            the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
+            with poses.
         deg: Angles without a unit are in degrees.
         interpolate: What the controller makes of the samples: straight lines, cubics through the velocities, or
             quintics through the accelerations too.
@@ -67,6 +71,8 @@ def path(
         limits: Distances to singularities within the joint limits only.
         evaluations: Enclosures that one path may cost; about 10 microseconds each.
         topic: Of a bag in which several have joint values (JointState, JointTrajectory).
+        start: Configuration near the first pose: which branch of the inverse kinematics. Default: of those found, the
+            one nearest to zero.
         full: Every stretch, not the ten worst.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
@@ -87,7 +93,7 @@ def path(
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, report)
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, report)
 
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
@@ -155,10 +161,15 @@ def _distance(text: str, figure: str | None, count: int) -> float:
 
 def _check(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, topic: str | None, report: Report,
+    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None, report: Report,
 ) -> PathCheck:  # fmt: skip
-    from rankdrop.motion import check_path, read_trajectory
+    from rankdrop.errors import OptionError
+    from rankdrop.motion import check_path, holds_poses, read_trajectory
 
+    if topic is None and holds_poses(file, robot):
+        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, report)
+    if start is not None:
+        raise OptionError("a start is for poses of the tip, these are joint values", where="--start", got=start)
     read = read_trajectory(file, robot, deg=deg, topic=topic)
     _warn(read, robot, deg=deg)
     return check_path(
@@ -167,6 +178,37 @@ def _check(
         analysis=analysis, evaluations=evaluations,
         progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
     )  # fmt: skip
+
+
+def _check_poses(
+    file: Path, robot: Robot, task: Task, analysis: Analysis | None, min_distance: float, limits: bool,
+    evaluations: int, deg: bool, start: str | None, report: Report,
+) -> PathCheck:  # fmt: skip
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.terminal import say
+    from rankdrop.errors import ConfigurationError, TaskError
+    from rankdrop.motion import check_poses, length_hint, read_poses
+    from rankdrop.reach import reach
+
+    read = read_poses(file, deg=deg)
+    if not read.turned and max(task.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", where=str(file), got=task.name,
+                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
+    hint = length_hint(read, reach(robot))
+    if hint is not None:
+        say(f"warning: {read.name}: {hint}")
+    if read.unused:
+        say(f"{read.name}: not used: {', '.join(read.unused)}")
+    first = None if start is None else parse_configuration(start, robot, deg=deg, option="--start")
+    try:
+        return check_poses(
+            robot, read.matrices, read.times, start=first, task=task, min_distance=min_distance, limits=limits,
+            analysis=analysis, evaluations=evaluations,
+            progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
+        )  # fmt: skip
+    except ConfigurationError as error:
+        raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
+                                 mend=error.mend, typed=error.typed) from error  # fmt: skip
 
 
 def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:

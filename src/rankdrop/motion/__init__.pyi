@@ -1,4 +1,5 @@
 from .bag_file import is_bag as is_bag
+from .cartesian import check_poses as check_poses
 from .check import check_path as check_path
 from .csv_file import parse_trajectory as parse_trajectory
 from .data import CROSSING as CROSSING
@@ -7,10 +8,15 @@ from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
 from .data import PathData as PathData
 from .data import Place as Place
+from .data import ToolMotion as ToolMotion
 from .many import Judged as Judged
 from .many import judged as judged
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
+from .pose_file import Poses as Poses
+from .pose_file import holds_poses as holds_poses
+from .pose_file import length_hint as length_hint
+from .pose_file import read_poses as read_poses
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .read import trajectories_in as trajectories_in

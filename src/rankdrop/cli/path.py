@@ -37,6 +37,7 @@ def path(
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: str | None = None,
+    html: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -76,6 +77,7 @@ def path(
         full: Every stretch, not the ten worst.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
+        html: Write a page that stands alone, with the arm playing the path: .html.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
@@ -86,10 +88,11 @@ def path(
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
-    check_different({"--json": json, "--figure": figure})
+    check_target(html, "--html", (".html", ".htm"))
+    check_different({"--json": json, "--figure": figure, "--html": html})
     model, task = open_arm(robot, arm)
     found = _files(files)
-    least = _distance(min_distance, figure, len(found))
+    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html})
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
@@ -105,6 +108,8 @@ def path(
             steps.append(lambda: write_json(result.to_dict(), json))
         if figure is not None:
             steps.append(lambda: _draw(result, figure))
+        if html is not None:
+            steps.append(lambda: _page(result, html))
         do_all(steps)
         return _code(result)
     with reporter(quiet=quiet) as report:
@@ -144,12 +149,14 @@ def _files(names: tuple[str, ...]) -> list[Path]:
     return found
 
 
-def _distance(text: str, figure: str | None, count: int) -> float:
+def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
     from rankdrop.errors import OptionError, RobotError
     from rankdrop.robot import quantity
 
-    if figure is not None and count > 1:
-        raise OptionError("a figure is of one path", where="--figure", got=f"{count} files", mend="name one file")
+    for option, target in of_one.items():
+        if target is not None and count > 1:
+            what = f"a {option[2:].replace('html', 'page')} is of one path"
+            raise OptionError(what, where=option, got=f"{count} files", mend="name one file")
     try:
         value = quantity(text, "angle", where="--min-distance")
     except RobotError as error:
@@ -246,6 +253,13 @@ def _draw(result: PathCheck, target: str) -> None:
     from rankdrop.report.path_figure import path_figure
 
     write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
+
+
+def _page(result: PathCheck, target: str) -> None:
+    from rankdrop.cli.files import write_text
+    from rankdrop.report.path_page import path_page
+
+    write_text(path_page(result), target)
 
 
 def _code(result: PathCheck) -> int:

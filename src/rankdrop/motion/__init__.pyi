@@ -4,6 +4,7 @@ from .check import check_path as check_path
 from .csv_file import parse_trajectory as parse_trajectory
 from .data import CROSSING as CROSSING
 from .data import FREE as FREE
+from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
 from .data import PathData as PathData

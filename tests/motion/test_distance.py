@@ -7,23 +7,61 @@ import pytest
 
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.motion.distance import distances
+from rankdrop.motion.distance import Ruler, distances
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.units import in_metres, task_in_metres
 
-ARMS = ("ur5", "puma560", "pa10", "panda", "canadarm2", "iiwa14", "sawyer", "m10ia", "stanford", "xarm6")
+ARMS = ("ur5", "puma560", "pa10", "panda", "canadarm2", "gen3", "sawyer", "rizon4", "stanford", "xarm6")
+
+
+def compared(name: str, count: int, seed: int) -> np.ndarray:
+    """Ratios of distance to what the search finds; the bound from below is held on the way."""
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    q = sample(arm, task, count, seed)
+    found = distances(known_analysis(arm, task).families, arm, q, task)
+    far = found.nearest()[1]
+    searched = np.array([nearest_singularity(arm, one, task).distance for one in q])
+    assert (found.at_least <= np.minimum(far, searched)).all()
+    assert found.at_least.min() > 0.0
+    return far / searched
 
 
 @pytest.mark.parametrize("name", ARMS)
 def test_distances_agree_with_the_search(name: str) -> None:
-    arm = open_robot(name)
-    task = resolve_task(None, arm)
-    q = sample(arm, task, 60, 31)
-    far = distances(known_analysis(arm, task).families, arm, q, task).nearest()[1]
-    ratio = far / [nearest_singularity(arm, one, task).distance for one in q]
+    ratio = compared(name, 60, 31)
     assert (np.abs(ratio - 1) < 0.05).mean() >= 0.95
-    assert (ratio > 1.2).mean() <= 0.03  # none is the aim; Canadarm2, Sawyer, Gen3 and Rizon 4 miss it in 1 to 3 %
+    assert ratio.max() < 1.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ARMS)
+def test_distances_agree_with_the_search_a_thousand_times(name: str) -> None:
+    ratio = compared(name, 1000, 41)
+    assert (np.abs(ratio - 1) < 0.05).mean() >= 0.95
+    assert ratio.max() < 1.2
+
+
+def test_where_a_family_is_near_by_another_way_it_is_credited() -> None:
+    arm = open_robot("gen3")  # its family of corank 1 has too many terms to be walked on by itself
+    task = resolve_task(None, arm)
+    families = known_analysis(arm, task).families
+    found = distances(families, arm, sample(arm, task, 20, 34), task)
+    first = [k for k, one in enumerate(families) if one.corank == 1]
+    assert (found.nearest()[0] == first[0]).mean() >= 0.9
+
+
+def test_along_a_path_the_feet_of_neighbours_are_tried() -> None:
+    arm = in_metres(open_robot("gen3"))
+    task = task_in_metres(resolve_task(None, arm), arm)
+    ruler = Ruler(known_analysis(arm, task).families, arm, task, starts=(0, 0))
+    ends = sample(arm, task, 2, 35)
+    q = ends[0] + np.linspace(0, 1, 60)[:, None] * (ends[1] - ends[0])
+    alone, along = ruler.measure(q).nearest()[1], ruler.measure(q, along=True).nearest()[1]
+    assert (along <= alone + 1e-12).all()
+    assert (along < 0.99 * alone).sum() >= 3
 
 
 @pytest.mark.parametrize("name", ["ur5", "panda", "stanford", "gen3"])

@@ -33,10 +33,13 @@ def path(
     analysis: str | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 2_000_000,
+    topic: str | None = None,
+    start: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     figure: str | None = None,
     mend: MendOptions = NO_MENDING,
+    html: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -51,14 +54,18 @@ def path(
         rankdrop path ur5e programs/ --json paths.json
         rankdrop path puma560 weld.npz --figure weld.svg
         rankdrop path ur5e pick.csv --tool-tilt 10deg --fixed mended.csv
+        rankdrop path ur10e recorded.mcap --topic /joint_states
+        rankdrop path ur5e poses.csv --start "0,-90deg,90deg,0,90deg,0"
 
     Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
     touching, too near, or undecided, whatever remedies there are; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, or JSON or YAML of a
-            JointTrajectory; or folders of these.
+        files: CSV (joints by name or q1 ... qn, a time column if there is one), .npy, .npz, JSON or YAML of a
+            JointTrajectory, or ROS bags (.bag, .db3, .mcap, the folder of a recording); or folders of these. Poses of
+            the tip, joined by straight moves: CSV with x, y, z and qx, qy, qz, qw or roll, pitch, yaw, or JSON or YAML
+            with poses.
         deg: Angles without a unit are in degrees.
         interpolate: What the controller makes of the samples: straight lines, cubics through the velocities, or
             quintics through the accelerations too.
@@ -67,9 +74,13 @@ def path(
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
         limits: Distances to singularities within the joint limits only.
         evaluations: Enclosures that one path may cost; about 10 microseconds each.
+        topic: Of a bag in which several have joint values (JointState, JointTrajectory).
+        start: Configuration near the first pose: which branch of the inverse kinematics. Default: of those found, the
+            one nearest to zero.
         full: Every stretch, not the ten worst.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
+        html: Write a page that stands alone, with the arm playing the path: .html.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
@@ -80,15 +91,16 @@ def path(
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
-    check_different({"--json": json, "--figure": figure, "--fixed": mend.fixed})
+    check_target(html, "--html", (".html", ".htm"))
+    check_different({"--json": json, "--figure": figure, "--html": html, "--fixed": mend.fixed})
     found = _files(files)
     bounds = check_options(mend, len(found))
     model, task = open_arm(robot, arm)
-    least = _distance(min_distance, figure, len(found))
+    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html})
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, report)
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, report)
 
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
@@ -103,6 +115,8 @@ def path(
             steps.append(lambda: write_fixed(remedies, str(mend.fixed)))
         if figure is not None:
             steps.append(lambda: _draw(result, figure))
+        if html is not None:
+            steps.append(lambda: _page(result, html))
         do_all(steps)
         return _code(result, remedies)
     with reporter(quiet=quiet) as report:
@@ -125,29 +139,31 @@ def _files(names: tuple[str, ...]) -> list[Path]:
     from pathlib import Path
 
     from rankdrop.errors import OptionError
-    from rankdrop.motion import ENDINGS
+    from rankdrop.motion import ENDINGS, is_bag, trajectories_in
 
     if not names:
         raise OptionError("no file is named", where="FILE", allowed="trajectory files, or folders of them",
                           mend="rankdrop path ROBOT FILE")  # fmt: skip
     found: list[Path] = []
     for name in names:
-        if not Path(name).is_dir():
+        if not Path(name).is_dir() or is_bag(Path(name)):
             found.append(Path(name))
             continue
-        inside = sorted(one for one in Path(name).iterdir() if one.suffix.lower() in ENDINGS and one.is_file())
+        inside = trajectories_in(Path(name))
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=name, allowed=", ".join(ENDINGS))
         found += inside
     return found
 
 
-def _distance(text: str, figure: str | None, count: int) -> float:
+def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
     from rankdrop.errors import OptionError, RobotError
     from rankdrop.robot import quantity
 
-    if figure is not None and count > 1:
-        raise OptionError("a figure is of one path", where="--figure", got=f"{count} files", mend="name one file")
+    for option, target in of_one.items():
+        if target is not None and count > 1:
+            what = f"a {option[2:].replace('html', 'page')} is of one path"
+            raise OptionError(what, where=option, got=f"{count} files", mend="name one file")
     try:
         value = quantity(text, "angle", where="--min-distance")
     except RobotError as error:
@@ -159,11 +175,16 @@ def _distance(text: str, figure: str | None, count: int) -> float:
 
 def _check(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, report: Report,
+    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None, report: Report,
 ) -> PathCheck:  # fmt: skip
-    from rankdrop.motion import check_path, read_trajectory
+    from rankdrop.errors import OptionError
+    from rankdrop.motion import check_path, holds_poses, read_trajectory
 
-    read = read_trajectory(file, robot, deg=deg)
+    if topic is None and holds_poses(file, robot):
+        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, report)
+    if start is not None:
+        raise OptionError("a start is for poses of the tip, these are joint values", where="--start", got=start)
+    read = read_trajectory(file, robot, deg=deg, topic=topic)
     _warn(read, robot, deg=deg)
     return check_path(
         robot, read.q, read.times if read.timed else None, velocities=read.velocities,
@@ -171,6 +192,37 @@ def _check(
         analysis=analysis, evaluations=evaluations,
         progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
     )  # fmt: skip
+
+
+def _check_poses(
+    file: Path, robot: Robot, task: Task, analysis: Analysis | None, min_distance: float, limits: bool,
+    evaluations: int, deg: bool, start: str | None, report: Report,
+) -> PathCheck:  # fmt: skip
+    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.terminal import say
+    from rankdrop.errors import ConfigurationError, TaskError
+    from rankdrop.motion import check_poses, length_hint, read_poses
+    from rankdrop.reach import reach
+
+    read = read_poses(file, deg=deg)
+    if not read.turned and max(task.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", where=str(file), got=task.name,
+                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
+    hint = length_hint(read, reach(robot))
+    if hint is not None:
+        say(f"warning: {read.name}: {hint}")
+    if read.unused:
+        say(f"{read.name}: not used: {', '.join(read.unused)}")
+    first = None if start is None else parse_configuration(start, robot, deg=deg, option="--start")
+    try:
+        return check_poses(
+            robot, read.matrices, read.times, start=first, task=task, min_distance=min_distance, limits=limits,
+            analysis=analysis, evaluations=evaluations,
+            progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
+        )  # fmt: skip
+    except ConfigurationError as error:
+        raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
+                                 mend=error.mend, typed=error.typed) from error  # fmt: skip
 
 
 def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
@@ -181,6 +233,8 @@ def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
     hint = unit_hint(read.q, robot, deg=deg)
     if hint is not None:
         say(f"warning: {read.name}: {hint}{'' if deg else '; --deg reads them as degrees'}")
+    for note in read.notes:
+        say(f"{read.name}: {note}")
     if read.unused:
         say(f"{read.name}: not used: {', '.join(read.unused)}")
 
@@ -211,6 +265,13 @@ def _draw(result: PathCheck, target: str) -> None:
     from rankdrop.report.path_figure import path_figure
 
     write_bytes(rendered(path_figure(result), Path(target).suffix.lower()[1:]), target)
+
+
+def _page(result: PathCheck, target: str) -> None:
+    from rankdrop.cli.files import write_text
+    from rankdrop.report.path_page import path_page
+
+    write_text(path_page(result), target)
 
 
 def _code(result: PathCheck, remedies: Mending | None) -> int:

@@ -1,11 +1,15 @@
+from .bag_file import is_bag as is_bag
+from .cartesian import check_poses as check_poses
 from .check import check_path as check_path
 from .csv_file import parse_trajectory as parse_trajectory
 from .data import CROSSING as CROSSING
 from .data import FREE as FREE
+from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
 from .data import PathData as PathData
 from .data import Place as Place
+from .data import ToolMotion as ToolMotion
 from .many import Judged as Judged
 from .many import judged as judged
 from .many import many_section as many_section
@@ -20,6 +24,11 @@ from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .remedy import Remedy as Remedy
+from .pose_file import Poses as Poses
+from .pose_file import holds_poses as holds_poses
+from .pose_file import length_hint as length_hint
+from .pose_file import read_poses as read_poses
+from .read import trajectories_in as trajectories_in
 from .result import PathCheck as PathCheck
 from .time_law import through as through
 from .time_law_record import Through as Through

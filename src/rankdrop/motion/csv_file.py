@@ -25,10 +25,10 @@ from rankdrop.robot.budgets import LONGEST_HEAD, MOST_ROWS
 from rankdrop.robot.model import Array, Joint, Robot
 from rankdrop.robot.quantities import quantity
 
-_TIME = re.compile(r"(time|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
-_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
-_FACTORS = {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0), "m": 1.0, "mm": 1e-3}
-_ANGLES = {"rad", "deg", "°"}
+TIME = re.compile(r"(time|t|stamp|timestamp|seconds?)\s*([\[(_]?\s*(s|sec|seconds)\s*[\])]?)?", re.IGNORECASE)
+UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>rad|deg|°|m|mm)\s*[\])]", re.IGNORECASE)
+FACTORS = {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0), "m": 1.0, "mm": 1e-3}
+ANGLES = {"rad", "deg", "°"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +57,11 @@ def parse_trajectory(text: str, name: str, robot: Robot, *, deg: bool = False) -
     Raises:
         TrajectoryError: with file, line and column.
     """
-    rows = _rows(text, name)
+    rows = rows_of(text, name)
     if not rows:
         raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each moment")
     line, head = rows[0]
-    if all(_is_number(word) for word in head):
+    if all(is_number(word) for word in head):
         names = [joint.name for joint in robot.variables]
         if len(head) == robot.n + 1 and _rises(rows):
             names = ["time", *names]
@@ -120,10 +120,10 @@ def _block(rows: list[tuple[int, list[str]]], places: list[int], name: str, head
     if np.isfinite(values).all():
         return values
     both = list(zip(places, units, strict=True))
-    return np.array([[_float(row, place, name, number, head, unit) for place, unit in both] for number, row in rows])
+    return np.array([[number_at(row, place, name, number, head, unit) for place, unit in both] for number, row in rows])
 
 
-def _rows(text: str, name: str) -> list[tuple[int, list[str]]]:
+def rows_of(text: str, name: str) -> list[tuple[int, list[str]]]:
     """Line number and words of every row that is not empty or a comment."""
     first = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
     delimiter = max(",;\t", key=first.count)
@@ -147,7 +147,7 @@ def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list
         if len(word) > LONGEST_HEAD:
             raise TrajectoryError("the name of the column is too long", where=f"{where}, column {place + 1}",
                                   got=f"{len(word)} characters", allowed=f"at most {LONGEST_HEAD}")  # fmt: skip
-        match = _UNIT.fullmatch(word)
+        match = UNIT.fullmatch(word)
         name, unit = (match["name"], match["unit"].lower()) if match else (word, None)
         short = re.fullmatch(r"(?:q|θ|theta|joint|j)_?(\d+)", name, re.IGNORECASE)
         index = numbers.get(name, int(short[1]) - 1 if short else None)
@@ -155,7 +155,7 @@ def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list
             raise TrajectoryError("there is no such joint", where=f"{where}, column {place + 1}", got=repr(word),
                                   allowed=joint_names(robot))  # fmt: skip
         if index is None:
-            if time is None and _TIME.fullmatch(word):
+            if time is None and TIME.fullmatch(word):
                 time = place
             else:
                 unused.append(word)
@@ -175,14 +175,18 @@ def _columns(head: list[str], robot: Robot, where: str, deg: bool) -> tuple[list
 def _factor(unit: str | None, joint: Joint, where: str, deg: bool) -> float:
     if unit is None:
         return radians(1.0) if deg and joint.unit == "rad" else 1.0
-    if (unit in _ANGLES) != (joint.unit == "rad"):
+    if (unit in ANGLES) != (joint.unit == "rad"):
         raise TrajectoryError("the unit does not fit the joint", where=f"{where}, joint {joint.name!r}", got=unit,
                               allowed="rad, deg" if joint.unit == "rad" else "m, mm")  # fmt: skip
-    return _FACTORS[unit]
+    return FACTORS[unit]
 
 
-def _float(row: list[str], place: int, name: str, line: int, head: list[str], unit: str = "") -> float:
-    """One number; arithmetic with pi as on the command line is understood where it is none."""
+def number_at(row: list[str], place: int, name: str, line: int, head: list[str], unit: str = "") -> float:
+    """One number of a row; arithmetic with pi as on the command line is understood where it is none.
+
+    Raises:
+        TrajectoryError: the row is too short, it is no number, or not finite.
+    """
     label = f" ({head[place]})" if place < len(head) else ""
     where = f"{name}, line {line}, column {place + 1}{label}"
     if place >= len(row):
@@ -201,7 +205,8 @@ def _float(row: list[str], place: int, name: str, line: int, head: list[str], un
     return value
 
 
-def _is_number(word: str) -> bool:
+def is_number(word: str) -> bool:
+    """Whether a word is a plain number, nan and inf among them."""
     try:
         float(word)
     except ValueError:

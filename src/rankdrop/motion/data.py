@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -140,6 +142,37 @@ class PathSettings:
 
 
 @dataclass(frozen=True, eq=False)
+class ToolMotion:
+    """A path that was given by poses of the tip, and how its joint values were found.
+
+    Attributes:
+        poses: how many were given.
+        complete: all of them were reached.
+        reached: number of the last pose reached, from 1, with the share of the way to the next.
+        reason: why it ended: "" where complete, else "singular", "limit" or "stuck".
+        words: the same as a sentence.
+        start: (n,) configuration at the first pose.
+        chosen: which branch that is, in words.
+        place: (rows,) pose of each row, from 1, with shares.
+        off: how far the tip leaves its straight line half way between two rows, at most [m]; measured.
+    """
+
+    poses: int
+    complete: bool
+    reached: float
+    reason: str
+    words: str
+    start: tuple[float, ...]
+    chosen: str
+    place: Array
+    off: float
+
+    def pose_at(self, place: Place) -> float:
+        """Number of the pose at a place of the path, with the share of the way to the next."""
+        return float(np.interp(place.row - 1 + place.share, np.arange(len(self.place)), self.place))
+
+
+@dataclass(frozen=True, eq=False)
 class PathData:
     """A path judged.
 
@@ -161,6 +194,7 @@ class PathData:
         notes: what a reader should know, limits that are left for one.
         complete: False where it was interrupted.
         profile: for drawings.
+        tool: how joint values were found, where poses of the tip were given; else None.
     """
 
     robot: Robot
@@ -181,6 +215,7 @@ class PathData:
     notes: tuple[str, ...]
     complete: bool
     profile: Profile
+    tool: ToolMotion | None = None
 
     @property
     def holds(self) -> bool:

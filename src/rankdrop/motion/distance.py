@@ -5,10 +5,11 @@ A family of pinned joints only is nearest where each turns to its nearest value:
     q ← q0 − A⁺(f(q) + A (q0 − q)),   A = ∂f/∂q in scaled joint variables
 
 is the nearest point of the family's tangent plane at q, again and again, from q0 itself and from the points nearest to
-it of a cloud on the family. What is returned lies on the family, so a distance is never too small; it may be too large
-by what the walk has not come round to (measured against `nearest_singularity` in `tests/motion`). Where no families are
-known, or some without their conditions, or redundant arms have coupled ones, which a few walks do not search through,
-the singular set itself is walked on as well (`anywhere`).
+it of a cloud on the family. Such a walk circles where the family is curved as narrowly as it is far, and a family has
+many nearest points; so unless every family is pinned, the singular set itself is walked on as well, from more starts
+(`anywhere`), and a point that this finds counts for the families whose conditions it satisfies. What is returned is
+singular, so a distance is never too small; it may be too large by what no walk has come round to (measured against
+`nearest_singularity` in `tests/motion`). Beside it stands a bound from below, proven by one enclosure (`certify`).
 """
 
 from __future__ import annotations
@@ -21,15 +22,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop._handles import configurations
+from rankdrop.certify.ball import LARGEST, settings_of
+from rankdrop.certify.setting import enclose
+from rankdrop.errors import OptionError
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pinned, family_in_metres
 from rankdrop.family.system import REACHED, System, shortest
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
-from rankdrop.motion.anywhere import Anywhere
+from rankdrop.motion.anywhere import THOROUGH, Anywhere
 from rankdrop.motion.curve import Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
+from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
 CLOUD = 600
 """Points of a family of coupled joints that walks begin at."""
@@ -41,6 +45,8 @@ _LOST = 1e-7  # σ at a foot: equations hold there to 1e-9 [1]
 _TIE = 1e-9  # families at the same distance, to rounding [rad]
 _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
+_BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
+_SWEEPS = 3  # rounds in which the feet of neighbours are tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +59,14 @@ class Distances:
         foot: (N, F, n) the point reached, not wrapped; nan where there is none.
         anywhere: (N,) distance from the singular set, found by walking on it; inf where it was not, or not reached.
         anywhere_foot: (N, n) the point reached; nan where there is none.
+        at_least: (N,) no singular configuration, of a known family or not, is nearer: proven, 0 where nothing is.
     """
 
     distance: Array
     foot: Array
     anywhere: Array
     anywhere_foot: Array
+    at_least: Array
 
     def nearest(self) -> tuple[Index, Array]:
         """(N,) index of the nearest family and the distance; −1 where another point is nearer, or none was reached.
@@ -99,17 +107,36 @@ def distances(
         >>> far = distances(known_analysis(arm, task).families, arm, [[0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2]], task)
         >>> far.nearest()[1].round(12).tolist()  # θ4 = 0 is nearest
         [0.25]
+        >>> bool(0.0 < far.at_least[0] <= 0.25)
+        True
     """
     rows, _ = configurations(robot, q)
-    if not metre_exponent(robot):
-        return Ruler(families, robot, task, limits=limits, seed=seed).measure(rows)
-    there = Ruler(
-        [family_in_metres(family, robot) for family in families], in_metres(robot), task_in_metres(task, robot),
-        limits=limits, seed=seed,
-    ).measure(into_metres(robot, rows))  # fmt: skip
+    there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, rows)
+    known = families if there is robot else [family_in_metres(family, robot) for family in families]
+    found = Ruler(known, there, there_task, limits=limits, seed=seed).measure(moved)
+    found = replace(found, at_least=at_least(there, moved, there_task))
+    if there is robot:
+        return found
     return replace(
-        there, foot=out_of_metres(robot, there.foot), anywhere_foot=out_of_metres(robot, there.anywhere_foot)
+        found, foot=out_of_metres(robot, found.foot), anywhere_foot=out_of_metres(robot, found.anywhere_foot)
     )
+
+
+def at_least(robot: Robot, q: Array, task: Task) -> Array:
+    """(N,) radii within which no singular configuration lies, one enclosure each: proven, and rarely sharp.
+
+    Args:
+        robot: the arm, in metres.
+        q: (N, n).
+        task: from `resolve_task`; for one that cannot be certified nothing is proven, 0.
+    """
+    try:
+        settings = settings_of(robot, task)
+    except OptionError:
+        return np.zeros(len(q))
+    rows = np.ascontiguousarray(q)
+    radii = [enclose(robot, one, rows, radius=LARGEST, threads=1)[1] for one in settings]
+    return np.asarray(_BELOW * np.max(radii, axis=0))
 
 
 class Ruler:
@@ -119,19 +146,22 @@ class Ruler:
         families: of this arm and task.
         robot: the arm, in metres (`units.in_metres`).
         task, limits, seed: as in `distances`.
+        starts: of the walks on the singular set (`anywhere`); fewer do for configurations along a path.
     """
 
     def __init__(
-        self, families: Sequence[Family], robot: Robot, task: Task, *, limits: bool = False, seed: int = 0
-    ) -> None:
+        self, families: Sequence[Family], robot: Robot, task: Task, *, limits: bool = False, seed: int = 0,
+        starts: tuple[int, int] = THOROUGH,
+    ) -> None:  # fmt: skip
         self.families, self.robot = tuple(families), robot
         self.scale = joint_scale(robot, task)
         none = np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
         self.box = np.stack([robot.lower, robot.upper]) if limits else none
         first = [one for one in self.families if one.corank == 1]
-        hard = any(not one.named or not one.equations or (one.coupled and robot.n > task.m) for one in first)
-        walked = (hard or not first) and generic_rank(robot, task) > 0
-        self._anywhere = Anywhere(robot, task, self.box, seed) if walked else None
+        walked = not first or any(not one.named or one.coupled or not one.pinned for one in first)
+        walked = walked and generic_rank(robot, task) > 0
+        self.task, self._rank = task, generic_rank(robot, task)
+        self._anywhere = Anywhere(robot, task, self.box, seed, starts) if walked else None
         self._walks = {
             k: _Walk(family, robot, task, self.scale, self.box, seed)
             for k, family in enumerate(self.families)
@@ -139,27 +169,88 @@ class Ruler:
             and not (walked and sum(len(one.terms) for one in family.equations) > _LONG)
         }  # fmt: skip
 
-    def measure(self, q: Array) -> Distances:
-        """Distances of configurations (N, n) from all families, and from the singular set where it is walked on."""
+    def measure(self, q: Array, *, along: bool = False) -> Distances:
+        """Distances of configurations (N, n) from all families, and from the singular set where it is walked on.
+
+        Args:
+            q: (N, n).
+            along: they follow each other on a path: what is near to one is tried for the next, both ways.
+        """
         feet = np.full((len(q), len(self.families), self.robot.n), np.nan)
         for k in range(len(self.families)):
-            feet[:, k] = self.feet(q, k)
-        apart = np.linalg.norm((feet - q[:, None]) / self.scale, axis=2)
-        foot = self.anywhere(q)
-        far = np.linalg.norm((foot - q) / self.scale, axis=1)
-        return Distances(np.where(np.isnan(apart), np.inf, apart), feet, np.where(np.isnan(far), np.inf, far), foot)
+            feet[:, k] = self._walked_feet(q, k)
+        apart = self._far(feet, q[:, None])
+        foot = np.full(q.shape, np.nan)
+        if self._anywhere is not None:
+            foot = self._anywhere.feet(q, apart.min(axis=1, initial=np.inf))
+            if along:
+                self._from_neighbours(self._anywhere, q, foot)
+            feet = self._credited(q, feet, foot)
+        return Distances(self._far(feet, q[:, None]), feet, self._far(foot, q), foot, np.zeros(len(q)))
 
-    def anywhere(self, q: Array) -> Array:
-        """(N, n) points of the singular set near configurations (N, n); nan where it is not walked on, or not reached.
+    def feet(self, q: Array, which: int, points: Array | None = None) -> Array:
+        """(N, n) points of one family near configurations (N, n); nan where none was reached.
+
+        Args:
+            q: (N, n).
+            which: index of the family; −1: of any.
+            points: (N, n) points of it that are near, or nan; the walk begins there, too.
         """
+        feet = self._walked_feet(q, which)
         if self._anywhere is None:
-            return np.full(q.shape, np.nan)
-        return np.concatenate([q[:0], *(self._anywhere.feet(q[i : i + _BATCH]) for i in range(0, len(q), _BATCH))])
+            return feet
+        if points is None:
+            other = self._anywhere.feet(q, self._far(feet, q))
+        else:
+            nearer = self._far(self._anywhere.brought_near(points, q), q) < _CLEARLY * self._far(feet, q)
+            other = self._anywhere.from_points(q, np.where(nearer[:, None], points, np.nan))
+        if which >= 0:
+            other = np.where(self._on(which, other)[:, None], other, np.nan)
+        return np.where((self._far(other, q) < self._far(feet, q))[:, None], other, feet)
 
-    def feet(self, q: Array, which: int) -> Array:
-        """(N, n) points of one family near configurations (N, n); nan where none was reached. −1: of any."""
+    def _far(self, feet: Array, q: Array) -> Array:
+        """Distance [rad; slides scaled]; inf where there is no foot."""
+        far = np.linalg.norm((feet - q) / self.scale, axis=-1)
+        return np.where(np.isnan(far), np.inf, far)
+
+    def _from_neighbours(self, anywhere: Anywhere, q: Array, foot: Array) -> None:
+        """Walks from the feet of the configurations before and after, where these are nearer than one's own."""
+        for _ in range(_SWEEPS):
+            changed = False
+            for mine, other in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
+                points = anywhere.brought_near(foot[other], q[mine])
+                rows = np.flatnonzero(self._far(points, q[mine]) < _CLEARLY * self._far(foot[mine], q[mine]))
+                ends = anywhere.from_points(q[mine][rows], points[rows])
+                better = self._far(ends, q[mine][rows]) < self._far(foot[mine][rows], q[mine][rows])
+                foot[mine][rows[better]] = ends[better]
+                changed |= bool(better.any())
+            if not changed:
+                break
+
+    def _credited(self, q: Array, feet: Array, foot: Array) -> Array:
+        """Points of the singular set as feet on the families whose conditions hold there, where they are nearer."""
+        far = self._far(foot, q)
+        for k in range(len(self.families)):
+            rows = np.flatnonzero(far < self._far(feet[:, k], q))
+            rows = rows[self._on(k, foot[rows])]
+            feet[rows, k] = foot[rows]
+        return feet
+
+    def _on(self, which: int, points: Array) -> NDArray[np.bool_]:
+        """(N,) whether a family's conditions hold at points (N, n), which have its rank; False at nan."""
+        family = self.families[which]
+        there = np.asarray(np.isfinite(points).all(axis=1))
+        if not family.named or not family.equations or not there.any():
+            return np.zeros(len(points), dtype=np.bool_)
+        rows = np.flatnonzero(there)
+        rows = rows[np.abs(System(family.equations).values(points[rows])).max(axis=1) <= REACHED]
+        rows = rows[singular_values(self.robot, points[rows], self.task)[:, self._rank - family.corank] <= _LOST]
+        return np.isin(np.arange(len(points)), rows)
+
+    def _walked_feet(self, q: Array, which: int) -> Array:
+        """(N, n) points of a family by its own conditions; nan where none was reached, and of any (−1)."""
         if which < 0:
-            return self.anywhere(q)
+            return np.full(q.shape, np.nan)
         family = self.families[which]
         if which in self._walks:
             return np.concatenate(

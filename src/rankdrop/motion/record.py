@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.data import CROSSING, TOUCHING, PathData, Place, Stretch
+from rankdrop.motion.data import CROSSING, TOUCHING, PathData, Place, Stretch, ToolMotion
 from rankdrop.results.codec import Record, plain, robot_to_dict
 
 SCHEMA = "rankdrop/path/1"
@@ -32,6 +32,14 @@ def path_to_dict(found: PathData) -> Record:
         "source": found.source,
         "notes": list(found.notes),
         "complete": found.complete,
+        "tool": None if found.tool is None else _tool(found.tool),
+    }  # fmt: skip
+
+
+def _tool(tool: ToolMotion) -> Record:
+    return {
+        "poses": tool.poses, "complete": tool.complete, "reached": tool.reached, "reason": tool.reason,
+        "words": tool.words, "start": list(tool.start), "chosen": tool.chosen, "off": tool.off,
     }  # fmt: skip
 
 

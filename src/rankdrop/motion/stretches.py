@@ -19,6 +19,7 @@ from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.local.screws import words
+from rankdrop.motion.anywhere import QUICK
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
 from rankdrop.motion.distance import Ruler
@@ -75,7 +76,8 @@ class Survey:
         self._limits = rate_limits(self.robot)
         self._rates = self._largest_rates()
         self._near = self._outer()
-        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.settings.limits)
+        self._ruler = Ruler(self._near, self.robot, self.task, limits=self.settings.limits, starts=QUICK)
+        self._feet = np.empty((0, self.robot.n))
         self.profile = self._profile()
 
     def _outer(self) -> tuple[Family, ...]:
@@ -100,7 +102,7 @@ class Survey:
         positions = self._positions()
         stretch, share = self._split(positions)
         q = self.path.at(stretch, share)
-        family, distance = self._nearest(q)
+        family, distance, self._feet = self._nearest(q, along=True)
         sigma = singular_values(self.robot, q, self.task)
         rates = np.full(len(q), np.nan)
         if self._rates is not None and np.isfinite(self._limits).any():
@@ -126,10 +128,14 @@ class Survey:
         stretch = np.clip(np.floor(positions), 0, len(self.path.control) - 1).astype(np.int64)
         return stretch, positions - stretch
 
-    def _nearest(self, q: Array) -> tuple[Index, Array]:
-        """Index of the nearest family, −1 where another point is nearer, and the distance; nan where none is known."""
-        family, least = self._ruler.measure(q).nearest()
-        return family, np.where(np.isfinite(least), least, np.nan)
+    def _nearest(self, q: Array, *, along: bool = False) -> tuple[Index, Array, Array]:
+        """Index of the nearest family, −1 where another point is nearer, the distance and the point; nan without."""
+        found = self._ruler.measure(q, along=along)
+        family, least = found.nearest()
+        feet = found.anywhere_foot.copy()
+        rows = np.flatnonzero(family >= 0)
+        feet[rows] = found.foot[rows, family[rows]]
+        return family, np.where(np.isfinite(least), least, np.nan), feet
 
     def stretches(self, met: Sequence[Meeting]) -> tuple[Stretch, ...]:
         """All parts of the path, worst first: by verdict, then by distance."""
@@ -181,12 +187,12 @@ class Survey:
         if len(without) > _SPOTS:
             note = f"distances are searched on {_SPOTS} of {len(without)} free stretches: no families are known"
             self.notes = (*self.notes, note)
-        for k, (start, end, family, _) in enumerate(parts):
+        for k, (start, end, family, row) in enumerate(parts):
             place = self._place(best[k])
             q = self.path.at(np.array([place[0]]), np.array([place[1]]))[0]
             name, number, foot, distance = "", "", np.zeros(0), np.inf
             if family >= 0:
-                foot = self._ruler.feet(q[None], family)[0]
+                foot = self._ruler.feet(q[None], family, self._feet[row][None])[0]
                 distance = float(np.linalg.norm((foot - q) / self._scale))
                 number, name = self._near[family].id, self._near[family].name
             elif k in searched:
@@ -201,12 +207,14 @@ class Survey:
         best = np.array([np.clip(at[k], self._position(a), self._position(b)) for a, b, _, k in parts])
         low = np.array([max(at[max(k - 1, 0)], self._position(a)) for a, _, _, k in parts])
         high = np.array([min(at[min(k + 1, len(at) - 1)], self._position(b)) for _, b, _, k in parts])
+        near = self._feet[[k for _, _, _, k in parts]]  # (parts, n)
         for family in {part[2] for part in parts}:
             mine = np.flatnonzero([part[2] == family for part in parts])
             for _ in range(_ZOOMS):
                 grid = np.linspace(low[mine], high[mine], _NEAR, axis=1)
                 q = self.path.at(*self._split(grid.reshape(-1)))
-                values = np.linalg.norm((self._ruler.feet(q, family) - q) / self._scale, axis=1)
+                feet = self._ruler.feet(q, family, near[mine].repeat(_NEAR, axis=0))
+                values = np.linalg.norm((feet - q) / self._scale, axis=1)
                 if np.isnan(values).all():
                     values = singular_values(self.robot, q, self.task)[:, self._rank - 1]
                 k = np.where(np.isnan(values), np.inf, values).reshape(grid.shape).argmin(axis=1)
@@ -242,10 +250,10 @@ class Survey:
                 lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
         distance, foot = 0.0, one.q
         if one.kind == UNDECIDED:
-            family, far = self._nearest(one.q[None])
+            family, far, feet = self._nearest(one.q[None])
             distance, foot = np.inf, np.zeros(0)
             if family[0] >= 0:
-                distance, foot = float(far[0]), self._ruler.feet(one.q[None], int(family[0]))[0]
+                distance, foot = float(far[0]), feet[0]
                 number, name = self._near[family[0]].id, self._near[family[0]].name
         closest = Closest(self._told(one.at), one.q, distance, foot, self._sigma(one.q), self._weak(one.at, one.q))
         return self._stretch(

@@ -31,6 +31,7 @@ class Trajectory:
         timed: whether the file gives times.
         unused: columns or joints of the file that this arm does not have.
         velocities, accelerations: (T, n) [rad/s, rad/s², m …]; None where the file has none.
+        notes: what a reader should know of how the file was read.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Trajectory:
     unused: tuple[str, ...]
     velocities: Array | None = None
     accelerations: Array | None = None
+    notes: tuple[str, ...] = ()
 
     def at(self, time: float) -> Array:
         """(n,) joint values at a time [s], straight between rows, held before the first and after the last."""

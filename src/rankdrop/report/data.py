@@ -15,6 +15,7 @@ from rankdrop.reach import reach
 from rankdrop.report.content import Content
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
+from rankdrop.task import Task
 
 LIVE = 1e-7
 """σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""
@@ -26,10 +27,10 @@ def page_data(content: Content) -> dict[str, Any]:
     analysis = content.analysis
     blame = zip(analysis.families, content.blamed, content.blame_words, strict=True)
     return {
-        "robot": _robot(analysis),
+        "robot": robot_data(analysis.robot, analysis.task),
         "generic_rank": analysis.generic_rank,
         "live_tolerance": LIVE,
-        "view": _view(analysis.robot),
+        "view": first_view(analysis.robot),
         "families": [_family(family, numbers, words) for family, numbers, words in blame],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
     }
@@ -45,8 +46,8 @@ def slider_range(analysis: Analysis, index: int) -> tuple[float, float]:
     return min(low, *at), max(high, *at)
 
 
-def _robot(analysis: Analysis) -> dict[str, Any]:
-    robot, task = analysis.robot, analysis.task
+def robot_data(robot: Robot, task: Task) -> dict[str, Any]:
+    """The chain and the task as the page's kinematics take them."""
     index = {joint.name: i for i, joint in enumerate(robot.variables)}
     points, drawn = skeleton(robot)
     count = len(robot.joints) + 1
@@ -85,7 +86,7 @@ def _size(robot: Robot, points: Array) -> float:
     return max(reach(robot), float(np.linalg.norm(points[0])), 1e-6)
 
 
-def _view(robot: Robot) -> dict[str, float]:
+def first_view(robot: Robot) -> dict[str, float]:
     """From above where every axis is upright (planar arms, SCARA), else from the front and a little above."""
     upright = all(abs(abs(joint.screw[5]) - 1) < 1e-9 for joint in robot.joints if np.any(joint.screw[3:]))
     slides = any(not np.any(joint.screw[3:]) for joint in robot.joints)

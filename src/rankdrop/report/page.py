@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from html import escape
 from importlib import resources
+from typing import Any
 
 from rankdrop.report.content import Content
 from rankdrop.report.data import page_data, slider_range
@@ -33,23 +35,39 @@ def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
-    data = json.dumps(page_data(content), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    data = data.replace("<", "\\u003c")  # no name in it can end the script
-    script = "\n".join(asset(name) for name in SCRIPTS)
     links = "".join(f'<a href="#{target}">{name}</a>' for target, name in _NAVIGATION)
     sections = (
         _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
         solid_section(content), workspace_section(content), line_section(content), verification_section(content),
     )  # fmt: skip
+    body = f"{_header(content)}<nav><div>{links}</div></nav><main>{''.join(sections)}</main>"
+    return whole_page(title, body, page_data(content), SCRIPTS, version=analysis.settings.version)
+
+
+def whole_page(
+    title: str, body: str, data: dict[str, Any], scripts: Iterable[str], styles: Iterable[str] = ("page.css",), *,
+    version: str,
+) -> str:  # fmt: skip
+    """A page that stands alone: its style, its program and its data inside, nothing asked for from anywhere.
+
+    Args:
+        title: of the window.
+        body: HTML, above the line at the foot.
+        data: what the program reads.
+        scripts, styles: files of `assets`, in order.
+        version: of rankdrop, for the foot.
+    """
+    told = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    told = told.replace("<", "\\u003c")  # no name in it can end the script
+    script, style = ("\n".join(asset(name) for name in names) for names in (scripts, styles))
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
-        f"<style>{asset('page.css')}</style></head><body>{_header(content)}"
-        f"<nav><div>{links}</div></nav><main>{''.join(sections)}</main>"
-        f"<footer>rankdrop {escape(analysis.settings.version)}. This page stands alone: it loads nothing from "
+        f"<style>{style}</style></head><body>{body}"
+        f"<footer>rankdrop {escape(version)}. This page stands alone: it loads nothing from "
         "anywhere.</footer>"
-        f'<script type="application/json" id="data">{data}</script>'
+        f'<script type="application/json" id="data">{told}</script>'
         f"<script>\n(() => {{\n{script}\n}})();\n</script></body></html>"
     )
 

@@ -8,10 +8,10 @@ class Arm {
     this.robot = robot;
     this.scene = new Scene(canvas, view);
     this.scene.draw = () => this.draw();
-    this.state = { q: robot.joints.map(() => 0), blamed: [], arrows: [] };
+    this.state = { q: robot.joints.map(() => 0), blamed: [], arrows: [], trail: [], dots: [] };
   }
 
-  // arrows: [{v, w, colour, faint}] in the base frame, at `point`
+  // arrows: [{v, w, colour, faint}] in the base frame, at `point`; trail: [{points, colour, width}], dots: [{at, colour}]
   show(state) {
     Object.assign(this.state, state);
     this.draw();
@@ -73,6 +73,8 @@ class Arm {
     scene.tube(last, tipPoint, 0.02 * unitSize, link, { end: 0.012 * unitSize });
     this.axes(moved, unitSize);
     this.triad(tip, tipPoint, 0.085 * unitSize);
+    for (const one of this.state.trail) scene.line(one.points, ink(one.colour), one.width);
+    for (const one of this.state.dots) scene.ball(one.at, 0.016 * unitSize, ink(one.colour));
     this.arrows(point, unitSize);
     scene.finish();
   }

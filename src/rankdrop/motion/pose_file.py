@@ -1,0 +1,288 @@
+"""Poses of the tip from CSV, JSON or YAML: what a Cartesian program says."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.errors import MissingExtraError, RankdropError
+from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, is_number, number_at, rows_of
+from rankdrop.motion.trajectory import TrajectoryError, checked_times
+from rankdrop.robot.files import read_text
+from rankdrop.robot.budgets import MOST_ROWS
+from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.transform import from_xyz_rpy
+
+_QUATERNION, _ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
+_LENGTHS = {"x", "y", "z"}
+_OTHER = {
+    **{f"{long}{letter}": f"q{letter}" for long in ("q_", "quat_", "orientation_", "orientation.")
+       for letter in "xyzw"},
+    **{f"{long}{letter}": letter for long in ("p", "p_", "pos_", "position_", "position.", "t") for letter in "xyz"},
+}  # fmt: skip
+"""Other names of columns."""
+_UNIT_LENGTH = 1e-3  # a quaternion's length may be off by this: digits of a file
+_FAR = 20.0  # reaches: positions beyond it look like millimetres
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Poses of the tip, in order.
+
+    Attributes:
+        name: of the file.
+        matrices: (P, 4, 4) in the base frame [m].
+        times: (P,) increasing [s]; None where the file has none.
+        turned: the file gives orientations; else only positions are meant.
+        unused: columns that were passed over.
+    """
+
+    name: str
+    matrices: Array
+    times: Array | None
+    turned: bool
+    unused: tuple[str, ...]
+
+
+def holds_poses(path: Path, robot: Robot) -> bool:
+    """Whether a file holds poses: columns x, y, z and not every joint, or an object with `poses`.
+
+    A file that cannot be read holds none; whoever reads it then says why.
+    """
+    ending = path.suffix.lower()
+    if not path.is_file() or ending in (".npy", ".npz", ".bag", ".db3", ".mcap"):
+        return False
+    try:
+        text = read_text(path)
+        if ending in (".json", ".yaml", ".yml"):
+            return _list_in(_loaded(text, str(path), yaml=ending != ".json")) is not None
+        rows = rows_of(text, str(path))
+    except RankdropError:
+        return False
+    if not rows:
+        return False
+    names = {_named(word)[0] for word in rows[0][1]}
+    joints = {joint.name for joint in robot.variables}
+    return names >= _LENGTHS and not joints <= set(rows[0][1])
+
+
+def read_poses(path: str | Path, *, deg: bool = False) -> Poses:
+    """Poses from a file.
+
+    CSV: a line of names, x, y, z, and either qx, qy, qz, qw or roll, pitch, yaw (R = Rz·Ry·Rx, as in URDF); a time
+    column if there is one; units behind a name ("x [mm]", "roll [deg]"), else metres and radians. JSON or YAML: a list,
+    or an object with `poses` (a PoseArray, a Path), of objects with `position` ([x, y, z], or by name), `orientation`
+    (the quaternion [x, y, z, w], or by name) or `rpy`, and `time`; `length`: "mm" and `angle`: "deg" beside `poses`.
+
+    Args:
+        path: the file.
+        deg: angles without a unit are in degrees.
+
+    Raises:
+        TrajectoryError: with file, row or line, and column.
+        MissingExtraError: YAML, and PyYAML is not installed.
+    """
+    file, name = Path(path), str(path)
+    try:
+        text = read_text(file)
+    except RankdropError as error:
+        raise TrajectoryError(error.what, where=error.where or name, got=error.got) from error
+    ending = file.suffix.lower()
+    if ending in (".json", ".yaml", ".yml"):
+        return _from_objects(_loaded(text, name, yaml=ending != ".json"), name, deg=deg)
+    return _from_rows(text, name, deg=deg)
+
+
+def length_hint(poses: Poses, reach: float) -> str | None:
+    """A line of warning where positions look like millimetres; None where they do not."""
+    most = float(np.abs(poses.matrices[:, :3, 3]).max())
+    if most <= _FAR * reach:
+        return None
+    return f"positions up to {most:.4g} look like millimetres and are taken as metres; write x [mm], y [mm], z [mm]"
+
+
+def turned_by(quaternion: Array, where: list[str]) -> NDArray[np.float64]:
+    """(N, 3, 3) rotations of quaternions (N, 4) x, y, z, w.
+
+    Raises:
+        TrajectoryError: one is not of length one, to 1e-3.
+    """
+    size = np.linalg.norm(quaternion, axis=1)
+    for i in np.flatnonzero(np.abs(size - 1.0) > _UNIT_LENGTH)[:1]:
+        raise TrajectoryError("the quaternion is not of length one", where=where[i], got=f"length {size[i]:.6g}",
+                              allowed="x, y, z, w of length 1")  # fmt: skip
+    x, y, z, w = (quaternion / size[:, None]).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.asarray(np.moveaxis(np.array(rows), 2, 0))
+
+
+def _named(word: str) -> tuple[str, str | None]:
+    """A column's name as it is known here, and its unit."""
+    match = UNIT.fullmatch(word.strip())
+    name, unit = (match["name"], match["unit"].lower()) if match else (word.strip(), None)
+    plain = name.strip().lower()
+    return _OTHER.get(plain, plain), unit
+
+
+def _from_rows(text: str, name: str, *, deg: bool) -> Poses:
+    rows = rows_of(text, name)
+    if not rows:
+        raise TrajectoryError("there is no row", where=name, mend="a line of names, then a row for each pose")
+    line, head = rows[0]
+    if all(is_number(word) for word in head):
+        raise TrajectoryError("the columns have no names", where=f"{name}, line {line}",
+                              allowed="x, y, z and qx, qy, qz, qw or roll, pitch, yaw")  # fmt: skip
+    where = f"{name}, line {line}"
+    places, factors, time, unused = _columns(head, where, deg=deg)
+    given = [key for key in (*_QUATERNION, *_ANGLES) if key in places]
+    turn = _QUATERNION if set(given) >= set(_QUATERNION) else _ANGLES if set(given) >= set(_ANGLES) else ()
+    lost = sorted(_LENGTHS - set(places))
+    if lost or (given and set(given) != set(turn)):
+        raise TrajectoryError(
+            "poses need other columns", where=where, got=", ".join(head),
+            allowed="x, y, z with qx, qy, qz, qw, with roll, pitch, yaw, or alone",
+        )  # fmt: skip
+    if len(rows) == 1:
+        raise TrajectoryError("there is no row below the names", where=where)
+    if len(rows) > MOST_ROWS:
+        raise TrajectoryError("there are too many rows", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
+    keys = ("x", "y", "z", *turn)
+    values = np.array([[number_at(row, places[key], name, number, head) for key in keys] for number, row in rows[1:]])
+    values *= [factors[key] for key in keys]
+    told = [f"{name}, line {number}" for number, _ in rows[1:]]
+    times = None
+    if time is not None:
+        times = np.array([number_at(row, time, name, number, head) for number, row in rows[1:]])
+        checked_times(times, told)
+    return Poses(Path(name).name, _matrices(values, turn, told), times, bool(turn), tuple(unused))
+
+
+def _columns(
+    head: list[str], where: str, *, deg: bool
+) -> tuple[dict[str, int], dict[str, float], int | None, list[str]]:
+    """Where each column stands, what it is multiplied by, the column of the time, and names of the others."""
+    places: dict[str, int] = {}
+    factors: dict[str, float] = {}
+    time, unused = None, []
+    for place, word in enumerate(head):
+        key, unit = _named(word)
+        if key not in (*_LENGTHS, *_QUATERNION, *_ANGLES):
+            if time is None and TIME.fullmatch(word):
+                time = place
+            else:
+                unused.append(word)
+            continue
+        if key in places:
+            raise TrajectoryError("the column is there twice", where=f"{where}, column {place + 1}", got=repr(word))
+        fits = {"rad", "deg", "°"} if key in _ANGLES else {"m", "mm"} if key in _LENGTHS else set()
+        if unit is not None and unit not in fits:
+            raise TrajectoryError("the unit does not fit the column", where=f"{where}, column {place + 1}", got=word,
+                                  allowed=", ".join(sorted(fits)) or "none")  # fmt: skip
+        places[key] = place
+        plain = radians(1.0) if deg and key in _ANGLES else 1.0
+        factors[key] = plain if unit is None else FACTORS[unit]
+    return places, factors, time, unused
+
+
+def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
+    """(N, 4, 4) from rows of x, y, z and what turns."""
+    made = np.tile(np.eye(4), (len(values), 1, 1))
+    if turn == _QUATERNION:
+        made[:, :3, :3] = turned_by(values[:, 3:], told)
+    elif turn:
+        made = np.array([from_xyz_rpy((0.0, 0.0, 0.0), row[3:].tolist()) for row in values])
+    made[:, :3, 3] = values[:, :3]
+    return made
+
+
+def _loaded(text: str, name: str, *, yaml: bool) -> Any:
+    if not yaml:
+        try:
+            return json.loads(text)
+        except json.JSONDecodeError as error:
+            raise TrajectoryError(f"this is not JSON: {error.msg}", where=f"{name}, line {error.lineno}") from None
+    try:
+        import yaml as reader
+    except ImportError as error:
+        raise MissingExtraError("pyyaml", "yaml", "a path in YAML") from error
+    try:
+        documents = list(reader.safe_load_all(text))
+    except reader.YAMLError as error:
+        raise TrajectoryError(f"this is not YAML: {' '.join(str(error).split())[:120]}", where=name) from None
+    return next((one for one in documents if _list_in(one) is not None), None)
+
+
+def _list_in(found: Any) -> list[Any] | None:
+    """The list of poses of an object, or the list itself; None where there is none."""
+    rows = found.get("poses") if isinstance(found, dict) else found
+    return rows if isinstance(rows, list) and rows and _position(rows[0]) is not None else None
+
+
+def _position(row: Any) -> Any:
+    """What stands for the position of one entry; None where it is no pose."""
+    if not isinstance(row, dict):
+        return None
+    return row["position"] if "position" in row else _position(row.get("pose"))
+
+
+def _from_objects(found: Any, name: str, *, deg: bool) -> Poses:
+    rows = _list_in(found)
+    if rows is None:
+        raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
+    about = found if isinstance(found, dict) else {}
+    length = _unit_of(about, "length", "m", ("m", "mm"), name)
+    angle = _unit_of(about, "angle", "deg" if deg else "rad", tuple(ANGLES), name)
+    values, kinds, times = [], [], []
+    for number, entry in enumerate(rows, start=1):
+        where = f"{name}, pose {number}"
+        if _position(entry) is None:
+            raise TrajectoryError("there is no position", where=where, got=str(entry)[:60])
+        inner = entry if "position" in entry else entry["pose"]
+        kind = "orientation" if "orientation" in inner else "rpy" if "rpy" in inner else ""
+        row = [x * length for x in _numbers(inner["position"], "xyz", where, "position")]
+        if kind == "orientation":
+            row += _numbers(inner["orientation"], "xyzw", where, "orientation")
+        elif kind:
+            row += [x * angle for x in _numbers(inner["rpy"], _ANGLES, where, "rpy")]
+        values.append(row)
+        kinds.append(kind)
+        times.append(_numbers([entry["time"]], "t", where, "time")[0] if "time" in entry else None)
+    told = [f"{name}, pose {number}" for number in range(1, len(rows) + 1)]
+    for i in [i for i, kind in enumerate(kinds) if kind != kinds[0]][:1]:
+        raise TrajectoryError("the pose is told in another way than the first", where=told[i], got=kinds[i] or "none",
+                              allowed=kinds[0] or "a position alone")  # fmt: skip
+    without = [i for i, time in enumerate(times) if time is None]
+    if without and len(without) < len(times):
+        raise TrajectoryError("the pose has no time", where=told[without[0]])
+    turn = {"orientation": _QUATERNION, "rpy": _ANGLES, "": ()}[kinds[0]]
+    when = None if without else checked_times(np.array(times, dtype=np.float64), told)
+    return Poses(Path(name).name, _matrices(np.array(values), turn, told), when, bool(turn), ())
+
+
+def _unit_of(about: dict[str, Any], key: str, default: str, allowed: tuple[str, ...], name: str) -> float:
+    unit = about.get(key, default)
+    if unit not in allowed:
+        raise TrajectoryError(f"there is no such unit of {key}", where=name, got=unit, allowed=", ".join(allowed))
+    return FACTORS[unit]
+
+
+def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
+    """Numbers from a list, or from an object by name."""
+    listed = [value.get(key) for key in keys] if isinstance(value, dict) else value
+    if not isinstance(listed, list) or len(listed) != len(keys):
+        raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=str(value)[:60],
+                              allowed=", ".join(keys))  # fmt: skip
+    for one in listed:
+        if isinstance(one, bool) or not isinstance(one, int | float) or not np.isfinite(one):
+            raise TrajectoryError(f"the {what} has a value that is no finite number", where=where, got=one)
+    return [float(one) for one in listed]

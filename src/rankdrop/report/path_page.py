@@ -1,0 +1,147 @@
+"""The page of a judged path: the arm playing it, its stretches by verdict, and its numbers under a cursor."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from rankdrop.kinematics import pose
+from rankdrop.local import generic_rank
+from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place
+from rankdrop.report.data import LIVE, first_view, robot_data
+from rankdrop.report.page import whole_page
+from rankdrop.robot import Array
+from rankdrop.sections import html
+
+SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "player.js")
+INKS = {FREE: "--good", CROSSING: "--bad", TOUCHING: "--lost4", UNDECIDED: "--near", TOO_NEAR: "--near"}
+"""Of the stretches; meetings carry a mark as well, so that no colour has to be told apart."""
+_LISTED = 60  # stretches that have a button
+_DIGITS = 7  # of joint values and numbers
+
+
+def path_page(found: PathCheck) -> str:
+    """The whole page as text: it stands alone.
+
+    Args:
+        found: from `check_path` or `check_poses`.
+    """
+    robot = found.robot
+    css = "good" if found.holds else "bad"
+    facts = [
+        ("rows", f"{found.rows:,}, {found.settings.interpolate} between them"),
+        ("proven free", f"{100 * found.free_share:.6g} % of its length"),
+        ("task", f"{found.task.name}, σ with lengths divided by {found.settings.length_scale:.4g} m"),
+    ]
+    if found.curve.times is not None:
+        facts.insert(1, ("lasts", f"{found.curve.times[-1] - found.curve.times[0]:.6g} s"))
+    cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
+    header = (
+        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{escape(found.verdict)}</span></h1>'
+        f'<p class="{css}">{escape(found.sentence)}</p><dl class="facts">{cells}</dl></header>'
+    )
+    body = f'{header}<main>{_stage(found)}<section id="words"><h2>In words</h2>'
+    body += f'<div class="scroll words">{html(found.sections()[1:-1])}</div></section></main>'
+    return whole_page(
+        f"{robot.name}: a path", body, _data(found), SCRIPTS, ("page.css", "player.css"),
+        version=found.settings.version,
+    )  # fmt: skip
+
+
+def _stage(found: PathCheck) -> str:
+    buttons = "".join(
+        f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
+        f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
+        f'<span class="small">{escape(_when(found, one.start))} – {escape(_when(found, one.end))}</span></button>'
+        for i, one in enumerate(found.stretches[:_LISTED])
+    )
+    left = len(found.stretches) - _LISTED
+    more = f'<span class="small">and {left} more</span>' if left > 0 else ""
+    legend = "".join(
+        f'<span><i class="dot" style="background:var({INKS[kind]})"></i>{escape(kind)}</span>'
+        for kind in (FREE, CROSSING, TOUCHING, UNDECIDED)
+        if any(one.verdict == kind for one in found.stretches)
+    )
+    return (
+        '<section id="see"><h2>The arm on its path</h2><div class="see"><div class="go" aria-label="stretches">'
+        f'{buttons}{more}</div><div class="stage"><canvas id="arm" tabindex="0" aria-label="The arm in three '
+        'dimensions; drag to turn"></canvas><div class="key">The line is the way of the tip. Faint arrow: the '
+        'direction that would be lost first; solid or dotted: lost translation, rotation.</div></div>'
+        '<div class="readout"><div id="verdict"></div>'
+        '<dl id="numbers"></dl></div></div><div class="player"><button id="play" aria-label="play">▶ play</button>'
+        '<input type="range" id="at" min="0" max="1" step="any" value="0" aria-label="place on the path">'
+        f'<output id="place"></output></div><div class="legend">{legend}</div>'
+        '<div id="plots"></div></section>'
+    )
+
+
+def _when(found: PathCheck, place: Place) -> str:
+    return f"row {place.row + place.share:.6g}" if found.curve.times is None else f"{place.time:.4g} s"
+
+
+def _data(found: PathCheck) -> dict[str, Any]:
+    robot, profile, timed = found.robot, found.profile, found.curve.times is not None
+    extra = [one.closest.place for one in found.stretches if one.verdict != FREE or one.closest.distance < np.inf]
+    position = np.unique([*profile.position.tolist(), *(one.row + one.share for one in extra)])
+    stretch = np.clip(np.floor(position - 1.0), 0, len(found.curve.control) - 1).astype(np.int64)
+    share = position - 1.0 - stretch
+    q = found.curve.at(stretch, share)
+    time = found.curve.time(stretch, share)
+    x = position if time is None else time
+    at, family, series = _series(found)
+    tool = found.tool
+    return {
+        "robot": robot_data(robot, found.task),
+        "view": first_view(robot),
+        "generic_rank": generic_rank(robot, found.task),
+        "live_tolerance": LIVE,
+        "timed": timed,
+        "x": _listed(x),
+        "row": _listed(position),
+        "pose": None if tool is None else _listed(np.interp(position - 1.0, np.arange(len(tool.place)), tool.place)),
+        "q": [_listed(one) for one in q],
+        "tip": [_listed(one) for one in np.atleast_3d(pose(robot, q))[:, :3, 3]],
+        "at": _listed(at),
+        "family": family,
+        "min_distance": found.settings.min_distance,
+        "series": [
+            {"name": name, "unit": unit, "values": _listed(values)}
+            for name, unit, values in series if np.isfinite(values).any()
+        ],
+        "stretches": [
+            {
+                "start": _x(one.start), "end": _x(one.end), "closest": _x(one.closest.place), "verdict": one.verdict,
+                "ink": INKS[one.verdict], "name": one.name, "family": one.family, "free": one.verdict == FREE,
+            }
+            for one in found.stretches
+        ],
+    }  # fmt: skip
+
+
+def _series(found: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, str, Array]]]:
+    """Places of the plots, the nearest family at each, and what is drawn: the profile, and every closest approach."""
+    profile = found.profile
+    at = profile.position if profile.time is None else profile.time
+    known = [one for one in found.stretches if np.isfinite(one.closest.distance)]
+    place = np.array([_x(one.closest.place) for one in known])
+    order = np.argsort(np.concatenate([at, place]), kind="stable")
+    ids = [None if i < 0 else profile.ids[i] for i in profile.family.tolist()]
+    ids += [one.family or None for one in known]
+    values = (
+        ("distance", "rad", profile.distance, [one.closest.distance for one in known]),
+        ("σ", "", profile.sigma, [one.closest.sigma for one in known]),
+        ("rate / limit", "", profile.rates, np.interp(place, at, profile.rates) if len(known) else []),
+    )
+    series = [(name, unit, np.concatenate([all_, more])[order]) for name, unit, all_, more in values]
+    return np.concatenate([at, place])[order], [ids[k] for k in order.tolist()], series
+
+
+def _x(place: Place) -> float:
+    return place.row + place.share if place.time is None else place.time
+
+
+def _listed(values: Array) -> list[float | None]:
+    """Rounded, null where there is no number."""
+    return [float(f"{x:.{_DIGITS}g}") if np.isfinite(x) else None for x in np.asarray(values).tolist()]

@@ -203,7 +203,7 @@ def test_every_command_is_quiet_when_asked(name: str) -> None:
 
 def test_every_command_with_a_table_has_json() -> None:
     without = {name for name in COMMANDS if "--json" not in main._options(name)}
-    assert without == {"view", "report", "completion"}
+    assert without == {"view", "report", "completion", "monitor"}
 
 
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])

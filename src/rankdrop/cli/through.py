@@ -22,6 +22,7 @@ def through(
     arm: ArmOptions = NO_OPTIONS,
     path: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Tell whether a tool path through a singular configuration can be tracked.
 
@@ -43,6 +44,7 @@ def through(
         deg: Joint angles without a unit are in degrees, and so are those printed.
         path: Write the motion with its times to this file (.csv); - writes it to stdout.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration

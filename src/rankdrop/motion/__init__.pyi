@@ -16,6 +16,10 @@ from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .mend import mend_path as mend_path
 from .mending import Mending as Mending
+from .pose_file import Poses as Poses
+from .pose_file import holds_poses as holds_poses
+from .pose_file import length_hint as length_hint
+from .pose_file import read_poses as read_poses
 from .postures.record import CUSPIDAL as CUSPIDAL
 from .postures.record import NOT_CUSPIDAL as NOT_CUSPIDAL
 from .postures.record import NOT_FOUND as NOT_FOUND
@@ -23,12 +27,8 @@ from .postures.record import Postures as Postures
 from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
-from .remedy import Remedy as Remedy
-from .pose_file import Poses as Poses
-from .pose_file import holds_poses as holds_poses
-from .pose_file import length_hint as length_hint
-from .pose_file import read_poses as read_poses
 from .read import trajectories_in as trajectories_in
+from .remedy import Remedy as Remedy
 from .result import PathCheck as PathCheck
 from .time_law import through as through
 from .time_law_record import Through as Through

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rankdrop.errors import MissingExtraError, RankdropError
 from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, is_number, number_at, rows_of
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
-from rankdrop.robot.files import read_text
 from rankdrop.robot.budgets import MOST_ROWS
+from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 
@@ -214,7 +214,7 @@ def _loaded(text: str, name: str, *, yaml: bool) -> Any:
     try:
         import yaml as reader
     except ImportError as error:
-        raise MissingExtraError("pyyaml", "yaml", "a path in YAML") from error
+        raise MissingExtraError("pyyaml", None, "a path in YAML") from error
     try:
         documents = list(reader.safe_load_all(text))
     except reader.YAMLError as error:

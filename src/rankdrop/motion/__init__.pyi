@@ -22,5 +22,10 @@ from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .read import trajectories_in as trajectories_in
 from .result import PathCheck as PathCheck
+from .rows import FORMATS as FORMATS
+from .rows import PathRows as PathRows
+from .rows import check_format as check_format
+from .rows import path_rows as path_rows
+from .rows import rows_file as rows_file
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint

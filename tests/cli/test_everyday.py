@@ -257,7 +257,9 @@ def test_the_plain_install_has_what_the_readme_shows() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     plain = {re.split(r"[><=\[ ]", one)[0] for one in project["dependencies"]}
     assert plain >= {"python-flint", "matplotlib", "viser", "trimesh", "pycollada", "xacrodoc", "pyyaml"}
-    assert set(project["optional-dependencies"]) == {"mujoco", "test", "cross", "docs", "browser", "dev"}
+    assert set(project["optional-dependencies"]) == {
+        "mujoco", "bags", "parquet", "test", "cross", "docs", "browser", "dev",
+    }  # fmt: skip
     source = ROOT / "src" / "rankdrop"
     texts = [path.read_text(encoding="utf-8") for path in source.rglob("*.py")]
     named = [found for text in texts for found in re.findall(r'MissingExtraError\(\s*"([^"]+)", (None|"\w+")', text)]

@@ -120,6 +120,7 @@ def test_in_a_browser_the_slider_moves_the_arm(
     browser.run("document.getElementById('at').dispatchEvent(new Event('input')) && null")
     assert browser.run("rankdropPath.state.x") == pytest.approx(2.0)
     np.testing.assert_allclose(browser.run("rankdropPath.state.q"), Q[1], atol=1e-6)
+    np.testing.assert_allclose(browser.run("rankdropPath.drawn()"), Q[1], atol=1e-6)
     assert browser.run("document.getElementById('place').textContent") == "2.000 of 5 s"
     assert browser.run("document.getElementById('verdict').textContent") == "free: proven"
     assert all(one != other for one, other in zip(before, (browser.run(picture), browser.run(plot)), strict=True))

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
+_OF_ONE = {"--figure": "a figure is", "--html": "a page is", "--rows": "rows are"}
+
 
 def path(
     robot: str,
@@ -40,6 +42,7 @@ def path(
     figure: str | None = None,
     mend: MendOptions = NO_MENDING,
     html: str | None = None,
+    rows: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -81,22 +84,26 @@ def path(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
         html: Write a page that stands alone, with the arm playing the path: .html.
+        rows: Write a table, one line for each row: .parquet, .json or .csv. Units are in the names of the columns.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.motion import judged, paths_to_dict
+    from rankdrop.motion import FORMATS, check_format, judged, paths_to_dict
     from rankdrop.results import Analysis
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
     check_target(html, "--html", (".html", ".htm"))
-    check_different({"--json": json, "--figure": figure, "--html": html, "--fixed": mend.fixed})
+    check_target(rows, "--rows", FORMATS)
+    check_different({"--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed})
+    if rows is not None:
+        check_format(rows)
     found = _files(files)
     bounds = check_options(mend, len(found))
     model, task = open_arm(robot, arm)
-    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html})
+    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html, "--rows": rows})
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
@@ -117,6 +124,8 @@ def path(
             steps.append(lambda: _draw(result, figure))
         if html is not None:
             steps.append(lambda: _page(result, html))
+        if rows is not None:
+            steps.append(lambda: _rows(result, families, rows))
         do_all(steps)
         return _code(result, remedies)
     with reporter(quiet=quiet) as report:
@@ -162,7 +171,7 @@ def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
 
     for option, target in of_one.items():
         if target is not None and count > 1:
-            what = f"a {option[2:].replace('html', 'page')} is of one path"
+            what = f"{_OF_ONE[option]} of one path"
             raise OptionError(what, where=option, got=f"{count} files", mend="name one file")
     try:
         value = quantity(text, "angle", where="--min-distance")
@@ -272,6 +281,13 @@ def _page(result: PathCheck, target: str) -> None:
     from rankdrop.report.path_page import path_page
 
     write_text(path_page(result), target)
+
+
+def _rows(result: PathCheck, families: Analysis | None, target: str) -> None:
+    from rankdrop.cli.files import write_bytes
+    from rankdrop.motion import path_rows, rows_file
+
+    write_bytes(rows_file(path_rows(result, families), target), target)
 
 
 def _code(result: PathCheck, remedies: Mending | None) -> int:

@@ -30,6 +30,11 @@ from .read import read_trajectory as read_trajectory
 from .read import trajectories_in as trajectories_in
 from .remedy import Remedy as Remedy
 from .result import PathCheck as PathCheck
+from .rows import FORMATS as FORMATS
+from .rows import PathRows as PathRows
+from .rows import check_format as check_format
+from .rows import path_rows as path_rows
+from .rows import rows_file as rows_file
 from .time_law import through as through
 from .time_law_record import Through as Through
 from .trajectory import Trajectory as Trajectory

@@ -26,6 +26,7 @@ from rankdrop.motion.distance import Ruler
 from rankdrop.motion.meets import Meeting
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.tolerances import Tolerances
 from rankdrop.units import counted_length, metre_exponent
 
 _PLACES = 400  # of the profile, evenly along the length; as many rows besides
@@ -39,6 +40,14 @@ def _badness(one: Stretch) -> tuple[object, ...]:
     order = {"crossing": 0, "touching": 1, "undecided": 2, FREE: 3}
     leads = one.verdict == FREE and one.closest.distance < LEADS
     return order[one.verdict], leads, one.closest.distance, one.start.row, one.start.share
+
+
+def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
+    """Families to be measured: corank 1, and those of higher corank, in front, that no one of corank 1 holds."""
+    plain = tuple(one for one in families if one.corank == 1)
+    higher = [one for one in families if one.corank > 1 and one.equations]
+    apart = tuple(one for one in higher if not families_at(plain, robot, one.witness, task, tolerances))
+    return (*apart, *plain)
 
 
 @dataclass
@@ -75,20 +84,10 @@ class Survey:
         self._scale = joint_scale(self.robot, self.task)
         self._limits = rate_limits(self.robot)
         self._rates = self._largest_rates()
-        self._near = self._outer()
+        self._near = outer(self.families, self.robot, self.task, self.settings.tolerances)
         self._ruler = Ruler(self._near, self.robot, self.task, limits=self.settings.limits, starts=QUICK)
         self._feet = np.empty((0, self.robot.n))
         self.profile = self._profile()
-
-    def _outer(self) -> tuple[Family, ...]:
-        """Families to be measured: corank 1, and those of higher corank that no one of corank 1 holds."""
-        plain = tuple(one for one in self.families if one.corank == 1)
-        higher = [one for one in self.families if one.corank > 1 and one.equations]
-        apart = tuple(
-            one for one in higher
-            if not families_at(plain, self.robot, one.witness, self.task, self.settings.tolerances)
-        )  # fmt: skip
-        return (*apart, *plain)
 
     def _largest_rates(self) -> Array | None:
         """(T − 1, n) a bound on the joint rates of each stretch: exact for straight ones."""

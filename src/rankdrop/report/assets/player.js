@@ -232,4 +232,4 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
 addEventListener("beforeprint", redraw);
 new ResizeObserver(redraw).observe(document.body);
 
-window.rankdropPath = { data, state, setX, play, find, stretchAt };
+window.rankdropPath = { data, state, setX, play, find, stretchAt, drawn: () => arm.state.q };

@@ -1,0 +1,173 @@
+"""A judged path row by row, as a table: for notebooks, databases and plots of one's own."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.family.record import family_in_metres
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.motion.anywhere import QUICK
+from rankdrop.motion.data import VERDICTS, PathData
+from rankdrop.motion.distance import Ruler, at_least
+from rankdrop.motion.stretches import outer
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.explanation.parts import known_families
+from rankdrop.units import in_metres, into_metres, task_in_metres
+
+SCHEMA = "rankdrop/path-rows/1"
+FORMATS = (".parquet", ".json", ".csv")
+"""Endings of a file of rows."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathRows:
+    """The rows of a judged path.
+
+    Attributes:
+        columns: name -> (T,) numbers or words; every name ends in its unit, where it has one.
+        about: name -> meaning.
+        robot, verdict, version: of the path.
+    """
+
+    columns: dict[str, Any]
+    about: dict[str, str]
+    robot: str
+    verdict: str
+    version: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record of a JSON file: docs/json.md."""
+        lists = [_plain(values) for values in self.columns.values()]
+        return {
+            "schema": SCHEMA, "robot": self.robot, "verdict": self.verdict, "version": self.version,
+            "columns": [{"name": name, "meaning": self.about[name]} for name in self.columns],
+            "rows": [list(row) for row in zip(*lists, strict=True)],
+        }  # fmt: skip
+
+
+def path_rows(found: PathData, analysis: Analysis | None = None) -> PathRows:
+    """Joint values, verdict, nearest family, distances, σ and rates at every row.
+
+    The verdict of a row is the worst of the way from it to the next row: what lies between two rows is lost in neither.
+    Distances are measured at every row, about 1 ms each where families are of coupled joints.
+
+    Args:
+        found: from `check_path` or `check_poses`.
+        analysis: the families that it was judged with; else from the catalogue.
+    """
+    robot, task, curve = found.robot, found.task, found.curve
+    count = found.rows
+    q = np.concatenate([curve.control[:, 0], curve.control[-1:, -1]])[:count]
+    times = None if curve.times is None else curve.times[:count]
+    families, _ = known_families(robot, task, analysis, found.settings.tolerances)
+    there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
+    known = families if there is robot else [family_in_metres(one, robot) for one in families]
+    near = outer(known, there, there_task, found.settings.tolerances)
+    ruler = Ruler(near, there, there_task, limits=found.settings.limits, starts=QUICK)
+    which, far = ruler.measure(moved, along=True).nearest()
+    rank = generic_rank(there, there_task)
+    sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
+    verdict, factor = _of_stretches(found, count)
+    parts: list[tuple[str, Any, str]] = [("row", np.arange(1, count + 1), "number of the sample, from 1")]
+    if times is not None:
+        parts.append(("time_s", times, "of the sample"))
+    if found.tool is not None:
+        parts.append(("pose", found.tool.place[:count], "number of the pose, from 1, with the share of the way on"))
+    for j, joint in enumerate(robot.variables):
+        parts.append((f"q_{joint.name}_{joint.unit}", q[:, j], f"value of {joint.name}"))
+    parts += [
+        ("verdict", verdict, "worst on the way from this row to the next"),
+        ("family", [near[k].id if k >= 0 else None for k in which.tolist()], "id of the nearest known family"),
+        ("family_name", [near[k].name if k >= 0 else None for k in which.tolist()], "its name"),
+        ("distance_rad", far, "to the nearest singular configuration known or found; slides by the length scale"),
+        ("at_least_rad", at_least(there, moved, there_task), "no singular configuration is nearer: proven"),
+        ("sigma", sigma, f"σ{rank}, translation divided by {found.settings.length_scale:.6g} m"),
+    ]
+    if times is not None:
+        parts.append(("speed_factor", factor, "largest, at most 1, that keeps the velocity limits on its stretch"))
+    return PathRows({name: values for name, values, _ in parts}, {name: words for name, _, words in parts},
+                    robot.name, found.verdict, found.settings.version)  # fmt: skip
+
+
+def _of_stretches(found: PathData, count: int) -> tuple[list[str], Any]:
+    """Worst verdict, and least speed factor, between each row and the next."""
+    worst = np.full(count, len(VERDICTS))
+    factor = np.full(count, np.nan)
+    for one in found.stretches:
+        first = one.start.row - 1
+        last = one.end.row - 1 if one.end.share > 0.0 or one.end.row == one.start.row else one.end.row - 2
+        if one.end.row >= count:
+            last = count - 1  # the last row has no way on: it is the end of this stretch
+        rows = slice(min(first, count - 1), last + 1)
+        worst[rows] = np.minimum(worst[rows], VERDICTS.index(one.verdict))
+        factor[rows] = np.fmin(factor[rows], one.speed_factor)
+    return [VERDICTS[k] for k in worst.tolist()], factor
+
+
+def check_format(target: str) -> None:
+    """Find out before a long run whether rows can be written to a file.
+
+    Raises:
+        OptionError: the ending names no format.
+        MissingExtraError: Parquet, and pyarrow is not installed.
+    """
+    _writer(Path(target).suffix.lower())
+
+
+def rows_file(rows: PathRows, target: str) -> bytes:
+    """The rows as a file, by the ending of its name.
+
+    Raises:
+        OptionError, MissingExtraError: as `check_format`.
+    """
+    return _writer(Path(target).suffix.lower())(rows)
+
+
+def _writer(ending: str) -> Callable[[PathRows], bytes]:
+    if ending == ".json":
+        return lambda rows: (json.dumps(rows.to_dict(), ensure_ascii=False, allow_nan=False) + "\n").encode()
+    if ending == ".csv":
+        return _csv
+    if ending != ".parquet":
+        raise OptionError("the ending names no format", where="rows", got=ending, allowed=", ".join(FORMATS))
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise MissingExtraError("pyarrow", "parquet", "a Parquet file") from error
+
+    def write(rows: PathRows) -> bytes:
+        arrays = [pyarrow.array(_plain(values)) for values in rows.columns.values()]
+        fields = [
+            pyarrow.field(name, array.type, metadata={"meaning": rows.about[name]})
+            for name, array in zip(rows.columns, arrays, strict=True)
+        ]
+        about = {"schema": SCHEMA, "robot": rows.robot, "verdict": rows.verdict, "version": rows.version}
+        out = io.BytesIO()
+        parquet.write_table(pyarrow.table(arrays, schema=pyarrow.schema(fields, metadata=about)), out)
+        return out.getvalue()
+
+    return write
+
+
+def _csv(rows: PathRows) -> bytes:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(rows.columns)
+    writer.writerows(zip(*(_plain(values) for values in rows.columns.values()), strict=True))
+    return out.getvalue().encode()
+
+
+def _plain(values: Any) -> list[Any]:
+    """A list; None where there is no number."""
+    listed = values.tolist() if isinstance(values, np.ndarray) else values
+    return [None if isinstance(one, float) and not np.isfinite(one) else one for one in listed]

@@ -10,6 +10,7 @@ from reference import regional as oracle
 
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.postures import decide
 from rankdrop.exact.postures.common_zeros import Unbounded, common_zeros
 from rankdrop.exact.postures.decide import CUSPS, NO_CUSP, OPEN, SIGNS, decide_postures
 from rankdrop.kinematics import task_jacobian
@@ -139,6 +140,30 @@ def test_neither_base_nor_zero_nor_sense_nor_unit_matters() -> None:
     there = np.array(decide_postures(exact_chain(moved)).cusps) + np.array([-1.1, 0.7])
     gap = (there[:, None] - np.array(kept.cusps)[None] + np.pi) % (2 * np.pi) - np.pi
     assert np.abs(gap).max(axis=2).min(axis=1).max() < 1e-9
+
+
+def test_where_angles_are_counted_from_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = exact_chain(three(WENGER))
+    kept = decide_postures(chain).cusps
+    for turn in decide._TURNS[1:]:
+        monkeypatch.setattr(decide, "_TURNS", (turn,))
+        assert np.allclose(decide_postures(chain).cusps, kept, atol=1e-9)
+
+
+def test_the_centre_of_a_wrist_behind_a_long_forearm_is_where_the_point_is() -> None:
+    """Of an arm with its point at (a, −d sin α, d cos α) in the frame of link 3, and of one with a wrist there."""
+    alpha, a, d = 1.1, 0.4, 1.3
+    tool = np.eye(4)
+    tool[:3, 3] = [0.0, -d * np.sin(alpha), d * np.cos(alpha)]
+    first = [{"d": 0.0, "a": 0.9, "alpha": -1.2}, {"d": 0.5, "a": 0.7, "alpha": 0.8}]
+    pointed = from_dh([*first, {"d": 0.3, "a": a, "alpha": 0.0}], convention="standard", task="position", tool=tool,
+                      name="pointed")  # fmt: skip
+    wrist = [{"d": d, "a": 0.0, "alpha": -H}, {"d": 0.0, "a": 0.0, "alpha": H}, {"d": 0.2, "a": 0.0, "alpha": 0.0}]
+    whole = from_dh([*first, {"d": 0.3, "a": a, "alpha": alpha}, *wrist], convention="standard", name="whole")
+    one, other = (decide_postures(exact_chain(robot)) for robot in (pointed, whole))
+    assert one.kind == other.kind == CUSPS
+    gap = np.array(one.cusps)[:, None] - np.array(other.cusps)[None]
+    assert np.abs(gap).max(axis=2).min(axis=1).max() < 1e-6
 
 
 def wristed(rows: Any) -> Robot:

@@ -154,6 +154,18 @@ def test_limits_hold_for_solutions_and_path() -> None:
     assert len(found.solved[0].q) > 1
 
 
+def test_solutions_outside_the_limits_are_left_out() -> None:
+    free = aspects_of(arm(WENGER), q=[0.4, -0.731, 3.1241], starts=100).solved[0].q
+    rows = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in WENGER]
+    rows[2] |= {"lower": 0.0, "upper": 2 * np.pi}
+    rows[1] |= {"lower": -1.0, "upper": 3.5}
+    bound = from_dh(rows, convention="standard", task="position", name="bound")
+    found = aspects_of(bound, q=[0.4, -0.731, 3.1241], starts=100, limits=True).solved[0].q
+    inside = [q for q in free if -1.0 <= q[1] or q[1] <= 3.5 - 2 * np.pi]
+    assert len(found) == len(inside) < len(free) == 4
+    assert (found[:, 2] >= 0.0).all()
+
+
 def test_what_cannot_be_asked_is_refused() -> None:
     with pytest.raises(TaskError, match="without redundancy"):
         aspects_of(open_robot("panda"))

@@ -161,7 +161,7 @@ def test_solutions_outside_the_limits_are_left_out() -> None:
     rows[1] |= {"lower": -1.0, "upper": 3.5}
     bound = from_dh(rows, convention="standard", task="position", name="bound")
     found = aspects_of(bound, q=[0.4, -0.731, 3.1241], starts=100, limits=True).solved[0].q
-    inside = [q for q in free if -1.0 <= q[1] or q[1] <= 3.5 - 2 * np.pi]
+    inside = [q for q in free if q[1] >= -1.0 or q[1] <= 3.5 - 2 * np.pi]
     assert len(found) == len(inside) < len(free) == 4
     assert (found[:, 2] >= 0.0).all()
 

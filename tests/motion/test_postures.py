@@ -108,7 +108,7 @@ STRUCTURES = {
 def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm(STRUCTURES[name])
     assert aspects_of(robot, poses=1).verdict == NOT_CUSPIDAL
-    found = searched(robot, monkeypatch, 25)
+    found = searched(robot, monkeypatch, 12)
     assert found.verdict == NOT_FOUND
     assert "no proof" in found.sentence
     assert max(len(one.q) for one in found.solved) == 4

@@ -108,7 +108,7 @@ STRUCTURES = {
 def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm(STRUCTURES[name])
     assert aspects_of(robot, poses=1).verdict == NOT_CUSPIDAL
-    found = searched(robot, monkeypatch, 25)
+    found = searched(robot, monkeypatch, 12)
     assert found.verdict == NOT_FOUND
     assert "no proof" in found.sentence
     assert max(len(one.q) for one in found.solved) == 4
@@ -152,6 +152,18 @@ def test_limits_hold_for_solutions_and_path() -> None:
         assert (q >= robot.lower - 1e-9).all()
         assert (q <= robot.upper + 1e-9).all()
     assert len(found.solved[0].q) > 1
+
+
+def test_solutions_outside_the_limits_are_left_out() -> None:
+    free = aspects_of(arm(WENGER), q=[0.4, -0.731, 3.1241], starts=100).solved[0].q
+    rows = [{"d": float(d), "a": float(a), "alpha": float(x)} for d, a, x in WENGER]
+    rows[2] |= {"lower": 0.0, "upper": 2 * np.pi}
+    rows[1] |= {"lower": -1.0, "upper": 3.5}
+    bound = from_dh(rows, convention="standard", task="position", name="bound")
+    found = aspects_of(bound, q=[0.4, -0.731, 3.1241], starts=100, limits=True).solved[0].q
+    inside = [q for q in free if q[1] >= -1.0 or q[1] <= 3.5 - 2 * np.pi]
+    assert len(found) == len(inside) < len(free) == 4
+    assert (found[:, 2] >= 0.0).all()
 
 
 def test_what_cannot_be_asked_is_refused() -> None:

@@ -138,6 +138,7 @@ def test_neither_the_unit_nor_the_base_nor_the_sense_of_the_path_matters() -> No
     large = through(wenger(1000.0), cusp, 1000.0 * along)
     assert (large.kind, large.order) == (kept.kind, kept.order)
     assert np.allclose(large.joints, kept.joints, atol=1e-9)
+    assert np.allclose(large.s, kept.s, atol=1e-9)
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     turned = through(wenger(), [cusp[0] + H, *cusp[1:]], turn @ along)
     assert np.allclose(np.abs(turned.s), np.abs(kept.s), atol=1e-9)

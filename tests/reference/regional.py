@@ -99,3 +99,8 @@ def aspect(labels: NDArray[np.int64], theta: Array) -> NDArray[np.int64]:
     count = len(labels)
     index = np.floor(theta % (2 * np.pi) * count / (2 * np.pi)).astype(int) % count
     return labels[index[:, 0], index[:, 1]]
+
+
+def node(count: int, theta: Array) -> Array:
+    """(k, 2) angles of the node nearest to each."""
+    return (np.floor(theta % (2 * np.pi) * count / (2 * np.pi)) + 0.5) * 2 * np.pi / count

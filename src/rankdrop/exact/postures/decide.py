@@ -323,6 +323,6 @@ def _half(known: Regional, p: Polynomial) -> Polynomial:
 
 
 def _in_q(known: Regional, places: tuple[Pair, ...]) -> tuple[Pair, ...]:
-    """Half-angle tangents as joint angles in (−π, π]."""
+    """Half-angle tangents as joint angles in [−π, π], in order."""
     angles = ([2 * atan(t) - offset for t, offset in zip(place, known.offsets, strict=True)] for place in places)
-    return tuple((remainder(a, 2 * pi), remainder(b, 2 * pi)) for a, b in angles)
+    return tuple(sorted((remainder(a, 2 * pi), remainder(b, 2 * pi)) for a, b in angles))

@@ -140,7 +140,7 @@ class Roadmap:
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
         share = length / length[-1] if length[-1] > 0 else np.linspace(0.0, 1.0, len(corners))
         free = start + share[:, None] * self._apart(start, end)
-        q = np.where(self.matters, corners + (start - corners[0]), free) * self.scale
+        q = np.where(self.matters, corners, free) * self.scale
         found = prove(self.robot, settings_of(self.robot, self.task), curve(q, None), singular=DEFAULT.singular,
                       evaluations=EVALUATIONS)  # fmt: skip
         if found.slivers or not found.complete:

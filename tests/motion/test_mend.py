@@ -262,10 +262,13 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)
-    one, two = (
-        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01).remedies
+    mended = [
+        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01)
         for arm, size in ((robot, 1.0), (other, 1000.0))
-    )
+    ]
+    one, two = (part.remedies for part in mended)
+    told = [[line for line in str(part).splitlines() if "the tool is within" in line] for part in mended]
+    assert told[0] == told[1] != []
     assert [part.kind for part in one] == [part.kind for part in two] == ["blend", "base shift"]
     for a, b in zip(one, two, strict=True):
         assert b.gains[0].after == pytest.approx(a.gains[0].after, abs=1e-6)

@@ -11,6 +11,7 @@ import pytest
 import rankdrop
 from rankdrop import motion
 from rankdrop.errors import OptionError
+from rankdrop.frames import Frame
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import mend as module
@@ -19,6 +20,7 @@ from rankdrop.motion.mending import Mending
 from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.write import WRITTEN, trajectory_bytes
 from rankdrop.robot.open import open_robot
+from rankdrop.task import Task
 from rankdrop.units import scaled
 
 WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4, 0.3], 41)  # puma560, through θ5 = 0
@@ -218,6 +220,15 @@ def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -
     mended = mend_path(found, tool_tilt=TILT)
     assert mended.remedies == ()
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
+
+
+def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
+    task = Task("part", (0, 1), Frame(1, -1))  # rows in axes that turn
+    found = rankdrop.check_path(open_robot("planar2r"), [[0.0, 0.5], [0.4, -0.1], [0.8, 0.5]], task=task)
+    assert found.verdict == "crossing"
+    mended = mend_path(found, blend=0.5, tool_tilt=TILT)
+    assert [one.kind for one in mended.remedies] == ["blend"]
+    assert "cannot be followed: the pose of the tip does not tell" in mended.notes[0]
 
 
 def test_interrupted_it_keeps_what_is_done() -> None:

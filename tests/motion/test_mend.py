@@ -217,7 +217,7 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
 def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     found = wrist().before
     monkeypatch.setattr(module, "check_path", lambda *args, **kwargs: found)
-    mended = mend_path(found, tool_tilt=TILT)
+    mended = mend_path(found)
     assert mended.remedies == ()
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
 

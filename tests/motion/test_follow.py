@@ -84,6 +84,15 @@ def test_the_other_side_of_a_singularity_is_another_branch() -> None:
     assert abs(found.last[4]) < 0.1
 
 
+def test_a_turn_of_the_joint_itself_does_not_carry_it_through() -> None:
+    robot = open_robot("puma560")
+    q = np.tile([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], (31, 1))
+    q[:, 4] = np.linspace(0.4, -0.41, 31)  # no error of second order stops Newton there
+    found = follow(robot, pose(robot, q), q[0])
+    assert (found.complete, found.reason) == (False, "singular")
+    assert found.last[4] == pytest.approx(0.0, abs=1e-3)
+
+
 def test_limits_end_it_and_are_named() -> None:
     robot = open_robot("ur5")
     tight = replace(robot, joints=tuple(

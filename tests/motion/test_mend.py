@@ -11,6 +11,7 @@ import pytest
 import rankdrop
 from rankdrop import motion
 from rankdrop.errors import OptionError
+from rankdrop.frames import Frame
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import mend as module
@@ -19,6 +20,7 @@ from rankdrop.motion.mending import Mending
 from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.write import WRITTEN, trajectory_bytes
 from rankdrop.robot.open import open_robot
+from rankdrop.task import Task
 from rankdrop.units import scaled
 
 WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4, 0.3], 41)  # puma560, through θ5 = 0
@@ -215,9 +217,18 @@ def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
 def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     found = wrist().before
     monkeypatch.setattr(module, "check_path", lambda *args, **kwargs: found)
-    mended = mend_path(found, tool_tilt=TILT)
+    mended = mend_path(found)
     assert mended.remedies == ()
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
+
+
+def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
+    task = Task("part", (0, 1), Frame(1, -1))  # rows in axes that turn
+    found = rankdrop.check_path(open_robot("planar2r"), [[0.0, 0.5], [0.4, -0.1], [0.8, 0.5]], task=task)
+    assert found.verdict == "crossing"
+    mended = mend_path(found, blend=0.5, tool_tilt=TILT)
+    assert [one.kind for one in mended.remedies] == ["blend"]
+    assert "cannot be followed: the pose of the tip does not tell" in mended.notes[0]
 
 
 def test_interrupted_it_keeps_what_is_done() -> None:
@@ -250,7 +261,9 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
         assert one is None or np.array_equal(one, two)
     untimed = replace(made, timed=False, velocities=None, accelerations=None)
     file.write_bytes(trajectory_bytes(untimed, robot, str(file)))
-    assert not read_trajectory(file, robot, deg=ending == ".csv").timed
+    again = read_trajectory(file, robot, deg=ending == ".csv")  # the unit stands in a CSV file
+    assert not again.timed
+    np.testing.assert_array_equal(again.q, made.q)
     with pytest.raises(OptionError, match="holds no velocities"):
         trajectory_bytes(replace(made, velocities=made.q), robot, "a.csv")
     with pytest.raises(OptionError, match="names no format"):
@@ -260,10 +273,13 @@ def test_a_file_is_read_back_to_the_last_bit(tmp_path, ending: str) -> None:
 def test_an_arm_in_millimetres_is_mended_alike() -> None:
     robot = open_robot("planar3r")
     other = scaled(robot, 3)
-    one, two = (
-        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01).remedies
+    mended = [
+        mend_path(rankdrop.check_path(arm, CORNER), base_shift=size * 0.05, blend=size * 0.01)
         for arm, size in ((robot, 1.0), (other, 1000.0))
-    )
+    ]
+    one, two = (part.remedies for part in mended)
+    told = [[line for line in str(part).splitlines() if "the tool is within" in line] for part in mended]
+    assert told[0] == told[1] != []
     assert [part.kind for part in one] == [part.kind for part in two] == ["blend", "base shift"]
     for a, b in zip(one, two, strict=True):
         assert b.gains[0].after == pytest.approx(a.gains[0].after, abs=1e-6)

@@ -9,13 +9,14 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import OptionError
+from rankdrop.errors import OptionError, TaskError
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
 from rankdrop.motion.blend import blends
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import curve
 from rankdrop.motion.data import FREE, UNDECIDED, Stretch
+from rankdrop.motion.follow import follow
 from rankdrop.motion.mending import Mending
 from rankdrop.motion.others import Ranking, branches, null_spaces, shifts, tilts
 from rankdrop.motion.remedy import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Parameter, Remedy
@@ -142,8 +143,14 @@ class _Work:
     def path_kinds(self, wants: dict[str, float]) -> None:
         """Every kind that changes the path."""
         tool = tool_path(self.found.robot, self.found.task, self.found.curve)
-        self._first(NULL, null_spaces(tool, self._told(NULL)), "null space")
-        self._first(FLIP, branches(tool, self._told(FLIP)), "other branch at the first pose")
+        try:
+            follow(tool.robot, tool.poses[:1], tool.q[0], tool.task, limits=False)
+        except TaskError as error:
+            self.notes.append(f"the tool's path cannot be followed: {error.what}")
+            wants = wants | {TILT: 0.0, SHIFT: 0.0}
+        else:
+            self._first(NULL, null_spaces(tool, self._told(NULL)), "null space")
+            self._first(FLIP, branches(tool, self._told(FLIP)), "other branch at the first pose")
         if wants[BLEND] > 0.0:
             self._blend(wants[BLEND])
         if wants[TILT] > 0.0:

@@ -9,6 +9,7 @@ from rankdrop.motion.remedy import RETIME, Gain, MendingData, Parameter, Remedy
 from rankdrop.results.codec import number_or_null
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, html, text
+from rankdrop.units import counted_length
 
 
 class Mending(MendingData):
@@ -62,9 +63,10 @@ def _lines(one: Remedy, *, deg: bool) -> list[str]:
                 ((one.usage.rate, "rate"), (one.usage.acceleration, "acceleration")) if share > 0.0]  # fmt: skip
         lines.append(f"    {retimed}at most {' and '.join(used)} at every instant ({one.usage.how})")
     if one.off[0] > 0.0:
-        turn = "" if isnan(one.off[1]) else f", {degrees(one.off[1]):.2g}°"
+        turn = "" if isnan(one.off[1]) else f", {_small(degrees(one.off[1]))}°"
         where = "of its path between rows, measured in their middles" if turn else "of the old path where it leaves it"
-        lines.append(f"    the tool is within {1000 * one.off[0]:.2g} mm{turn} {where}")
+        off = 1000 * one.off[0] / counted_length(robot)
+        lines.append(f"    the tool is within {_small(off)} mm{turn} {where}")
     return lines
 
 
@@ -95,6 +97,11 @@ def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.4g} %"
+
+
+def _small(value: float) -> str:
+    """A deviation; what is below 1e-9 is rounding."""
+    return f"{value:.2g}" if value >= 1e-9 else "0"
 
 
 def _record(one: Remedy) -> dict[str, Any]:

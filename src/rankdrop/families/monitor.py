@@ -142,7 +142,7 @@ class Monitor:
             Where none of the same corank is, the nearest one counts up to the cube root of `singular`: where sheets
             cross, σ is of second or third order in the distance. `Sightings.residual` says how far it is.
         start, stop: distances at which motion towards a family begins to be slowed, and is stopped (`step`) [rad].
-        rates: (n) largest joint rates [rad/s or m/s]; None for those of the robot.
+        rates: (n,) largest joint rates [rad/s or m/s]; None for those of the robot.
 
     One monitor serves one thread at a time.
 

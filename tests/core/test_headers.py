@@ -92,6 +92,16 @@ def test_an_unknown_arm_ends_with_2(built: Path) -> None:
         assert subprocess.run([built / program, "nobody"], input="", capture_output=True, text=True).returncode == 2
 
 
+@needs_compiler
+def test_a_number_that_is_not_finite_stops_the_motion(built: Path) -> None:
+    for program in ("watch", "watch_c"):
+        for row in ("nan 0 0 0 1 1 1 1", "0 0 0 0 1 inf 1 1"):
+            done = subprocess.run([built / program, "open_manipulator"], input=row, capture_output=True, text=True)
+            words = done.stdout.split()
+            assert words[:4] == ["none", "none", "-1", "-1"]
+            assert float(words[8]) == float(words[9]) == 0.0  # scaling, rate_scaling
+
+
 def test_the_header_says_which_format_it_is_of() -> None:
     text = (Path(get_include()) / "rankdrop" / "monitor.h").read_text(encoding="utf-8")
     assert f"#define RANKDROP_ARM_FORMAT {FORMAT}\n" in text

@@ -142,7 +142,7 @@ class Monitor:
             Where none of the same corank is, the nearest one counts up to the cube root of `singular`: where sheets
             cross, σ is of second or third order in the distance. `Sightings.residual` says how far it is.
         start, stop: distances at which motion towards a family begins to be slowed, and is stopped (`step`) [rad].
-        rates: (n) largest joint rates [rad/s or m/s]; None for those of the robot.
+        rates: (n,) largest joint rates [rad/s or m/s]; None for those of the robot.
 
     One monitor serves one thread at a time.
 
@@ -250,7 +250,7 @@ class Monitor:
         go. Distances are in joint space: neither units nor the number of joints matter, as they do to a condition
         number.
 
-        `rate_scaling` = min(1, min_j rates_j/|velocity_j|) keeps joint rates, for motions that leave too: near a
+        `rate_scaling` = min(1, min_j rates_j/abs(velocity_j)) keeps joint rates, for motions that leave too: near a
         singularity a slow end effector may need fast joints. Multiply the motion by the smaller of the two.
 
         `null_step`, of arms with more joints than the task's rank r: with P the projection on the null space in scaled

@@ -22,7 +22,7 @@ from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 
 ARM = open_robot("ur5")
-ENDS = np.array([[3, -12, 5, -10, 9, 4], [5, -10, -2.5, -12, 8, 4], [7, -9, -5, -11, 9, 1]]) / 10
+ENDS = np.array([[3, -12, 5, -10, 9, 4], [5, -10, -3, -12, 8, 4], [7, -9, -5, -11, 9, 1]]) / 10
 Q = np.stack([np.interp(np.linspace(0, 2, 13), [0, 1, 2], ENDS[:, j]) for j in range(6)], axis=1)
 FOUND = check_path(ARM, Q, np.linspace(0, 6, 13))
 ROWS = path_rows(FOUND)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cover.hpp"
 #include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
@@ -234,12 +235,23 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     }
 }
 
+void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* out) {
+    Cover work(split);
+    for (std::int64_t number = begin; number < end; ++number) work.run(number, out[number - begin]);
+}
+
+void judge(const Split& split, const std::int32_t* leaves, std::int64_t begin, std::int64_t end, std::int8_t* out) {
+    Cover work(split);
+    CoverTree counts;
+    for (std::int64_t row = begin; row < end; ++row) out[row] = work.judge(leaves + kSplitVariables * row, counts);
+}
+
 }  // namespace
 
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, cover, judge};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -1,10 +1,10 @@
 """Boxes of a joint space that are not proven free, as a tree of bits.
 
-A box of level ℓ is one of Π 2^min(ℓ, depth_j) equal ones; it is halved along every variable that is not yet as narrow as a
-leaf. A box that is not free all through has a mask: bit c is set where child c is not free. c counts the children in row-major
-order, the first variable slowest; the bit of a variable that is not halved stays 0. Masks stand level by level, the
-boxes of a level in the order in which their own bits stand in the level above; the leaves that are proven to hold a
-singularity have a second set of masks, beside those of the level above the leaves.
+A box of level ℓ is one of Π 2^min(ℓ, depth_j) equal ones, halved along every variable that is not yet as narrow as a
+leaf. A box that is not free all through has a mask: bit c is set where child c is not free. c counts the children in
+row-major order, the first variable slowest; the bit of a variable that is not halved stays 0. Masks stand level by
+level, the boxes of a level in the order in which their own bits stand in the level above; the leaves that are proven to
+hold a singularity have a second set of masks, beside those of the level above the leaves.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Shape:
         return np.dtype(f"<u{max(1, (1 << self.variables) // 8)}")
 
     def children(self, cells: Cells, masks: Masks, level: int) -> tuple[Cells, NDArray[np.int64]]:
-        """(M, d) the boxes of `level` whose bits are set in masks (N,) of their parents (N, d); and (M,) whose each is."""
+        """(M, d) boxes of `level` whose bits are set in masks (N,) of boxes (N, d), and (M,) whose children they are."""
         parent, child = np.nonzero(bits(masks, self.variables))
         halved = self.halved(level)
         found = cells[parent] << np.array(halved, dtype=np.int32)

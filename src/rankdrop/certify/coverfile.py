@@ -4,8 +4,8 @@
     {"arm": …, "sha256": …}\\n      the plan, counts, and the hash, keys sorted
     zlib of the payload            `BitTree.payload`
 
-The hash is the SHA-256 of the plan as JSON (keys sorted, no blanks) and the payload as it is before it is compressed: it
-does not depend on threads, on interruptions, or on the version of zlib.
+The hash is the SHA-256 of the plan as JSON (keys sorted, no blanks, without the arm's name), a line feed, and the
+payload as it is before it is compressed: it does not depend on threads, on interruptions, or on the version of zlib.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
 
 
 def _plan(record: dict[str, Any]) -> Plan:
-    lists = {key: tuple(value) if isinstance(value, list) else value for key, value in record.items()}
+    lists: dict[str, Any] = {key: tuple(one) if isinstance(one, list) else one for key, one in record.items()}
     return Plan(**lists)
 
 

@@ -3,9 +3,9 @@
 The joint space is halved into boxes, and a box is left out where the rank is proven to be the generic one in all of it.
 What is left, down to leaves of a given width, holds every singular configuration. Two ways to prove a box free:
 
-- split: six turning joints and the full pose. The determinant is a · b (`rankdrop.certify.split`), and a box with centre c
-  and half-widths h is free where |f(c)| > Σ |∂_j f(c)| h_j + ½ Σ |f_jk| h_j h_k + rounding. A leaf is proven to hold a
-  singularity where f has two signs in it, beyond rounding.
+- split: six turning joints and the full pose. The determinant is f = a · b (`rankdrop.certify.split`), and a box with
+  centre c and half-widths h is free where |f(c)| > Σ |∂_j f(c)| h_j + ½ Σ |f_jk| h_j h_k + rounding. A leaf is proven
+  to hold a singularity where f has two signs in it, beyond rounding.
 - enclosures: any other arm, by the bound of certified balls (`rankdrop.certify.setting`).
 
 Variables that move no column against another are free: a box is a cylinder over them.
@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.certify.bittree import BitTree, Masks, Shape, counts, joined
 from rankdrop.certify.coverfile import Journal, Plan
-from rankdrop.certify.enclosed import BudgetSpent, enclosed_trees, viewed
+from rankdrop.certify.enclosed import BudgetSpent, closer, enclosed_trees, viewed
 from rankdrop.certify.setting import Setting
-from rankdrop.certify.split import VARIABLES, split_of
+from rankdrop.certify.split import split_of
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.fingerprint import fingerprint
@@ -47,6 +47,7 @@ WIDEST = pi
 _MOST_LEAVES = 2**40  # boxes of the last level, free ones included
 _MOST_VARIABLES = 5
 _TOP = 3  # level of the boxes that are done one by one
+_CLOSER = 3  # levels beyond the leaves that those no family explains are looked into
 _BATCH = 64  # of them at one go
 
 
@@ -96,7 +97,7 @@ class Covering:
         depth = np.array(shape.depth)
 
         def at(level: int) -> NDArray[np.int64]:
-            return cells >> (depth - np.minimum(level, depth))
+            return np.asarray(cells >> (depth - np.minimum(level, depth)), dtype=np.int64)
 
         number = np.ravel_multi_index(tuple(at(shape.top).T), shape.cells(shape.top))
         open_ = tree.roots[number]
@@ -109,12 +110,12 @@ class Covering:
             first = np.concatenate([[0], np.cumsum(counts(masks))])
             row = np.where(made, row, 0)
             mask = masks[row] if len(masks) else np.zeros(len(x), shape.kind)
-            bit = 1 << child.astype(shape.kind)
+            bit = np.left_shift(1, child.astype(shape.kind), dtype=shape.kind)
             there = (mask & bit) != 0
-            row = first[row] + counts(mask & (bit - 1))
+            row = first[row] + counts((mask & (bit - 1)).astype(shape.kind))
             open_ &= ~made | there
             made &= there
-        return open_ | ~inside
+        return np.asarray(open_ | ~inside)
 
     def _places(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Shares of the ranges, and whether they are inside."""
@@ -122,7 +123,7 @@ class Covering:
         x = q[:, np.array(self.plan.variables) - 1]
         turns = np.array(self.plan.turns)
         x = np.where(turns, low + np.mod(x - low, 2 * pi), x)
-        inside = ((x >= low) & (x <= high)).all(axis=1)
+        inside = np.asarray(((x >= low) & (x <= high)).all(axis=1))
         return np.clip((x - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0), inside
 
 
@@ -228,17 +229,39 @@ def _halvings(length: float, width: float) -> int:
     return max(0, ceil(log2(length / width) - 1e-12)) if length > width else 0
 
 
+def tables_of(robot: Robot, plan: Plan, further: int) -> _core.Split:
+    """The split determinant of an arm in tables, so many levels beyond the leaves."""
+    made = split_of(robot)
+    return _core.Split(
+        a=made.a, b=made.b, lower=np.array(plan.lower), upper=np.array(plan.upper),
+        depth=np.array(plan.depth, dtype=np.int32), curvature=made.curvature, rounding=made.rounding,
+        slope=made.slope, further=further, top=plan.top,
+    )  # fmt: skip
+
+
+def looked_into(
+    robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, threads: int = 0
+) -> NDArray[np.int8]:
+    """Leaves (M, d) looked at more closely: free after all (0), proven to hold a singularity (1), or neither (2).
+
+    Args:
+        robot, task: what the covering is about.
+        found: it.
+        cells: leaves of it.
+        threads: 0 for all cores.
+    """
+    if not len(cells):
+        return np.zeros(0, dtype=np.int8)
+    if found.plan.method == SPLIT:
+        further = min(_CLOSER, 10 - found.tree.shape.levels)
+        return _core.judge_leaves(tables_of(robot, found.plan, further), np.ascontiguousarray(cells), threads=threads)
+    return closer(robot, task, viewed(robot, task), found.plan, cells, threads)
+
+
 def _by_split(
     robot: Robot, plan: Plan, journal: Path | None, threads: int, progress: Progress | None
 ) -> Covering:
-    made = split_of(robot)
-    if len(plan.variables) != VARIABLES:
-        raise OptionError("the determinant does not depend on four joints", got=plan.variables)
-    core = _core.Split(
-        a=made.a, b=made.b, lower=np.array(plan.lower), upper=np.array(plan.upper),
-        depth=np.array(plan.depth, dtype=np.int32), curvature=made.curvature, rounding=made.rounding,
-        slope=made.slope, further=plan.further, top=plan.top,
-    )  # fmt: skip
+    core = tables_of(robot, plan, plan.further)
 
     def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:
         return _core.cover(core, begin, end, threads=threads)

@@ -19,6 +19,7 @@ from rankdrop.task import Task
 _TRIED = 200  # random configurations at which settings are compared
 _ROUNDING = 1e-12  # of a determinant, per product of the lengths of its columns: a thousand times what LU loses
 _SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wider
+_ROUNDS, _MOST = 4, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
 
 
@@ -83,6 +84,30 @@ def enclosed_trees(
     return np.concatenate([np.zeros(0, shape.kind), *ordered]), sizes.astype(np.int32), tested, 0
 
 
+def closer(
+    robot: Robot, task: Task, setting: Setting, plan: Plan, cells: Cells, threads: int
+) -> NDArray[np.int8]:
+    """Leaves (M, d) halved on: free after all (0), proven to hold a singularity (1), or neither (2).
+
+    Each takes at most `_ROUNDS` rounds, and no more than `_MOST` boxes are kept for all of them.
+    """
+    shape = plan.shape
+    boxes = _Boxes(robot, task, setting, plan, threads)
+    found = np.where(boxes.proven(cells), 1, 0).astype(np.int8)
+    parts, owner, level = cells, np.arange(len(cells)), shape.levels
+    corners = np.array(list(product((0, 1), repeat=shape.variables)), dtype=np.int32)
+    for _ in range(_ROUNDS):
+        if not len(parts) or len(parts) << shape.variables > _MOST:
+            break
+        parts = (parts[:, None, :] * 2 + corners).reshape(-1, shape.variables)
+        owner, level = np.repeat(owner, len(corners)), level + 1
+        left = ~boxes.free(parts, level)
+        parts, owner = parts[left], owner[left]
+    left = np.unique(owner)
+    found[left] = np.where(found[left] == 1, 1, 2)
+    return found
+
+
 def _prune(shape: Shape, masks: list[Masks]) -> None:
     """Take back the bits of boxes below which nothing is left."""
     for above in range(len(masks) - 2, -1, -1):
@@ -101,7 +126,8 @@ class _Boxes:
 
     def _at(self, cells: Cells, level: int) -> tuple[Array, Array]:
         """(M, n) centres, and (M, n) half-widths in units of motion, rounded outwards."""
-        width = (self.high - self.low) / self.plan.shape.cells(level)
+        deepest = self.plan.shape.levels
+        width = (self.high - self.low) / self.plan.shape.cells(level) / (1 << max(0, level - deepest))
         q, half = np.zeros((len(cells), self.robot.n)), np.zeros((len(cells), self.robot.n))
         unit = np.asarray(self.setting.scale)[self.place]
         q[:, self.place] = self.low + (cells + 0.5) * width

@@ -7,5 +7,6 @@ from .beside import idealised as idealised
 from .beside import moved_section as moved_section
 from .beside import nearby as nearby
 from .beside import there_section as there_section
+from .covering import cover as cover
 from .seen_from import LinkJacobian as LinkJacobian
 from .seen_from import link_jacobian as link_jacobian

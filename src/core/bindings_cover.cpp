@@ -21,7 +21,7 @@ std::unique_ptr<Split> new_split(const In2& a, const In2& b, const In1& lower, c
         if (!(lower.data()[j] <= upper.data()[j])) throw nb::value_error("lower limits above upper ones");
         depths = std::max(depths, depth.data()[j]);
     }
-    if (further < 0 || depths + further > kDeepest) throw nb::value_error("too many halvings");
+    if (further < 0 || further > kMostHalvings || depths > kDeepest) throw nb::value_error("too many halvings");
     if (top < 0 || top >= depths) throw nb::value_error("no such level");
     return std::make_unique<Split>(make_split({a.data(), b.data(), lower.data(), upper.data(), depth.data(), curvature.data(),
                                                rounding, slope, further, top}));
@@ -64,15 +64,28 @@ nb::object cover(const Split& split, std::int64_t begin, std::int64_t end, int t
     return nb::make_tuple(masks.give(), sizes.give(), tested, freed);
 }
 
-// Leaves (B, 4), looked into as far as the tables go: free (0), proven to hold a singularity (1), or neither (2).
-nb::object judge_leaves(const Split& split, const Places& leaves, int threads) {
+// Leaves (B, 4), halved so many times: free (0), proven to hold a singularity (1), or neither (2).
+nb::object judge_leaves(const Split& split, const Places& leaves, int halvings, int threads) {
+    if (halvings < 0 || halvings > kMostHalvings) throw nb::value_error("too many halvings");
     if (leaves.shape(1) != kSplitVariables) throw nb::value_error("leaves have four places");
     const auto& cells = split.levels[static_cast<std::size_t>(split.depths)].cells;
     for (std::size_t i = 0; i < leaves.size(); ++i)
         if (leaves.data()[i] < 0 || leaves.data()[i] >= cells[i % kSplitVariables]) throw nb::value_error("no such leaf");
     Result<std::int8_t> out({leaves.shape(0)});
     each(leaves.shape(0), threads,
-         [&](std::int64_t a, std::int64_t b) { kernels().judge(split, leaves.data(), a, b, out.data()); });
+         [&](std::int64_t a, std::int64_t b) { kernels().judge(split, leaves.data(), halvings, a, b, out.data()); });
+    return out.give();
+}
+
+// The Bernstein coefficients (15, 16) of one box; where its corners have two signs, those rows alone.
+nb::object split_shape(const Split& split, int number, const Whole& place) {
+    if (number < 1 || number >= static_cast<int>(split.levels.size())) throw nb::value_error("no such level");
+    if (place.shape(0) != kSplitVariables) throw nb::value_error("boxes have four places");
+    for (std::size_t j = 0; j < kSplitVariables; ++j)
+        if (place.data()[j] < 0 || place.data()[j] >= split.levels[static_cast<std::size_t>(number)].cells[j])
+            throw nb::value_error("no such box");
+    Result<double> out({kWaves, kRow});
+    kernels().shape(split, number, place.data(), out.data());
     return out.give();
 }
 
@@ -95,7 +108,8 @@ void bind_cover(nb::module_& module) {
              nb::arg("depth"), nb::arg("curvature"), nb::arg("rounding"), nb::arg("slope"), nb::arg("further"), nb::arg("top"))
         .def_prop_ro("trees", &Split::trees);
     module.def("cover", &cover, nb::arg("split"), nb::arg("begin"), nb::arg("end"), nb::kw_only(), nb::arg("threads") = 0);
-    module.def("judge_leaves", &judge_leaves, nb::arg("split"), nb::arg("leaves"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("judge_leaves", &judge_leaves, nb::arg("split"), nb::arg("leaves"), nb::arg("halvings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("split_shape", &split_shape, nb::arg("split"), nb::arg("number"), nb::arg("place"));
     module.def("split_level", &split_level, nb::arg("split"), nb::arg("number"));
 }
 

@@ -17,12 +17,15 @@
 namespace rankdrop {
 
 inline constexpr int kMinors = 6;
-inline constexpr int kWaves = 15;        // (1, cos, sin) of the outer variable by (1, cos, sin, cos 2, sin 2) of the inner one
+inline constexpr int kWaves = 15;  // (1, cos, sin) of the outer variable by (1, cos, sin, cos 2, sin 2) of the inner one
+inline constexpr int kRow = 16;    // fifteen numbers and one that is not used
 inline constexpr int kSplitVariables = 4;  // q2 … q5
-inline constexpr int kDeepest = 10;      // halvings: 2 x 150 MB of tables
-inline constexpr int kFamilySize = 16;   // children of a box that is halved in every variable
+inline constexpr int kDeepest = 9;         // halvings of a variable: 500 MB of tables
+inline constexpr int kMostHalvings = 64;    // by which a leaf is looked into
+inline constexpr int kFamilySize = 16;     // children of a box that is halved in every variable
 
-// The boxes of one level: tables of minors and their two first derivatives at the centres.
+// The boxes of one level. Tables of minors with their two first derivatives at the centres; and of the minors as polynomials
+// on each box, by their Bernstein coefficients in tan(d / 2), d from the centre, divided by the weight at the ends.
 struct SplitLevel {
     std::array<int, kSplitVariables> cells{};    // along each variable
     std::array<int, kSplitVariables> halved{};   // 1 where the level above has half as many
@@ -30,6 +33,8 @@ struct SplitLevel {
     double slack = 0.0;                          // remainder of the Taylor series of first order, and rounding
     std::vector<double> a;                       // (cells 2, cells 3, 3, 6)
     std::vector<double> b;                       // (parent's cells 4, parent's cells 5, 3, 6, 4): four children side by side
+    std::vector<double> shape_a;                 // (cells 2, cells 3, 15, 6)
+    std::vector<double> shape_b;                 // (cells 4, cells 5, 6, 16)
     std::uint16_t children = 0;                  // which of the 16 there are
 };
 
@@ -38,14 +43,13 @@ struct Split {
     std::array<int, kSplitVariables> depth{};  // halvings of each variable
     int depths = 0;                            // the largest of them, at least 1: the level of the leaves
     int top = 0;                               // the level whose boxes are worked on one by one
+    int further = 0;                           // halvings by which leaves are looked into
     double rounding = 0.0;                     // |f computed - f|, at most
-    std::vector<SplitLevel> levels;            // 0 … depths + further levels that leaves are looked into
-    std::vector<double> corners_a;             // (cells 2 + 1, cells 3 + 1, 6) at the corners of the leaves
-    std::vector<double> corners_b;             // (cells 4, cells 5, 6, 4): the four corners of each leaf side by side
+    std::vector<SplitLevel> levels;            // 0 … depths
 
     std::int64_t trees() const {  // boxes of the level `top`
         std::int64_t count = 1;
-        for (int j = 0; j < kSplitVariables; ++j) count *= levels[static_cast<std::size_t>(top)].cells[static_cast<std::size_t>(j)];
+        for (const int cells : levels[static_cast<std::size_t>(top)].cells) count *= cells;
         return count;
     }
 };
@@ -56,7 +60,7 @@ struct SplitSettings {
     const int* depth;              // (4)
     const double* curvature;       // (4, 4) bounds of |d2 f / dq_j dq_k|
     double rounding, slope;        // |f computed - f| and |df/dq_j computed - df/dq_j|, at most
-    int further;                   // levels beyond the leaves
+    int further;                   // halvings by which leaves are looked into
     int top;
 };
 

@@ -50,7 +50,7 @@ class Plan:
         turns: for each, whether the range is one whole turn.
         depth: halvings of each range.
         top: level of the boxes that are made one by one.
-        further: levels beyond the leaves that those not proven are looked into.
+        further: halvings by which leaves that are not proven are looked into.
         version: of rankdrop.
     """
 

@@ -64,8 +64,8 @@ nb::object cover(const Split& split, std::int64_t begin, std::int64_t end, int t
     return nb::make_tuple(masks.give(), sizes.give(), tested, freed);
 }
 
-// Leaves (B, 4), halved so many times: free (0), proven to hold a singularity (1), or neither (2).
-nb::object judge_leaves(const Split& split, const Places& leaves, int halvings, int threads) {
+// Leaves (B, 4), halved so many times in so many parts: free (0), proven to hold a singularity (1), or neither (2).
+nb::object judge_leaves(const Split& split, const Places& leaves, int halvings, std::int64_t parts, int threads) {
     if (halvings < 0 || halvings > kMostHalvings) throw nb::value_error("too many halvings");
     if (leaves.shape(1) != kSplitVariables) throw nb::value_error("leaves have four places");
     const auto& cells = split.levels[static_cast<std::size_t>(split.depths)].cells;
@@ -73,7 +73,7 @@ nb::object judge_leaves(const Split& split, const Places& leaves, int halvings, 
         if (leaves.data()[i] < 0 || leaves.data()[i] >= cells[i % kSplitVariables]) throw nb::value_error("no such leaf");
     Result<std::int8_t> out({leaves.shape(0)});
     each(leaves.shape(0), threads,
-         [&](std::int64_t a, std::int64_t b) { kernels().judge(split, leaves.data(), halvings, a, b, out.data()); });
+         [&](std::int64_t a, std::int64_t b) { kernels().judge(split, leaves.data(), halvings, parts, a, b, out.data()); });
     return out.give();
 }
 
@@ -108,7 +108,7 @@ void bind_cover(nb::module_& module) {
              nb::arg("depth"), nb::arg("curvature"), nb::arg("rounding"), nb::arg("slope"), nb::arg("further"), nb::arg("top"))
         .def_prop_ro("trees", &Split::trees);
     module.def("cover", &cover, nb::arg("split"), nb::arg("begin"), nb::arg("end"), nb::kw_only(), nb::arg("threads") = 0);
-    module.def("judge_leaves", &judge_leaves, nb::arg("split"), nb::arg("leaves"), nb::arg("halvings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("judge_leaves", &judge_leaves, nb::arg("split"), nb::arg("leaves"), nb::arg("halvings"), nb::kw_only(), nb::arg("parts") = kMostParts, nb::arg("threads") = 0);
     module.def("split_shape", &split_shape, nb::arg("split"), nb::arg("number"), nb::arg("place"));
     module.def("split_level", &split_level, nb::arg("split"), nb::arg("number"));
 }

@@ -32,12 +32,13 @@ class Cover {
         visit(split_.top, cell);
     }
 
-    // One leaf, by its place, halved so many times: free (0), proven to hold a zero (1), or neither (2).
-    std::int8_t judge(const std::int32_t* place, int halvings) const {
+    // One leaf, by its place, halved so many times in so many parts: free (0), proven to hold a zero (1), or neither (2).
+    std::int8_t judge(const std::int32_t* place, int halvings, std::int64_t parts) {
         const Cell cell{{place[0], place[1], place[2], place[3]}};
         Tensor x;
         Signs signs;
         Verdict told = fill(split_.depths, cell, x, signs);
+        parts_ = parts;
         if (told == kOpen) told = look_into(x, halvings, 0, signs);
         return told;
     }
@@ -109,6 +110,7 @@ class Cover {
             Signs signs;
             Verdict told = fill(parent + 1, below, x, signs);
             if (leaves && told == kOpen) {
+                parts_ = kMostParts;
                 told = look_into(x, split_.further, 0, signs);
                 out_->freed += told == kFree;
             }
@@ -215,9 +217,9 @@ class Cover {
             for (int row = 0; row < kWaves; ++row) low.x[row][kWaves] = low.x[row][0], high.x[row][kWaves] = high.x[row][0];
     }
 
-    // Halved in turn along each variable, so many times: free all through, two signs somewhere, or not told.
-    Verdict look_into(const Tensor& t, int halvings, int variable, Signs& signs) const {
-        if (halvings == 0) return kOpen;
+    // Halved in turn along each variable, so many times, while parts are left: free all through, two signs somewhere, or not told.
+    Verdict look_into(const Tensor& t, int halvings, int variable, Signs& signs) {
+        if (halvings == 0 || (parts_ -= 2) < 0) return kOpen;
         Tensor parts[2];
         halve(t, variable, parts[0], parts[1]);
         bool left = false;
@@ -234,6 +236,7 @@ class Cover {
 
     const Split& split_;
     const double allowed_;  // twice the rounding: halving adds less than f itself has
+    std::int64_t parts_ = 0;  // that a leaf may still be looked at in
     CoverTree* out_ = nullptr;
 };
 

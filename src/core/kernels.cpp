@@ -240,9 +240,10 @@ void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* 
     for (std::int64_t number = begin; number < end; ++number) work.run(number, out[number - begin]);
 }
 
-void judge(const Split& split, const std::int32_t* leaves, int halvings, std::int64_t begin, std::int64_t end, std::int8_t* out) {
-    const Cover work(split);
-    for (std::int64_t row = begin; row < end; ++row) out[row] = work.judge(leaves + kSplitVariables * row, halvings);
+void judge(const Split& split, const std::int32_t* leaves, int halvings, std::int64_t parts, std::int64_t begin,
+           std::int64_t end, std::int8_t* out) {
+    Cover work(split);
+    for (std::int64_t row = begin; row < end; ++row) out[row] = work.judge(leaves + kSplitVariables * row, halvings, parts);
 }
 
 void shape(const Split& split, int level, const std::int32_t* place, double* out) { Cover(split).show(level, place, out); }

@@ -22,6 +22,7 @@ inline constexpr int kRow = 16;    // fifteen numbers and one that is not used
 inline constexpr int kSplitVariables = 4;  // q2 … q5
 inline constexpr int kDeepest = 9;         // halvings of a variable: 500 MB of tables
 inline constexpr int kMostHalvings = 64;    // by which a leaf is looked into
+inline constexpr std::int64_t kMostParts = 4096;  // that it is looked at in
 inline constexpr int kFamilySize = 16;     // children of a box that is halved in every variable
 
 // The boxes of one level. Tables of minors with their two first derivatives at the centres; and of the minors as polynomials

@@ -66,7 +66,7 @@ class Shape:
         return np.dtype(f"<u{max(1, (1 << self.variables) // 8)}")
 
     def children(self, cells: Cells, masks: Masks, level: int) -> tuple[Cells, NDArray[np.int64]]:
-        """(M, d) boxes of `level` whose bits are set in masks (N,) of boxes (N, d), and (M,) whose children they are."""
+        """(M, d) boxes of `level` whose bits are set in masks (N,) of boxes (N, d), and (M,) whose they are."""
         parent, child = np.nonzero(bits(masks, self.variables))
         halved = self.halved(level)
         found = cells[parent] << np.array(halved, dtype=np.int32)

@@ -132,6 +132,8 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
         plan = _plan(record["plan"])
         stream = zlib.decompressobj()
         payload = stream.decompress(packed, min(int(record["bytes"]), _LARGEST) + 1)
+        if not stream.eof or stream.unused_data:
+            raise ValueError("it ends too soon, or too late")
         tree = from_payload(plan.shape, payload)
         found, told = (int(record["tested"]), int(record["freed"])), record["sha256"]
     except (ValueError, KeyError, TypeError, zlib.error) as error:

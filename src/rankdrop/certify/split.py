@@ -19,6 +19,7 @@ from math import cos, frexp, pi
 
 import numpy as np
 
+from rankdrop.certify.setting import middle_of
 from rankdrop.robot.model import Array, Robot
 
 VARIABLES = 4
@@ -29,8 +30,8 @@ ROUNDING = 1e-13
 """Share of Σ_t (Σ|a_t|)(Σ|b_t|) that f may lose to rounding.
 
 A product of two waves (1, cos, sin, cos 2, sin 2), each right to 4 roundings of 1.1e-16, has 9, a sum of three rows of
-five of them 8 more, and the sum of six products of two such sums 7 more: 41 roundings, 4.6e-15; axes are unit vectors to
-a few. This is twenty times that.
+five of them 8 more, and the sum of six products of two such sums 7 more: 41 roundings, 4.6e-15. Bernstein coefficients
+have thrice as many, and axes are unit vectors to a few. This is some seven times that.
 """
 
 _PAIRS = tuple(combinations(range(4), 2))
@@ -106,10 +107,11 @@ def _screw(numbers: Array) -> _Vector:
     return [x - pitch * y for x, y in zip(v, w, strict=True)] + w
 
 
-def _near_axes(robot: Robot) -> list[Fraction]:
-    """A point on axis 4: coordinates of the arm's own size, wherever its base stands."""
+def _near_axes(robot: Robot) -> _Vector:
+    """The point of axis 4 nearest to the middle of the arm: coordinates of the arm's own size, wherever its base is."""
     v, w = robot.joints[3].screw[:3], robot.joints[3].screw[3:]
-    return [Fraction(float(x)) for x in np.cross(w, v)]
+    foot = np.cross(w, v)
+    return [Fraction(float(x)) for x in foot + w * (w @ (middle_of(robot) - foot))]
 
 
 def _cross(x: _Vector, y: _Vector) -> _Vector:

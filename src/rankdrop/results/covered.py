@@ -138,7 +138,7 @@ class Covered:
             ("boxes no wider than", f"{self.width:.4g} rad"),
             ("proven free", f"{covering.free_share:.2%} of the joint space{' within the limits' * plan.limits}"),
             ("boxes left", f"{tree.leaves:,}; every singular configuration{'' if self.complete else whose} is in one"),
-            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.0%})"),
+            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1%})"),
             ("boxes tested", f"{covering.tested:,}"),
         )  # fmt: skip
         after = (f"sha256 {self.sha256}",) if self.complete else ()

@@ -170,6 +170,7 @@ def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level)
         delta = np.concatenate([rng.uniform(-1, 1, (300, VARIABLES)), rng.choice([-1.0, 1.0], (100, VARIABLES))]) * half
         weight = np.prod(((1 + np.tan(delta / 2) ** 2) / (1 + np.tan(half / 2) ** 2)) ** powers, axis=1)
         seen = made.value(centre + delta) * weight
+        np.testing.assert_allclose(_polynomial(shape, delta, half), seen, atol=4 * made.rounding)
         assert shape.min() <= seen.min() + made.rounding
         assert seen.max() - made.rounding <= shape.max()
         corners = shape[np.ix_([0, 4, 10, 14], [0, 4, 10, 14])]
@@ -180,3 +181,17 @@ def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level)
                 assert corners[row, column] == pytest.approx(made.value(corner[None])[0], abs=2 * made.rounding)
         tight += seen.max() >= 0.9 * shape.max() > 0 or seen.min() <= 0.9 * shape.min() < 0
     assert tight >= 30 or level < 4  # the coefficients close in with the square of the width
+
+
+def _polynomial(shape, delta, half):
+    """(N,) what the coefficients mean: Σ shape[q2 q3, q5 q4] B(q2) B(q3) B(q5) B(q4), B in t = tan(δ/2)."""
+    s = (np.tan(delta / 2) / np.tan(half / 2) + 1) / 2
+
+    def basis(j, degree):
+        k = np.arange(degree + 1)
+        choose = np.array([1, 2, 1] if degree == 2 else [1, 4, 6, 4, 1])
+        return choose * s[:, j, None] ** k * (1 - s[:, j, None]) ** (degree - k)
+
+    rows = (basis(0, 2)[:, :, None] * basis(1, 4)[:, None, :]).reshape(-1, 15)
+    columns = (basis(3, 2)[:, :, None] * basis(2, 4)[:, None, :]).reshape(-1, 15)
+    return np.einsum("nr,rc,nc->n", rows, shape, columns)

@@ -135,7 +135,7 @@ def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
         (("ur5", "--width", "0.001"), "no such width"),
         (("ur5", "--width", "wide"), "--width"),
         (("fetch8",), "too many joints"),
-        (("ur5", "--out", "-"), "a covering is not printed"),
+        (("ur5", "--out=-"), "a covering is not printed"),
         (("ur5", "--out", "/no/such/folder/x"), "no such folder"),
         (("scara", "--task", "vx,vy"), "some rows of translation"),
     ],

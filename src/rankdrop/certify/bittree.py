@@ -77,13 +77,13 @@ class Shape:
 
 def bits(masks: Masks, variables: int) -> Flags:
     """(N, 2^d) the bits of masks (N,)."""
-    parts = np.ascontiguousarray(masks).view(np.uint8).reshape(len(masks), -1)
+    parts = np.ascontiguousarray(masks).view(np.uint8).reshape(len(masks), masks.dtype.itemsize)
     return np.unpackbits(parts, axis=1, bitorder="little", count=1 << variables).view(np.bool_)
 
 
 def counts(masks: Masks) -> NDArray[np.int64]:
     """(N,) how many bits are set in each mask."""
-    parts = np.ascontiguousarray(masks).view(np.uint8).reshape(len(masks), -1)
+    parts = np.ascontiguousarray(masks).view(np.uint8).reshape(len(masks), masks.dtype.itemsize)
     return np.asarray(_ONES[parts].sum(axis=1, dtype=np.int64))
 
 

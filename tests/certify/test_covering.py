@@ -44,7 +44,7 @@ def hashed(found: Covering) -> str:
 
 def singular(name: str, corank: int = 1, starts: int = 3000):
     found = search(robot_of(name), corank=corank, starts=starts, seed=5, threads=1)
-    return found.q[(np.asarray(found.outcome) == 0) & (found.sigma[:, robot_of(name).n - corank] < 1e-9)]
+    return found.q[(np.asarray(found.outcome) == 0) & (found.sigma[:, -corank] < 1e-9)]
 
 
 def borders(found: Covering, q, free, rng):
@@ -161,6 +161,7 @@ def test_an_interrupted_covering_goes_on_to_the_same_bytes(tmp_path):
     assert (whole.tested, whole.freed) == (covered("ur5").tested, covered("ur5").freed)
 
 
+@pytest.mark.slow
 def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
     # killed in the middle by itself: nothing is flushed on the way out
     code = (

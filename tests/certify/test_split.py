@@ -81,7 +81,7 @@ def test_every_bound_of_a_second_derivative_holds_and_is_reached(name):
     for j in range(VARIABLES):
         for k in range(j, VARIABLES):
             order = tuple(np.bincount([j, k], minlength=VARIABLES).tolist())
-            x = rng.uniform(-np.pi, np.pi, (3000, VARIABLES))
+            x = rng.uniform(-np.pi, np.pi, (1500, VARIABLES))
             a, b = made.minors(x, order)
             every = np.abs(a @ b.T)  # any two angles of one minor with any two of the other
             assert every.max() <= made.curvature[j, k]
@@ -97,10 +97,10 @@ def test_the_slack_is_the_remainder_and_no_more(name, width):
     for j in range(VARIABLES):
         if made.curvature[j, j] < 1e-12:  # PUMA's determinant does not depend on q4
             continue
-        x = rng.uniform(-np.pi, np.pi, (3000, VARIABLES))
+        x = rng.uniform(-np.pi, np.pi, (1000, VARIABLES))
         order = tuple(2 * int(k == j) for k in range(VARIABLES))
         a, b = made.minors(x, order)
-        first, second = np.unravel_index(np.abs(a @ b.T).argmax(), (3000, 3000))
+        first, second = np.unravel_index(np.abs(a @ b.T).argmax(), (1000, 1000))
         centre = np.concatenate([x[first, :2], x[second, 2:]])
         centre = _sharpest(name, centre, order)
         lower, upper = centre.copy(), centre.copy()
@@ -155,7 +155,7 @@ def test_the_slack_of_boxes_wide_in_every_variable_holds(name):
             assert a[pair[0]] @ b[pair[1]] == pytest.approx(slopes[j], abs=made.slope)
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", ["ur5", "random far"])
 @pytest.mark.parametrize("level", [1, 2, 4])
 def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level):
     made, rng = split_for(name), np.random.default_rng(7)
@@ -164,7 +164,7 @@ def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level)
     half = _core.split_level(split, level)[0]
     powers = np.array([1, 2, 2, 1])  # of 1 + t²
     tight = 0
-    for place in rng.integers(0, 1 << level, (40, VARIABLES)).astype(np.int32):
+    for place in rng.integers(0, 1 << level, (20, VARIABLES)).astype(np.int32):
         shape = _core.split_shape(split, level, place)[:, :15]
         centre = lower + (place + 0.5) * 2 * np.pi / (1 << level)
         delta = np.concatenate([rng.uniform(-1, 1, (300, VARIABLES)), rng.choice([-1.0, 1.0], (100, VARIABLES))]) * half
@@ -180,7 +180,7 @@ def test_the_coefficients_of_a_box_hold_f_between_them_and_reach_it(name, level)
                 corner = centre + half * np.array([first[0], first[1], second[1], second[0]])
                 assert corners[row, column] == pytest.approx(made.value(corner[None])[0], abs=2 * made.rounding)
         tight += seen.max() >= 0.9 * shape.max() > 0 or seen.min() <= 0.9 * shape.min() < 0
-    assert tight >= 30 or level < 4  # the coefficients close in with the square of the width
+    assert tight >= 15 or level < 4  # the coefficients close in with the square of the width
 
 
 def _polynomial(shape, delta, half):

@@ -6,4 +6,5 @@ NB_MODULE(_core, module) {
     rankdrop::bind_search(module);
     rankdrop::bind_certify(module);
     rankdrop::bind_families(module);
+    rankdrop::bind_cover(module);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cover.hpp"
 #include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
@@ -240,12 +241,25 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     }
 }
 
+void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* out) {
+    Cover work(split);
+    for (std::int64_t number = begin; number < end; ++number) work.run(number, out[number - begin]);
+}
+
+void judge(const Split& split, const std::int32_t* leaves, int halvings, std::int64_t parts, std::int64_t begin,
+           std::int64_t end, std::int8_t* out) {
+    Cover work(split);
+    for (std::int64_t row = begin; row < end; ++row) out[row] = work.judge(leaves + kSplitVariables * row, halvings, parts);
+}
+
+void shape(const Split& split, int level, const std::int32_t* place, double* out) { Cover(split).show(level, place, out); }
+
 }  // namespace
 
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, cover, judge, shape};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -10,6 +10,7 @@
 #include "families.hpp"
 #include "model.hpp"
 #include "settings.hpp"
+#include "split.hpp"
 
 namespace rankdrop {
 
@@ -51,6 +52,13 @@ struct Kernels {
     void (*links)(const Chain&, const double* q, std::int64_t begin, std::int64_t end, double* out);
     void (*monitor)(const Chain&, const View&, const Families&, const MonitorSettings&, const double* q, std::int64_t begin,
                     std::int64_t end, const SightingsOutput&);
+    // boxes begin … end - 1 of the top level, one tree for each
+    void (*cover)(const Split&, std::int64_t begin, std::int64_t end, CoverTree* out);
+    // leaves (B, 4) by their places, halved so many times in so many parts: free (0), proven to hold a singularity (1), or neither (2)
+    void (*judge)(const Split&, const std::int32_t* leaves, int halvings, std::int64_t parts, std::int64_t begin, std::int64_t end,
+                  std::int8_t* out);
+    // Bernstein coefficients (15, 16) of one box of a level
+    void (*shape)(const Split&, int level, const std::int32_t* place, double* out);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.

@@ -162,3 +162,30 @@ def ball(
     budget: int,
     keep: bool,
 ) -> tuple[float, int, bool, _A, _A]: ...
+
+class Split:
+    def __init__(
+        self,
+        *,
+        a: _A,
+        b: _A,
+        lower: _A,
+        upper: _A,
+        depth: _I,
+        curvature: _A,
+        rounding: float,
+        slope: float,
+        further: int,
+        top: int,
+    ) -> None: ...
+    @property
+    def trees(self) -> int: ...
+
+def cover(
+    split: Split, begin: int, end: int, *, threads: int = 0
+) -> tuple[NDArray[np.uint16], _I, int, int]: ...
+def split_level(split: Split, number: int) -> tuple[_A, float, _A, _A]: ...
+def split_shape(split: Split, number: int, place: _I) -> _A: ...
+def judge_leaves(
+    split: Split, leaves: _I, halvings: int, *, parts: int = ..., threads: int = 0
+) -> NDArray[np.int8]: ...

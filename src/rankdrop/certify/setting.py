@@ -142,13 +142,13 @@ def _viewpoints(robot: Robot, task: Task, rows: tuple[int, ...]) -> Iterator[tup
     if joints == 1:
         yield 1, robot.home[:3, 3]
         return
-    middle = _middle(robot)
+    middle = middle_of(robot)
     for link in range(1, joints):
         before, after = _line(robot, link - 1), _line(robot, link)
         yield from ((link, point) for point in _feet(before, after, middle))
 
 
-def _middle(robot: Robot) -> Array:
+def middle_of(robot: Robot) -> Array:
     """A point amid the axes that does not move with the tool: the mean of the feet of their common perpendiculars."""
     lines = [line for line in (_line(robot, i) for i in range(len(robot.joints))) if line is not None]
     feet = [
@@ -163,7 +163,7 @@ def _size(robot: Robot) -> float:
     if any(joint.kind is JointKind.PRISMATIC for joint in robot.joints):
         return reach(robot)
     last = _line(robot, len(robot.joints) - 1)
-    start = robot.home[:3, 3] if last is None else last[0] + last[1] * (last[1] @ (_middle(robot) - last[0]))
+    start = robot.home[:3, 3] if last is None else last[0] + last[1] * (last[1] @ (middle_of(robot) - last[0]))
     total = float(_arms(robot, len(robot.joints), start)[0])
     return total if total > 1e-6 * reach(robot) else reach(robot)
 

@@ -35,6 +35,7 @@ try:
     from rankdrop.cli.analyze import analyze
     from rankdrop.cli.aspects import aspects
     from rankdrop.cli.conditions import conditions
+    from rankdrop.cli.cover import cover
     from rankdrop.cli.escape import escape
     from rankdrop.cli.explain import explain
     from rankdrop.cli.find import find
@@ -67,6 +68,7 @@ For example:
     rankdrop find ur5 --corank 2 --out corank2.csv
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
     rankdrop path ur5e pick.csv
+    rankdrop cover ur5
     rankdrop report pa10 --out pa10.html
     rankdrop view pa10
 
@@ -95,6 +97,7 @@ app.command(path)
 app.command(aspects)
 app.command(through)
 app.command(monitor)
+app.command(cover)
 app.command(view)
 app.command(reproduce)
 app.command(report)

@@ -7,4 +7,5 @@ from .beside import idealised as idealised
 from .beside import moved_section as moved_section
 from .beside import nearby as nearby
 from .beside import there_section as there_section
+from .covering import cover as cover
 from .jacobian_in_frame import link_jacobian as link_jacobian

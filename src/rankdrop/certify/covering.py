@@ -1,0 +1,326 @@
+"""Boxes that hold every singular configuration of an arm, and those that are proven to hold one.
+
+The joint space is halved into boxes, and a box is left out where the rank is proven to be the generic one in all of it.
+What is left, down to leaves of a given width, holds every singular configuration. Two ways to prove a box free:
+
+- split: six turning joints and the full pose. The determinant is f = a · b (`rankdrop.certify.split`), and a box with
+  centre c and half-widths h is free where |f(c)| > Σ |∂_j f(c)| h_j + ½ Σ |f_jk| h_j h_k + rounding, or where the
+  Bernstein coefficients of f in the tangents of half angles have one sign. A leaf is proven to hold a singularity where
+  f has two signs at its corners, beyond rounding.
+- enclosures: any other arm, by the bound of certified balls (`rankdrop.certify.setting`).
+
+Variables that move no column against another are free: a box is a cylinder over them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, log2, pi
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop import _core
+from rankdrop.certify.bittree import BitTree, Masks, Shape, counts, joined
+from rankdrop.certify.coverfile import Journal, Plan
+from rankdrop.certify.enclosed import BudgetSpent, closer, enclosed_trees, viewed
+from rankdrop.certify.setting import Setting
+from rankdrop.certify.split import split_of
+from rankdrop.errors import OptionError
+from rankdrop.local.block import generic_rank
+from rankdrop.robot.fingerprint import fingerprint
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task, resolve_task
+from rankdrop.version import VERSION
+
+Progress = Callable[[int, int], None]
+
+SPLIT, ENCLOSURES = "split determinant", "enclosures"
+BUDGET = 100_000_000
+"""Enclosures spent at most, about 1.5 µs each; the split determinant needs none."""
+FURTHER = 0
+"""Halvings by which leaves that are not proven are looked into: four prove 2 % more for PUMA in four times the time."""
+NARROWEST = 2 * pi / 512
+"""No leaf is made narrower [rad]: the tables of six joints have 500 MB then."""
+WIDEST = pi
+_MOST_LEAVES = 2**40  # boxes of the last level, free ones included
+_MOST_VARIABLES = 5
+_TOP = 3  # level of the boxes that are done one by one
+_CLOSER = 24  # halvings by which leaves that no family explains are looked into
+_PARTS = 10_000_000  # of them in all, about 2 µs each
+_BATCH = 64  # of them at one go
+
+
+@dataclass(frozen=True, eq=False)
+class Covering:
+    """What is left of the joint space when all that is proven free is taken out.
+
+    Attributes:
+        plan: arm, task, variables, ranges, width and method.
+        tree: the boxes.
+        tested: boxes tested.
+        freed: leaves that were proven free by looking into them.
+        stopped: why it is not complete; "" where it is.
+    """
+
+    plan: Plan
+    tree: BitTree
+    tested: int
+    freed: int
+    stopped: str = ""
+
+    @property
+    def complete(self) -> bool:
+        """Every singular configuration is in a leaf; else those in parts not done are in none."""
+        return self.tree.complete
+
+    @property
+    def free_share(self) -> float:
+        """Share of the volume of the joint space (of the ranges covered) that is proven free."""
+        return self.tree.free_share
+
+    def boxes(self, cells: NDArray[np.int32]) -> tuple[Array, Array]:
+        """(M, d) centres of leaves and (d,) their half-widths [rad, m], in the variables covered."""
+        low, high = np.array(self.plan.lower), np.array(self.plan.upper)
+        width = (high - low) / self.tree.shape.cells(self.tree.shape.levels)
+        return low + (cells + 0.5) * width, width / 2
+
+    def holds(self, q: Array) -> NDArray[np.bool_]:
+        """(N,) whether configurations (N, n) lie in a box that is not free; turning joints modulo a turn.
+
+        Outside the ranges covered nothing is known, and the answer is True.
+        """
+        x, inside = self._places(np.atleast_2d(np.asarray(q, dtype=np.float64)))
+        shape, tree = self.tree.shape, self.tree
+        deepest = np.array(shape.cells(shape.levels))
+        cells = np.clip((x * deepest).astype(np.int64), 0, deepest - 1)
+        depth = np.array(shape.depth)
+
+        def at(level: int) -> NDArray[np.int64]:
+            return np.asarray(cells >> (depth - np.minimum(level, depth)), dtype=np.int64)
+
+        number = np.ravel_multi_index(tuple(at(shape.top).T), shape.cells(shape.top))
+        open_ = tree.roots[number]
+        made = open_ & tree.finished[number]
+        row = (np.cumsum(tree.roots & tree.finished) - 1)[number]
+        for level, masks in enumerate(tree.masks, start=shape.top + 1):
+            child = np.zeros(len(x), dtype=np.int64)
+            for j, halved in enumerate(shape.halved(level)):
+                child = child << 1 | (at(level)[:, j] & halved)
+            first = np.concatenate([[0], np.cumsum(counts(masks))])
+            row = np.where(made, row, 0)
+            mask = masks[row] if len(masks) else np.zeros(len(x), shape.kind)
+            bit = np.left_shift(1, child.astype(shape.kind), dtype=shape.kind)
+            there = (mask & bit) != 0
+            row = first[row] + counts((mask & (bit - 1)).astype(shape.kind))
+            open_ &= ~made | there
+            made &= there
+        return np.asarray(open_ | ~inside)
+
+    def _places(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Shares of the ranges, and whether they are inside."""
+        low, high = np.array(self.plan.lower), np.array(self.plan.upper)
+        x = q[:, np.array(self.plan.variables) - 1]
+        turns = np.array(self.plan.turns)
+        x = np.where(turns, low + np.mod(x - low, 2 * pi), x)
+        inside = np.asarray(((x >= low) & (x <= high)).all(axis=1))
+        return np.clip((x - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0), inside
+
+
+def covering(
+    robot: Robot,
+    width: float = 0.05,
+    task: str | Task | None = None,
+    *,
+    limits: bool = False,
+    budget: int = BUDGET,
+    further: int = FURTHER,
+    journal: Path | None = None,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> Covering:
+    """Boxes no wider than `width` that hold every configuration where the rank is below the generic one.
+
+    Args:
+        robot: the arm.
+        width: of a leaf, at most [rad; slides divided by the length scale].
+        task: as everywhere.
+        limits: within the joint limits only; else turning joints go all the way round. Slides need limits.
+        budget: enclosures, at most; arms of six turning joints need none.
+        further: halvings by which leaves not proven are looked into (six turning joints).
+        journal: finished parts are kept in this file, and taken from it.
+        threads: 0 for all cores; the result does not depend on it.
+        progress: progress(done, total) parts.
+
+    Raises:
+        OptionError: a width or a budget outside what is allowed, a slide without limits, an arm or task that cannot be
+            certified, more than five variables that matter, or a journal of another covering.
+    """
+    plan = plan_of(robot, width, task, limits=limits, further=further)
+    if plan.method == SPLIT:
+        return _by_split(robot, plan, journal, threads, progress)
+    if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 1:
+        raise OptionError("no such budget", where="budget", got=budget, allowed="a whole number from 1")
+    return _by_enclosures(robot, resolve_task(task, robot), plan, int(budget), journal, threads, progress)
+
+
+def plan_of(
+    robot: Robot, width: float, task: str | Task | None = None, *, limits: bool = False, further: int = FURTHER
+) -> Plan:
+    """What is to be covered, and how: all that decides the covering.
+
+    Raises:
+        OptionError: as `covering`.
+    """
+    resolved = resolve_task(task, robot)
+    if not NARROWEST <= width <= WIDEST:
+        raise OptionError("no such width of boxes", where="width", got=width, allowed=f"{NARROWEST:.4f} … π [rad]")
+    setting = viewed(robot, resolved)
+    split = _splits(robot, resolved, setting)
+    numbers = tuple(int(j) + 1 for j in np.flatnonzero(setting.matters))
+    if not numbers:
+        raise OptionError("no joint decides whether this arm is singular: there is nothing to cover", got=robot.name)
+    if len(numbers) > _MOST_VARIABLES:
+        raise OptionError(
+            "too many joints decide for a covering", got=len(numbers), allowed=f"at most {_MOST_VARIABLES}",
+            mend="cover an arm with fewer joints, or a task that fewer joints decide",
+        )  # fmt: skip
+    lower, upper, depth, turns = zip(*(_range(robot, setting, j - 1, width, limits) for j in numbers), strict=True)
+    shape = Shape(depth, 0)
+    if float(np.prod([float(count) for count in shape.cells(shape.levels)])) > _MOST_LEAVES:
+        raise OptionError(
+            "too many boxes", where="width", got=width, allowed="fewer than 2^40 leaves", mend="take a larger width"
+        )
+    top = min(_TOP if split else max(0, ceil(10 / len(numbers)) - 1), shape.levels - 1)
+    return Plan(
+        robot=robot.name, fingerprint=fingerprint(robot), task=resolved.name, rows=resolved.rows,
+        rank=generic_rank(robot, resolved), method=SPLIT if split else ENCLOSURES, width=float(width), limits=limits,
+        variables=numbers, lower=lower, upper=upper, turns=turns, depth=depth, top=top,
+        further=further if split else 0, version=VERSION,
+    )  # fmt: skip
+
+
+def _splits(robot: Robot, task: Task, setting: Setting) -> bool:
+    turning = all(joint.kind is JointKind.REVOLUTE and joint.mimic is None for joint in robot.joints)
+    return turning and robot.n == 6 and task.m == 6 and setting.rank == 6
+
+
+def _range(robot: Robot, setting: Setting, j: int, width: float, limits: bool) -> tuple[float, float, int, bool]:
+    """Ends, halvings, and whether the ends of the range are one configuration.
+
+    A whole turn begins half a leaf before −π: multiples of π/2 lie in the middle of leaves, not on their borders.
+    """
+    joint = robot.variables[j]
+    unit = float(setting.scale[j])
+    low, high = joint.lower, joint.upper
+    if joint.kind is JointKind.REVOLUTE and (not limits or not high - low < 2 * pi):
+        depth = _halvings(2 * pi, width)
+        begin = -pi - pi / 2**depth
+        return begin, begin + 2 * pi, depth, True
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise OptionError(
+            "a joint without limits cannot be covered", where=f"joint {joint.name!r}", got=f"{low} … {high}",
+            mend="give it limits",
+        )
+    return low, high, _halvings((high - low) / unit, width), False
+
+
+def _halvings(length: float, width: float) -> int:
+    return max(0, ceil(log2(length / width) - 1e-12)) if length > width else 0
+
+
+def tables_of(robot: Robot, plan: Plan) -> _core.Split:
+    """The split determinant of an arm in tables."""
+    made = split_of(robot)
+    return _core.Split(
+        a=made.a, b=made.b, lower=np.array(plan.lower), upper=np.array(plan.upper),
+        depth=np.array(plan.depth, dtype=np.int32), curvature=made.curvature, rounding=made.rounding,
+        slope=made.slope, further=plan.further, top=plan.top,
+    )  # fmt: skip
+
+
+def looked_into(
+    robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, threads: int = 0
+) -> NDArray[np.int8]:
+    """Leaves (M, d) looked at more closely: free after all (0), proven to hold a singularity (1), or neither (2).
+
+    Args:
+        robot, task: what the covering is about.
+        found: it.
+        cells: leaves of it.
+        threads: 0 for all cores.
+    """
+    if not len(cells):
+        return np.zeros(0, dtype=np.int8)
+    if found.plan.method == SPLIT:
+        leaves, parts = np.ascontiguousarray(cells), int(np.clip(_PARTS // len(cells), 64, 4096))
+        return _core.judge_leaves(tables_of(robot, found.plan), leaves, _CLOSER, parts=parts, threads=threads)
+    return closer(robot, task, viewed(robot, task), found.plan, cells, threads)
+
+
+def _by_split(
+    robot: Robot, plan: Plan, journal: Path | None, threads: int, progress: Progress | None
+) -> Covering:
+    core = tables_of(robot, plan)
+
+    def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:
+        return _core.cover(core, begin, end, threads=threads)
+
+    return _collected(plan, batch, journal, progress)
+
+
+def _by_enclosures(
+    robot: Robot, task: Task, plan: Plan, budget: int, journal: Path | None, threads: int, progress: Progress | None
+) -> Covering:
+    setting = viewed(robot, task)
+    spent = 0
+
+    def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:
+        nonlocal spent
+        made = enclosed_trees(robot, task, setting, plan, begin, end, budget - spent, threads)
+        spent += made[2]
+        return made
+
+    return _collected(plan, batch, journal, progress)
+
+
+def _collected(
+    plan: Plan,
+    batch: Callable[[int, int], tuple[Masks, NDArray[np.int32], int, int]],
+    journal: Path | None,
+    progress: Progress | None,
+) -> Covering:
+    """Every part of the covering, from the journal or made; what is done when Ctrl-C comes is kept."""
+    shape = plan.shape
+    notes = Journal.open(journal, plan) if journal is not None else None
+    kept = {} if notes is None else notes.read()
+    begins = range(0, shape.trees, _BATCH)
+    stopped = ""
+    try:
+        for begin in begins:
+            if begin in kept:
+                continue
+            end = min(begin + _BATCH, shape.trees)
+            made = batch(begin, end)
+            kept[begin] = made
+            if notes is not None:
+                notes.add(begin, made)
+            if progress is not None:
+                progress(end, shape.trees)
+    except KeyboardInterrupt:
+        stopped = "interrupted"
+    except BudgetSpent:
+        stopped = "the budget is spent"
+    finally:
+        if notes is not None:
+            notes.close()
+    finished = np.zeros(shape.trees, dtype=np.bool_)
+    for begin in kept:
+        finished[begin : begin + _BATCH] = True
+    ordered = [kept[begin] for begin in sorted(kept)]
+    tree = joined(shape, finished, [(masks, sizes) for masks, sizes, _, _ in ordered])
+    tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
+    return Covering(plan, tree, tested, freed, stopped)
+

@@ -1,0 +1,190 @@
+"""A covering against families: which boxes known families explain, and where nothing known does.
+
+A leaf is explained where a point of some family was found within half a diagonal of its centre. The point is one of
+the family, so no leaf is explained that is not near one; one that is not explained may be near a point that was not
+found. When every leaf is explained, every singular configuration lies within one diagonal of a known family.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.certify.bittree import Cells, Flags
+from rankdrop.certify.covering import Covering
+from rankdrop.family.record import Family
+from rankdrop.family.system import System
+from rankdrop.robot.model import Array, Robot
+
+Progress = Callable[[int, int], None]
+
+_WIDER = 1e-9  # half a diagonal is taken this much longer: neighbours of a pinned value lie exactly so far [rad]
+_SIDES = 1e-12  # a value of an equation counts as of one sign beyond this, per sum of its coefficients
+_STEPS = 12  # of Newton's method
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """Leaves and families.
+
+    Attributes:
+        leaves: looked at.
+        families: (F,) leaves explained by each family, the first that does; in the order given.
+        left: (M, d) leaves that none explains.
+        proven: (M,) which of these are proven to hold a singularity.
+    """
+
+    leaves: int
+    families: NDArray[np.int64]
+    left: Cells
+    proven: Flags
+
+
+class Explainer:
+    """Families of one arm in the variables of a covering.
+
+    Args:
+        found: the covering.
+        robot: its arm.
+        families: of this arm and task; those without equations, or on joints that are not covered, explain nothing.
+        scale: (n,) unit of motion of each joint, as for distances.
+    """
+
+    def __init__(self, found: Covering, robot: Robot, families: Sequence[Family], scale: Array) -> None:
+        self.found, self.families = found, tuple(families)
+        shape = found.tree.shape
+        self.place = np.array(found.plan.variables) - 1
+        self.n, self.unit = robot.n, scale[self.place]
+        self.cells = shape.cells(shape.levels)
+        self.low = np.array(found.plan.lower)
+        self.width = (np.array(found.plan.upper) - self.low) / self.cells
+        self.radius = float(np.linalg.norm(self.width / self.unit)) / 2 + _WIDER
+        usable = [i for i, family in enumerate(self.families) if self._usable(family)]
+        order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
+        self._sights = {i: _Sight(self, self.families[i]) for i in order}
+
+    @property
+    def diagonal(self) -> float:
+        """Of a leaf [rad; slides divided by the length scale]."""
+        return 2 * self.radius
+
+    def _usable(self, family: Family) -> bool:
+        joints = {number for equation in family.equations for number in equation.joints}
+        return family.named and bool(family.equations) and joints <= {int(j) + 1 for j in self.place}
+
+    def all(self, progress: Progress | None = None) -> Explained:
+        """Every leaf of the covering, part by part."""
+        families = np.zeros(len(self.families), dtype=np.int64)
+        left: list[Cells] = []
+        proven: list[Flags] = []
+        leaves = 0
+        for cells, sure in self.found.tree.parts():
+            by = self.by(cells)
+            families += np.bincount(by[by >= 0], minlength=len(families))
+            left.append(cells[by < 0])
+            proven.append(sure[by < 0])
+            leaves += len(cells)
+            if progress is not None:
+                progress(leaves, self.found.tree.leaves)
+        none = np.zeros((0, len(self.place)), np.int32)
+        return Explained(leaves, families, np.concatenate([none, *left]), np.concatenate([none[:, 0] > 0, *proven]))
+
+    def by(self, cells: Cells) -> NDArray[np.int64]:
+        """(M,) index of the family that explains each leaf (M, d), the first that does; −1 where none does."""
+        found = np.full(len(cells), -1)
+        for i, sight in self._sights.items():
+            open_ = np.flatnonzero(found < 0)
+            if not len(open_):
+                break
+            found[open_[sight.near(cells[open_])]] = i
+        return found
+
+
+class _Sight:
+    """One family, seen from leaves."""
+
+    def __init__(self, maker: Explainer, family: Family) -> None:
+        self.maker = maker
+        self.system = System(family.equations)
+        self.pins: dict[int, tuple[Array, ...]] = {}  # place -> squared distance of each value from each cell's centre
+        self.values: dict[int, tuple[float, ...]] = {}
+        for one in family.pinned:
+            at = int(np.flatnonzero(maker.place == one.number - 1)[0])
+            centre = maker.low[at] + (np.arange(maker.cells[at]) + 0.5) * maker.width[at]
+            away = [self._away(value - centre, at) for value in one.values]
+            self.pins[at] = tuple((gap / maker.unit[at]) ** 2 for gap in away)
+            self.values[at] = one.values
+        joints = {number - 1 for equation in family.equations for number in equation.joints}
+        self.bound = [int(np.flatnonzero(maker.place == j)[0]) for j in sorted(joints) if j not in self._pinned()]
+        names = {int(maker.place[at]) + 1 for at in self.pins}
+        self.others = tuple(equation for equation in family.equations if not names.issuperset(equation.joints))
+
+    def _pinned(self) -> set[int]:
+        return {int(self.maker.place[at]) for at in self.pins}
+
+    def _away(self, gap: Array, at: int) -> Array:
+        """A difference of joint values, on a turn the short way round."""
+        return (gap + pi) % (2 * pi) - pi if self.maker.found.plan.turns[at] else gap
+
+    def near(self, cells: Cells) -> Flags:
+        """(M,) whether a point of the family was found within half a diagonal of the centre of each leaf."""
+        found = np.zeros(len(cells), dtype=np.bool_)
+        least = self.maker.radius**2
+        pinned = list(self.pins)
+        for choice in product(*(range(len(self.values[at])) for at in pinned)):
+            room = np.full(len(cells), least)
+            for at, which in zip(pinned, choice, strict=True):
+                room -= self.pins[at][which][cells[:, at]]
+            open_ = np.flatnonzero((room >= 0.0) & ~found)
+            if not self.others:
+                found[open_] = True
+            elif len(open_):
+                found[open_] = self._coupled(cells[open_], room[open_], dict(zip(pinned, choice, strict=True)))
+        return found
+
+    def _coupled(self, cells: Cells, room: Array, choice: dict[int, int]) -> Flags:
+        """The same, the pinned joints at one value each; once for all leaves that differ in other joints only."""
+        maker = self.maker
+        columns = sorted({*self.bound, *self.pins})
+        keys = np.ravel_multi_index(tuple(cells[:, columns].T), tuple(maker.cells[at] for at in columns))
+        _, first, back = np.unique(keys, return_index=True, return_inverse=True)
+        some, radius = cells[first], np.sqrt(room[first])
+        q = np.zeros((len(some), maker.n))
+        q[:, maker.place] = maker.low + (some + 0.5) * maker.width
+        for at, which in choice.items():
+            q[:, maker.place[at]] = self.values[at][which]
+        moves = maker.place[self.bound]
+        scale = np.zeros(maker.n)
+        scale[moves] = maker.unit[self.bound]
+        near = np.zeros(len(some), dtype=np.bool_)
+        if len(self.others) == 1:
+            near = self._sides(q, radius, scale)
+        rest = np.flatnonzero(~near)
+        near[rest] = self._walked(q[rest], radius[rest], scale)
+        return np.asarray(near[back.reshape(-1)])
+
+    def _sides(self, q: Array, radius: Array, scale: Array) -> Flags:
+        """A zero between two points along the gradient, by a change of sign."""
+        equation = self.others[0]
+        f, slope = equation.with_gradient(q)
+        way = slope * scale
+        length = np.linalg.norm(way, axis=1, keepdims=True)
+        step = scale * way / np.maximum(length, 1e-300) * radius[:, None]
+        other = equation(q - np.sign(f)[:, None] * step)
+        sure = _SIDES * sum(abs(term.coefficient) for term in equation.terms)
+        return np.asarray((length[:, 0] > 0.0) & ((np.abs(f) <= sure) | ((f * other < 0.0) & (np.abs(other) > sure))))
+
+    def _walked(self, q: Array, radius: Array, scale: Array) -> Flags:
+        """A zero at the end of Newton's walk, near enough."""
+        system = System(self.others)
+        moves = np.flatnonzero(scale)
+        along = np.zeros((len(scale), len(moves)))
+        along[moves, np.arange(len(moves))] = 1.0
+        end, there = system.solve(q, along=along, iterations=_STEPS)
+        away = np.linalg.norm((end - q)[:, moves] / scale[moves], axis=1)
+        return np.asarray(there & (away <= radius))

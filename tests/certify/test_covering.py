@@ -1,0 +1,297 @@
+"""No singular configuration is outside the boxes; boxes said to hold one do; the bytes are the same however made."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from known.members import members
+from reference import arms
+
+from rankdrop import _core
+from rankdrop.certify import covering as module
+from rankdrop.certify.coverfile import digest, load, save
+from rankdrop.certify.covering import Covering, covering, looked_into
+from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.searching import search
+from rankdrop.kinematics import jacobian
+from rankdrop.results.known import known_analysis
+from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+WIDTH = 0.4
+
+
+@cache
+def robot_of(name: str) -> Robot:
+    return arms.random_chain(np.random.default_rng(3), "rrrrrr") if name == "random" else open_robot(name)
+
+
+@cache
+def covered(name: str) -> Covering:
+    return covering(robot_of(name), WIDTH)
+
+
+def hashed(found: Covering) -> str:
+    return digest(found.plan, found.tree.payload())
+
+
+def singular(name: str, corank: int = 1, starts: int = 3000):
+    found = search(robot_of(name), corank=corank, starts=starts, seed=5, threads=1)
+    return found.q[(np.asarray(found.outcome) == 0) & (found.sigma[:, -corank] < 1e-9)]
+
+
+def borders(found: Covering, q, free, rng):
+    """Configurations with free joints moved onto borders of boxes, and a rounding beside them."""
+    plan = found.plan
+    q = q.copy()
+    for j in free:
+        if j + 1 not in plan.variables:
+            continue
+        at = plan.variables.index(j + 1)
+        cells = found.tree.shape.cells(found.tree.shape.levels)[at]
+        border = plan.lower[at] + rng.integers(0, cells + 1, len(q)) * ((plan.upper[at] - plan.lower[at]) / cells)
+        q[:, j] = border + rng.choice([-1e-15, 0.0, 1e-15], len(q))
+    return q
+
+
+@pytest.mark.parametrize("name", ["ur5", "puma560", "random"])
+def test_singular_configurations_lie_in_boxes(name):
+    q = singular(name)
+    assert len(q) > 1000
+    assert covered(name).holds(q).all()
+    inside = covered(name).holds(np.random.default_rng(0).uniform(-np.pi, np.pi, (20_000, 6)))
+    assert inside.mean() == pytest.approx(1 - covered(name).free_share, abs=0.015)
+    assert 0.3 < covered(name).free_share < 0.7
+
+
+@pytest.mark.parametrize("name", ["ur5", "puma560"])
+def test_members_of_families_on_the_borders_of_boxes_lie_in_boxes(name):
+    robot, rng = robot_of(name), np.random.default_rng(8)
+    task = resolve_task(None, robot)
+    for family in known_analysis(robot, task).families:
+        q = members(robot, task, family, 300)
+        assert len(q) >= 50
+        free = [j - 1 for j in family.free]
+        for made in (q, borders(covered(name), q, free, rng), borders(covered(name), q, free[::2], rng)):
+            assert covered(name).holds(made).all(), family.id
+
+
+def test_members_pushed_to_corners_lie_in_boxes():
+    # singular points of the random arm: two joints on borders, the others solved again along f = 0
+    robot, found, rng = robot_of("random"), covered("random"), np.random.default_rng(9)
+    q = borders(found, singular("random"), [1, 2, 3], rng)
+    for _ in range(20):  # the fifth joint takes up the rest
+        f = _determinant(robot, q)
+        slope = (_determinant(robot, q + 1e-6 * np.eye(6)[4]) - f) / 1e-6
+        q[:, 4] -= np.clip(f / slope, -0.3, 0.3)
+    on = np.abs(_determinant(robot, q)) < 1e-13
+    assert on.sum() > 500
+    assert found.holds(q[on]).all()
+
+
+def _determinant(robot: Robot, q):
+    return np.linalg.det(jacobian(robot, q))
+
+
+@pytest.mark.parametrize("name", ["ur5", "puma560", "random"])
+def test_what_is_left_out_has_one_sign_and_what_is_proven_has_two(name):
+    robot, found, rng = robot_of(name), covered(name), np.random.default_rng(10)
+    tree = found.tree
+    for cells, proven in tree.parts():
+        centre, half = found.boxes(cells[proven][:: max(1, proven.sum() // 300)])
+        q = np.zeros((len(centre), 4000 // 10, 6))
+        q[:, :, 1:5] = centre[:, None] + half * np.sign(rng.uniform(-1, 1, (len(centre), 400, 4))) * (
+            1 - rng.uniform(0, 1, (len(centre), 400, 4)) ** 3
+        )
+        signs = np.sign(_determinant(robot, q))
+        both = (signs.max(axis=1) > 0) & (signs.min(axis=1) < 0)
+        assert both.mean() > 0.97  # a corner that is barely cut is not met by chance
+    every = np.stack(np.meshgrid(*[np.arange(16)] * 4, indexing="ij"), axis=-1).reshape(-1, 4).astype(np.int32)
+    centre, half = found.boxes(every)
+    q = np.zeros((len(every), 6))
+    q[:, 1:5] = centre
+    free = ~found.holds(q)
+    assert free.sum() == 16**4 - tree.leaves
+    some = rng.choice(np.flatnonzero(free), 300, replace=False)
+    q = np.zeros((300, 200, 6))
+    q[:, :, 1:5] = centre[some][:, None] + half * rng.uniform(-1, 1, (300, 200, 4))
+    signs = np.sign(_determinant(robot, q))
+    assert (signs == signs[:, :1]).all()
+
+
+def test_the_bytes_do_not_depend_on_threads_or_lanes():
+    robot = robot_of("ur5")
+    usual = hashed(covered("ur5"))
+    assert hashed(covering(robot, WIDTH, threads=2)) == hashed(covering(robot, WIDTH, threads=1)) == usual
+    chosen = _core.instruction_set()
+    try:
+        for name in _core.instruction_sets():
+            assert _core.choose_instruction_set(name)
+            assert hashed(covering(robot, WIDTH, threads=1)) == usual
+    finally:
+        _core.choose_instruction_set(chosen)
+
+
+def test_an_interrupted_covering_goes_on_to_the_same_bytes(tmp_path):
+    robot, journal = robot_of("ur5"), tmp_path / "half.journal"
+
+    def stop(done: int, total: int) -> None:
+        if done >= total // 3:
+            raise KeyboardInterrupt
+
+    part = covering(robot, WIDTH, journal=journal, progress=stop)
+    assert (part.complete, part.stopped) == (False, "interrupted")
+    assert 0.3 < part.tree.finished.mean() < 0.5
+    assert part.free_share < covered("ur5").free_share
+    assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
+    size = journal.stat().st_size
+    with journal.open("r+b") as file:  # the last record was cut off
+        file.truncate(size - 100)
+    calls = []
+    whole = covering(robot, WIDTH, journal=journal, progress=lambda done, total: calls.append(done))
+    assert 30 < len(calls) < 64
+    assert hashed(whole) == hashed(covered("ur5"))
+    assert (whole.tested, whole.freed) == (covered("ur5").tested, covered("ur5").freed)
+
+
+@pytest.mark.slow
+def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
+    # killed in the middle by itself: nothing is flushed on the way out
+    code = (
+        "import os, sys, rankdrop\n"
+        "from rankdrop.verbs import cover\n"
+        "def tell(label, done, total):\n"
+        "    if done > total // 2 and sys.argv[2] == 'kill': os.kill(os.getpid(), 9)\n"
+        "cover(rankdrop.open_robot('puma560'), width=0.4, out=sys.argv[1], explain=False, report=tell)\n"
+    )
+    run = lambda name, how: subprocess.run([sys.executable, "-c", code, str(tmp_path / name), how]).returncode  # noqa: E731
+    assert run("a", "kill") == -9
+    assert (tmp_path / "a.journal").stat().st_size > 1000
+    assert not (tmp_path / "a").exists()
+    assert run("a", "go on") == 0
+    assert run("b", "once") == 0
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+    assert sorted(os.listdir(tmp_path)) == ["a", "b"]
+
+
+def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
+    found, path = covered("puma560"), tmp_path / "puma.cover"
+    save(path, found.plan, found.tree, found.tested, found.freed)
+    plan, tree, tested, freed = load(path)
+    assert (plan, tested, freed) == (found.plan, found.tested, found.freed)
+    assert tree.payload() == found.tree.payload()
+    raw = path.read_bytes()
+    assert len(raw) < 60_000
+    head = raw.index(b"\n", 30) + 1
+    flipped = raw[: head + 30] + bytes([raw[head + 30] ^ 1]) + raw[head + 31 :]
+    for changed in (raw[: head + 40], raw[:-1], flipped, b"x" + raw[1:],
+                    raw.replace(b'"width": 0.4', b'"width": 0.3'), raw.replace(b'"tested": ', b'"tasted": ')):
+        path.write_bytes(changed)
+        with pytest.raises(ResultFileError):
+            load(path)
+
+
+def test_a_journal_of_another_covering_is_refused(tmp_path):
+    journal = tmp_path / "x.journal"
+    covering(open_robot("planar3r"), 0.1, journal=journal)
+    for arm, width in (("planar3r", 0.2), ("almarkhi4", 0.5)):
+        with pytest.raises(ResultFileError, match="another covering"):
+            covering(open_robot(arm), width, journal=journal)
+    journal.write_bytes(b"something else\n")
+    with pytest.raises(ResultFileError, match="no journal"):
+        covering(open_robot("planar3r"), 0.1, journal=journal)
+
+
+@pytest.mark.parametrize("name", ["planar3r", "almarkhi4", "anthropomorphic", "stanford"])
+def test_other_arms_are_covered_by_enclosures(name):
+    robot = open_robot(name)
+    found = covering(robot, 0.3 if robot.n < 6 else 0.4, limits=name == "stanford")
+    assert found.complete
+    q = search(robot, corank=1, starts=800, seed=5, threads=1, limits=name == "stanford")
+    q = q.q[np.asarray(q.outcome) == 0]
+    assert len(q) > 300
+    assert found.holds(q).all()
+    assert found.free_share > (0.2 if robot.n < 6 else 0.02)
+    if name in ("planar3r", "anthropomorphic"):
+        assert found.tree.proven_leaves > 0.5 * found.tree.leaves
+    assert hashed(covering(robot, found.plan.width, limits=found.plan.limits, threads=1)) == hashed(found)
+
+
+def test_a_covering_by_enclosures_agrees_with_the_split_one(monkeypatch):
+    robot = robot_of("ur5")
+    monkeypatch.setattr(module, "_splits", lambda *_: False)
+    other = covering(robot, 0.8)
+    monkeypatch.undo()
+    found = covering(robot, 0.8)
+    # a box that one of them proves to hold a singularity is free for neither
+    for one, two in ((found, other), (other, found)):
+        for cells, proven in one.tree.parts():
+            q = np.zeros((int(proven.sum()), 6))
+            q[:, 1:5] = one.boxes(cells[proven])[0]
+            assert two.holds(q).all()
+    assert found.free_share >= other.free_share
+
+
+def test_limits_narrow_what_is_covered():
+    robot = robot_of("puma560")
+    joints = [replace(joint, lower=-0.3 * (i + 1), upper=1.0) for i, joint in enumerate(robot.joints)]
+    narrow = Robot("narrow", tuple(joints), robot.home)
+    found = covering(narrow, 0.1, limits=True)
+    assert found.plan.lower == tuple(one.lower for one in joints[1:5])
+    assert not any(found.plan.turns)
+    assert found.tree.shape.depth == (4, 5, 5, 5)
+    q = search(narrow, corank=1, starts=2000, limits=True, threads=1)
+    q = q.q[np.asarray(q.outcome) == 0]
+    assert len(q) > 500
+    assert found.holds(q).all()
+    assert found.holds(np.full((1, 6), 3.0)).all()  # outside the limits nothing is known
+
+
+def test_a_closer_look_frees_leaves_and_never_those_that_hold_a_singularity():
+    freed = 0
+    for name, width in (("random", 1.6), ("almarkhi4", 0.4)):
+        robot = robot_of(name)
+        found = covering(robot, width)
+        for cells, proven in found.tree.parts():
+            told = looked_into(robot, resolve_task(None, robot), found, cells)
+            assert (told[proven] == 1).all()
+            freed += int((told == 0).sum())
+            q = np.zeros((len(cells), robot.n))
+            q[:, np.array(found.plan.variables) - 1] = found.boxes(cells)[0]
+            points = singular(name)
+            half = found.boxes(cells)[1]
+            place = np.array(found.plan.variables) - 1
+            for centre in q[told == 0][:: max(1, int((told == 0).sum()) // 200)]:
+                gap = np.abs((points[:, place] - centre[place] + np.pi) % (2 * np.pi) - np.pi)
+                assert not (gap <= half * (1 - 1e-9)).all(axis=1).any()
+    assert freed > 10
+
+
+def test_what_cannot_be_covered_is_refused():
+    kinds = [JointKind.PRISMATIC] * 3
+    gantry = Robot("gantry", tuple(Joint(f"j{i}", kind, np.eye(6)[i]) for i, kind in enumerate(kinds)), task="position")
+    for robot, width, match in (
+        (open_robot("ur5"), 0.001, "width"), (open_robot("ur5"), np.nan, "width"),
+        (open_robot("fetch8"), 0.5, "too many joints"), (_unlimited(open_robot("stanford")), 0.5, "limits"),
+        (gantry, 0.5, "without limits"),
+    ):  # fmt: skip
+        with pytest.raises(OptionError, match=match):
+            covering(robot, width)
+
+
+def _unlimited(robot: Robot) -> Robot:
+    return Robot("free", tuple(replace(joint, lower=-np.inf, upper=np.inf) for joint in robot.joints), robot.home)
+
+
+def test_a_budget_ends_the_work_and_says_so():
+    found = covering(open_robot("almarkhi4"), 0.1, budget=2000)
+    assert (found.complete, found.stopped) == (False, "the budget is spent")
+    with pytest.raises(OptionError, match="budget"):
+        covering(open_robot("almarkhi4"), 0.3, budget=0)

@@ -1,0 +1,147 @@
+"""`rankdrop cover`: what families explain and what they do not, exit codes, what is written, and errors of one line."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.cli import main
+from rankdrop.compare.covered import Explainer
+from rankdrop.compare.places import FOUND, PROVEN, grouped
+from rankdrop.local.block import joint_scale, singular_values
+from rankdrop.results.known import known_analysis
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+from rankdrop.verbs import cover
+
+UR5 = open_robot("ur5")
+TASK = resolve_task(None, UR5)
+
+
+def without(*ids: str):
+    known = known_analysis(UR5, TASK)
+    return replace(known, families=tuple(one for one in known.families if one.id not in ids))
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    def once(*argv: object) -> tuple[int, str, str]:
+        monkeypatch.setenv("COLUMNS", "120")
+        capsys.readouterr()
+        code = main.run(["cover", *map(str, argv), "--quiet"])
+        return (code, *capsys.readouterr())
+
+    return once
+
+
+def test_known_families_explain_every_box() -> None:
+    for name in ("ur5", "puma560"):
+        found = cover(open_robot(name), width=0.4)
+        assert found.sentence.startswith("Nothing else exists down to 0.393 rad")
+        assert (found.holds, found.account.spots) == (True, ())
+        assert found.account.explained.sum() + found.account.freed == found.covering.tree.leaves
+        assert (found.account.explained[:3] > 1000).all()
+
+
+def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
+    # every family that lies in the wrist's sheet goes: what is left of it is a place to look at
+    known = known_analysis(UR5, TASK)
+    gone = [one.id for one in known.families if any(pin.number == 5 for pin in one.pinned)]
+    assert "k1.f3" in gone
+    found = cover(UR5, width=0.4, analysis=without(*gone))
+    assert not found.holds
+    assert "Not all is explained" in found.sentence
+    assert {one.kind for one in found.account.spots} <= {PROVEN, FOUND}
+    for one in found.account.spots:
+        assert one.sigma < 1e-9
+        assert singular_values(UR5, one.q[None], TASK)[0, -1] < 1e-9
+        assert (one.q[1:5] >= one.lower - 1.2).all()
+    boxes = sum(one.boxes for one in found.account.spots)
+    assert 0.1 < boxes / found.covering.tree.leaves < 0.5
+
+
+def test_explained_means_that_a_point_of_the_family_is_near() -> None:
+    found = cover(UR5, width=0.4, explain=False).covering
+    scale = joint_scale(UR5, TASK)
+    for family in known_analysis(UR5, TASK).families:
+        if family.corank > 1 and not family.coupled:
+            continue
+        explainer = Explainer(found, UR5, (family,), scale)
+        for cells, _ in found.tree.parts():
+            by = explainer.by(cells[::7])
+            q = np.zeros((len(by), 6))
+            q[:, 1:5] = found.boxes(cells[::7])[0]
+            near = q[by == 0]
+            # distance from the family by walking, independent of the change of sign
+            from rankdrop.motion.distance import distances
+
+            far = distances([family], UR5, near[:400], TASK).distance[:, 0]
+            assert (far <= explainer.radius * (1 + 1e-6)).mean() > 0.999
+            other = distances([family], UR5, q[by < 0][:400], TASK).distance[:, 0]
+            if family.corank == 1 and not family.coupled:
+                assert (other > explainer.radius * (1 - 1e-6)).all()
+
+
+def test_boxes_that_touch_are_one_place_across_the_ends_of_a_turn() -> None:
+    cells = np.array([[0, 3], [15, 4], [7, 7], [8, 8], [3, 15], [3, 0]], dtype=np.int32)
+    groups = {tuple(sorted(rows.tolist())) for rows in grouped(cells, (16, 16), (True, False))}
+    assert groups == {(0, 1), (2, 3), (4,), (5,)}
+    groups = {tuple(sorted(rows.tolist())) for rows in grouped(cells, (16, 16), (True, True))}
+    assert (4, 5) in groups
+
+
+def test_an_arm_that_is_not_shipped_is_analysed(tmp_path: Path) -> None:
+    arm = open_robot("planar3r")
+    longer = replace(arm, joints=tuple(replace(j, screw=j.screw * [1.25, 1.25, 1.25, 1, 1, 1]) for j in arm.joints))
+    found = cover(longer, width=0.2)
+    assert (found.account.source, found.holds) == ("made here", True)
+
+
+def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
+    out, file = tmp_path / "arm.cover", tmp_path / "arm.json"
+    code, text, _ = run("almarkhi4", "--width", "10deg", "--out", out, "--json", file)
+    assert code == 0
+    assert text.strip().splitlines()[0].strip().startswith("Nothing else exists down to 0.0982 rad")
+    record = json.loads(file.read_text())
+    Draft202012Validator(load_schema("cover")).validate(record)
+    assert record["sha256"] in text
+    first = out.read_bytes()
+    code, text, _ = run("almarkhi4", "--width", "10deg", "--out", out, "--json", "-")
+    assert (code, out.read_bytes()) == (0, first)
+    assert json.loads(text) == record
+    without("k1.f3", "k2.f4", "k2.f5", "k3.f1").save(tmp_path / "part.json")
+    code, text, _ = run("ur5", "--width", 0.8, "--analysis", tmp_path / "part.json", "--json", file)
+    assert code == 3
+    assert "Places to look at" in text
+    Draft202012Validator(load_schema("cover")).validate(json.loads(file.read_text()))
+    code, text, _ = run("almarkhi4", "--budget", 3000, "--json", file)
+    assert code == 3
+    assert text.strip().startswith("Not complete (the budget is spent)")
+    Draft202012Validator(load_schema("cover")).validate(json.loads(file.read_text()))
+    code, text, _ = run("ur5", "--width", 0.8, "--no-explain")
+    assert (code, "Covered: every singular configuration" in text) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (("ur5", "--corank", 2), "only corank 1 is covered"),
+        (("ur5", "--width", "0.001"), "no such width"),
+        (("ur5", "--width", "wide"), "--width"),
+        (("fetch8",), "too many joints"),
+        (("ur5", "--out=-"), "a covering is not printed"),
+        (("ur5", "--out", "/no/such/folder/x"), "no such folder"),
+        (("scara", "--task", "vx,vy"), "some rows of translation"),
+    ],
+)
+def test_bad_input_is_one_line(run, argv, words) -> None:
+    code, out, err = run(*argv)
+    assert (code, out) == (2, "")
+    assert len(err.strip().splitlines()) == 1
+    assert words in err

@@ -96,6 +96,20 @@ main()
     assert (done.returncode, done.stderr) == (exits.INTERRUPTED, "rankdrop: interrupted\n")
 
 
+def test_ctrl_c_while_the_commands_are_put_together() -> None:
+    """The imports are done, nothing runs yet."""
+    program = """
+import os, signal, sys
+import cyclopts
+def interrupted(self, *_, **__):
+    os.kill(os.getpid(), signal.SIGINT)
+cyclopts.App.command = interrupted
+import rankdrop.cli.main
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (exits.INTERRUPTED, "rankdrop: interrupted\n")
+
+
 def test_handlers_of_the_caller_are_left_alone(run: Any) -> None:
     before = signal.getsignal(signal.SIGINT)
     run("robots", "nosuch")

@@ -54,10 +54,6 @@ try:
     from rankdrop.version import VERSION
 except KeyboardInterrupt:  # raised by a module itself
     _leave_at_once()
-finally:
-    with contextlib.suppress(ValueError):
-        if _OURS:
-            signal.signal(signal.SIGINT, _HANDLER)
 
 _HELP = f"""Kinematic singularities of robot arms: every family, of every corank, with its conditions.
 
@@ -234,6 +230,10 @@ def _fill_streams() -> None:
     if sys.stderr is None:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the process ends
 
+
+with contextlib.suppress(ValueError):
+    if _OURS:
+        signal.signal(signal.SIGINT, _HANDLER)
 
 if __name__ == "__main__":
     main()

@@ -11,7 +11,7 @@ import numpy as np
 from rankdrop.errors import MissingExtraError
 from rankdrop.motion.array_file import arranged
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError
-from rankdrop.robot.budgets import LARGEST_YAML
+from rankdrop.robot.budgets import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
 
 _INSIDE = ("trajectory", "joint_trajectory", "goal")
@@ -80,8 +80,10 @@ def _yaml(text: str, name: str) -> Any:
         raise TrajectoryError("the file is too large", where=name, allowed=most, mend="write it as JSON or CSV")
     if "<<" in text:  # a merge may double what it merges, thirty times over
         raise TrajectoryError("merge keys are not read", where=name, got="<<", mend="write the points out")
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
-        documents = list(yaml.load_all(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+        _check_depth(yaml, text, loader, name)
+        documents = list(yaml.load_all(text, loader))
     except (RecursionError, ValueError, TypeError) as error:  # too deep; a date that is none; a key that is a list
         what = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise TrajectoryError(f"this is not YAML that can be read: {what[:80]}", where=name) from None
@@ -90,6 +92,16 @@ def _yaml(text: str, name: str) -> Any:
         line = "" if mark is None else f", line {mark.line + 1}"
         raise TrajectoryError(f"this is not YAML: {getattr(error, 'problem', error)}", where=f"{name}{line}") from None
     return next((one for one in documents if _message(one) is not None), None)
+
+
+def _check_depth(yaml: Any, text: str, loader: Any, name: str) -> None:
+    """Refuse what is nested deeply: the compiled loader would go down with the stack, and the process with it."""
+    depth = 0
+    for event in yaml.parse(text, loader):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            where = f"{name}, line {event.start_mark.line + 1}"
+            raise TrajectoryError("the objects are nested too deeply", where=where, allowed=f"depth {DEEPEST}")
 
 
 def _message(found: Any, below: int = 2) -> dict[str, Any] | None:

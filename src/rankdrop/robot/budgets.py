@@ -10,7 +10,7 @@ LARGEST_FILE = 50 * 2**20
 LARGEST_TABLE = 2**20
 """Bytes of a TOML file or a list of screws; the largest table of the catalogue has 6 kB."""
 DEEPEST = 100
-"""Elements of XML inside one another."""
+"""Elements of XML, or lists and objects of YAML, inside one another."""
 MOST_ELEMENTS = 200_000
 """Of an XML file; a humanoid with its meshes has some 2,000."""
 MOST_BODIES = 20_000
@@ -23,7 +23,7 @@ DOTS = 4_000_000
 """Sum over the lines of a TOML file of (dots in the line)²: what its keys with dots can cost the parser."""
 MOST_ROWS = 1_000_000
 """Rows of a trajectory."""
-LARGEST_YAML = 5 * 2**20
+LARGEST_YAML = 2 * 2**20
 """Bytes of a trajectory in YAML, which is read a hundred times more slowly than JSON."""
 LARGEST_ARRAY = 500 * 2**20
 """Bytes of an array in NumPy's files; a million rows of twenty joints have a third of it."""

@@ -267,3 +267,11 @@ def test_the_text_says_the_verdict_first_and_last() -> None:
     assert lines[0] == lines[-1]
     assert lines[0].startswith("Crosses a singularity once (proven), first elbow")
     assert "joint2 0°" in text
+
+
+def test_a_path_that_crosses_is_never_free_on_the_whole_of_its_length() -> None:
+    found = check_path(open_robot("planar3r"), [[0.3, 0.5, 0.4], [0.3, -0.5, 0.4]])
+    assert [one.verdict for one in found.crossings] == ["crossing"]
+    assert found.free_words == "more than 99.9999 %"
+    free = check_path(open_robot("planar3r"), [[0.3, 0.5, 0.4], [0.3, 0.6, 0.4]])
+    assert (free.verdict, free.free_words) == ("free", "100 %")

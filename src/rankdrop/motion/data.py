@@ -223,6 +223,13 @@ class PathData:
         return self.verdict == FREE and self.complete
 
     @property
+    def free_words(self) -> str:
+        """The share that is proven free in per cent, never rounded up to the whole: a crossing is a point of it."""
+        text = f"{100 * self.free_share:.6g}"
+        all_of_it = self.free_share == 1.0 and not self.crossings
+        return "more than 99.9999 %" if text == "100" and not all_of_it else f"{text} %"
+
+    @property
     def crossings(self) -> tuple[Stretch, ...]:
         """Where it meets singularities, crossing or touching, in order along the path."""
         met = [one for one in self.stretches if one.verdict in (CROSSING, TOUCHING)]

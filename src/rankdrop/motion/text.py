@@ -42,8 +42,8 @@ def _about(found: PathData) -> Section:
     times = found.curve.times
     lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
     lines = [
-        f"{found.rows} rows{lasts}, {found.settings.interpolate} between them; {100 * found.free_share:.6g} % of its "
-        f"length is proven free",
+        f"{found.rows} rows{lasts}, {found.settings.interpolate} between them; {found.free_words} of its length is "
+        f"proven free",
         f"families: {'none known, found on the spot' if found.source == 'on the spot' else f'from the {found.source}'};"
         f" distances in joint space [rad], σ with translation divided by {found.settings.length_scale:.4g} m",
     ]

@@ -32,7 +32,7 @@ def path_page(found: PathCheck) -> str:
     css = "good" if found.holds else "bad"
     facts = [
         ("rows", f"{found.rows:,}, {found.settings.interpolate} between them"),
-        ("proven free", f"{100 * found.free_share:.6g} % of its length"),
+        ("proven free", f"{found.free_words} of its length"),
         ("task", f"{found.task.name}, σ with lengths divided by {found.settings.length_scale:.4g} m"),
     ]
     if found.curve.times is not None:

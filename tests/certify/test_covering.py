@@ -15,7 +15,7 @@ from reference import arms
 
 from rankdrop import _core
 from rankdrop.certify import covering as module
-from rankdrop.certify.coverfile import digest, load, save
+from rankdrop.certify.coverfile import digest, load, write_covering
 from rankdrop.certify.covering import Covering, covering, looked_into
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
@@ -183,7 +183,7 @@ def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
 
 def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
     found, path = covered("puma560"), tmp_path / "puma.cover"
-    save(path, found.plan, found.tree, found.tested, found.freed)
+    write_covering(path, found.plan, found.tree, found.tested, found.freed)
     plan, tree, tested, freed = load(path)
     assert (plan, tested, freed) == (found.plan, found.tested, found.freed)
     assert tree.payload() == found.tree.payload()

@@ -12,9 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import struct
-import tempfile
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.bittree import BitTree, Masks, Shape, from_payload
+from rankdrop.disk import replace_file
 from rankdrop.errors import ResultFileError
 
 MAGIC = b"RANKDROP COVER 1\n"
@@ -87,7 +86,7 @@ def digest(plan: Plan, payload: bytes) -> str:
     return hashlib.sha256(plan.line() + b"\n" + payload).hexdigest()
 
 
-def save(path: Path, plan: Plan, tree: BitTree, tested: int, freed: int) -> str:
+def write_covering(path: Path, plan: Plan, tree: BitTree, tested: int, freed: int) -> str:
     """Write a finished covering, all or nothing, and return its hash.
 
     Raises:
@@ -99,15 +98,7 @@ def save(path: Path, plan: Plan, tree: BitTree, tested: int, freed: int) -> str:
               "leaves": tree.leaves, "proven": tree.proven_leaves}  # fmt: skip
     line = json.dumps(record, sort_keys=True).encode()
     try:
-        handle, name = tempfile.mkstemp(dir=path.resolve().parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(MAGIC + line + b"\n" + zlib.compress(payload, 6))
-            os.chmod(name, 0o644)
-            os.replace(name, path)
-        except BaseException:
-            os.unlink(name)
-            raise
+        replace_file(path, MAGIC + line + b"\n" + zlib.compress(payload, 6))
     except OSError as error:
         raise ResultFileError(f"cannot write: {error.strerror}", where=str(path)) from error
     return found

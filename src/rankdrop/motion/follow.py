@@ -94,12 +94,13 @@ def follow(
         TaskError: there is no such task, or its reference point does not move with the tip.
 
     Example:
+        >>> from rankdrop.kinematics import pose
         >>> from rankdrop.robot.open import open_robot
         >>> arm = open_robot("ur5")
         >>> ends = pose(arm, [[0, -1, 1, 0.3, 0.8, 0], [0.2, -1.1, 1.2, 0.3, 0.8, 0]])
         >>> found = follow(arm, ends, [0, -1, 1, 0.3, 0.8, 0])
-        >>> found.complete, found.q[1].round(6).tolist()
-        (True, [0.2, -1.1, 1.2, 0.3, 0.8, -0.0])
+        >>> found.complete, (found.q[1].round(6) + 0.0).tolist()
+        (True, [0.2, -1.1, 1.2, 0.3, 0.8, 0.0])
     """
     wanted = np.asarray(poses, dtype=np.float64)
     if wanted.ndim != 3 or wanted.shape[1:] != (4, 4) or not len(wanted) or not np.isfinite(wanted).all():

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rankdrop._handles import check_robot
 from rankdrop.certify.bittree import Cells
-from rankdrop.certify.coverfile import load, save
+from rankdrop.certify.coverfile import load, write_covering
 from rankdrop.certify.covering import BUDGET, Covering, covering, looked_into, plan_of
 from rankdrop.compare.covered import Explainer
 from rankdrop.compare.places import spots
@@ -118,7 +118,7 @@ def _made(
         robot, width, task, limits=limits, budget=budget, journal=journal, threads=threads, progress=progress
     )
     if found.complete:
-        save(path, found.plan, found.tree, found.tested, found.freed)
+        write_covering(path, found.plan, found.tree, found.tested, found.freed)
         journal.unlink(missing_ok=True)
     return found
 

@@ -109,8 +109,8 @@ def _row(name: str, about: str, found: Analysis, derived: Conditions, one: float
         analyze_exit=exits.FINE if found.complete and found.verified else exits.UNEXPLAINED,
         conditions_exit=exits.FINE if derived.verified else exits.UNEXPLAINED,
         reason=_short(_reasons(found, derived)),
-        analyze_cpu=round(one, 1),
-        conditions_cpu=round(two, 1),
+        analyze_cpu=one,
+        conditions_cpu=two,
     )
 
 

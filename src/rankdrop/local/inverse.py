@@ -64,7 +64,7 @@ class Factored:
 
     @property
     def reciprocal(self) -> Array:
-        """(..., min(m, n)) 1/σ, zero beyond the rank: the gains of the pseudo-inverse."""
+        """1/σ, zero beyond the rank, the gains of the pseudo-inverse; (..., min(m, n))."""
         safe = np.where(self.sigma > 0.0, self.sigma, 1.0)
         return np.where(self.sigma > 0.0, 1.0 / safe, 0.0)
 

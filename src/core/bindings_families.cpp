@@ -109,6 +109,42 @@ nb::object apart(const Watcher& watcher) {
     return nb::make_tuple(reach.give(), residual.give(), away.give());
 }
 
+void fit(const Families& table, const In2& q) {
+    if (static_cast<int>(q.shape(1)) != table.variables) throw nb::value_error("q has the wrong number of columns");
+}
+
+// Of all equations, whatever family they are of: f (B, e), and with `slopes` their gradients (B, e, n).
+nb::object equations(const Families& table, const In2& q, bool slopes, int threads) {
+    fit(table, q);
+    const std::size_t rows = q.shape(0), count = table.terms.size() - 1, n = q.shape(1);
+    Result<double> f({rows, count}), gradients({slopes ? rows : 0, count, n});
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) {
+        kernels(rows).equations(table, q.data(), from, to, f.data(), slopes ? gradients.data() : nullptr);
+    });
+    if (!slopes) return f.give();
+    return nb::make_tuple(f.give(), gradients.give());
+}
+
+std::unique_ptr<ZeroSettings> make_zero_settings(int iterations, double step, double still, double enough, double cut,
+                                                 const std::vector<double>& along) {
+    return std::make_unique<ZeroSettings>(ZeroSettings{iterations, step, still, enough, cut, along});
+}
+
+// Common zeros of all equations by Gauss–Newton from starts (B, n): where they ended, and the largest |f| (B) left there.
+nb::object zeros(const Families& table, const In2& q, const ZeroSettings& settings, int threads) {
+    fit(table, q);
+    const std::size_t rows = q.shape(0), n = q.shape(1), count = table.terms.size() - 1;
+    if (settings.along.size() % n != 0 || settings.along.size() > n * n) throw nb::value_error("along has shape (n, d), d <= n");
+    const std::size_t free = settings.along.empty() ? n : settings.along.size() / n;
+    if (count == 0 || std::min(count, free) > kMostEquations) throw nb::value_error("one to 64 equations, or joints that may move");
+    Result<double> ends({rows, n}), worst({rows});
+    std::copy_n(q.data(), q.size(), ends.data());
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) {
+        kernels(rows).zeros(table, settings, ends.data(), from, to, worst.data());
+    });
+    return nb::make_tuple(ends.give(), worst.give());
+}
+
 }  // namespace
 
 void bind_families(nb::module_& module) {
@@ -123,6 +159,12 @@ void bind_families(nb::module_& module) {
              nb::arg("loose"), nb::arg("start"), nb::arg("stop"), nb::arg("beyond"), nb::arg("rates"));
     module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("equations", &equations, nb::arg("families"), nb::arg("q"), nb::kw_only(), nb::arg("slopes") = true,
+               nb::arg("threads") = 0);
+    nb::class_<ZeroSettings>(module, "ZeroSettings")
+        .def(nb::new_(&make_zero_settings), nb::kw_only(), nb::arg("iterations"), nb::arg("step"), nb::arg("still"),
+             nb::arg("enough"), nb::arg("cut"), nb::arg("along"));
+    module.def("zeros", &zeros, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<Watcher>(module, "Watcher")
         .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))
         .def("step", &watch, nb::arg("q"), nb::arg("velocity").none())

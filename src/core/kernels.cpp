@@ -8,6 +8,7 @@
 #include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
+#include "equations.hpp"
 #include "nearest.hpp"
 #include "links.hpp"
 #include "newton.hpp"
@@ -241,6 +242,35 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     }
 }
 
+void equations(const Families& table, const double* q, std::int64_t begin, std::int64_t end, double* f, double* slopes) {
+    Arena arena;
+    const int n = table.variables;
+    Equations at(table, arena);
+    const int e = at.count();
+    Pack* x = take(arena, n);
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        at.at(x);
+        store(at.f, e, count, f + row * e, e);
+        if (slopes) store(at.slopes, e * n, count, slopes + row * e * n, e * n);
+    }
+}
+
+void zeros(const Families& table, const ZeroSettings& settings, double* q, std::int64_t begin, std::int64_t end, double* worst) {
+    Arena arena;
+    const int n = table.variables;
+    ZeroFinder finder(table, settings, arena);
+    Pack* x = take(arena, n);
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        Pack left = finder.run(x);
+        store(x, n, count, q + row * n, n);
+        store(&left, 1, count, worst + row, 1);
+    }
+}
+
 void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* out) {
     Cover work(split);
     for (std::int64_t number = begin; number < end; ++number) work.run(number, out[number - begin]);
@@ -260,6 +290,6 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, cover, judge, shape};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -14,7 +14,7 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.arm_header import arm_header
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, equation_tables
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
@@ -312,12 +312,7 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
     Raises:
         OptionError: an equation with another number of joints than the arm.
     """
-    numbers: dict[tuple[tuple[float, ...], float], int] = {}  # an angle, by its joints' multiples and its shift
-    angle: list[int] = []
-    a: list[float] = []
-    b: list[float] = []
-    powers: list[int] = []
-    terms, equations, coupled = [0], [0], []
+    equations, coupled = [0], []
     pinned: list[int] = []
     values: list[float] = []
     pins, at = [0], [0]
@@ -325,25 +320,15 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
         held = {one.number for one in family.pinned}
         for equation in family.equations:
             _check(equation, family, robot)
-            table = equation.tables
-            for m, shift in zip(table.multiples.tolist(), table.shift.tolist(), strict=True):
-                angle.append(numbers.setdefault((tuple(m), shift), len(numbers)))
-            a += table.cosine.tolist()
-            b += table.sine.tolist()
-            powers += table.powers.reshape(-1).astype(int).tolist()
-            terms.append(len(angle))
             coupled.append(int(not held.issuperset(equation.joints)))
-        equations.append(len(terms) - 1)
+        equations.append(len(coupled))
         for one in family.pinned:
             pinned.append(one.number - 1)
             values += one.values
             at.append(len(values))
         pins.append(len(pinned))
-    turning = [[(j, x) for j, x in enumerate(m) if x] for m, _ in numbers]
     return {
-        "variables": robot.n, "shift": [shift for _, shift in numbers],
-        "turns": np.cumsum([0, *map(len, turning)]).tolist(), "turning": [j for row in turning for j, _ in row],
-        "m": [x for row in turning for _, x in row], "angle": angle, "a": a, "b": b, "powers": powers, "terms": terms,
+        "variables": robot.n, **equation_tables(equation for family in families for equation in family.equations),
         "equations": equations, "corank": [family.corank for family in families],
         "scale": joint_scale(robot, task).tolist(), "periodic": robot.periodic.astype(int).tolist(),
         "coupled": coupled, "pins": pins, "pinned": pinned, "at": at, "values": values,

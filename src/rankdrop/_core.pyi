@@ -144,6 +144,10 @@ class ZeroSettings:
 
 def zeros(families: Families, q: _A, settings: ZeroSettings, *, threads: int = 0) -> tuple[_A, _A]: ...
 
+def promised(
+    values: _A, tensor: _A, tau: _A, mixed: _A, *, rounds: int, effort: int, exact: float, threads: int = 0
+) -> tuple[_A, _A, _A, _A]: ...
+
 class Watcher:
     def __init__(self, chain: Chain, view: View, families: Families, settings: MonitorSettings) -> None: ...
     def step(

@@ -51,7 +51,7 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     loaded = _load(path)
     if isinstance(loaded, np.ndarray):
         q = _numbers(loaded, where)
-        if q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and bool((np.diff(q[:, 0]) > 0).all()):
+        if q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and bool((q[1:, 0] > q[:-1, 0]).all()):
             return arranged(where, robot, q[:, 1:], q[:, 0], deg=deg)
         return arranged(where, robot, q, deg=deg)
     parts = {kind[0]: _part(loaded, kind, where) for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS)}

@@ -1,3 +1,4 @@
+from .budgets import LARGEST_FILE as LARGEST_FILE
 from .dh import from_dh as from_dh
 from .digits import Angles as Angles
 from .files import read_text as read_text

@@ -162,6 +162,9 @@ nb::object svd(const In3& a, bool vectors, int threads) {
     const std::size_t rows = a.shape(0), m = a.shape(1), n = a.shape(2), s = std::min(m, n);
     if (s == 0 || s > 16) throw nb::value_error("a matrix has 1 to 16 rows or columns on its narrow side");
     if (std::max(m, n) > 4096) throw nb::value_error("a matrix has at most 4096 rows or columns");
+    // comparisons with what is not a number order nothing: the values of such a matrix would look like those of a sound one
+    if (!std::all_of(a.data(), a.data() + a.size(), [](double x) { return std::isfinite(x); }))
+        throw nb::value_error("matrices are finite");
     Result<double> sigma({rows, s}), u({vectors ? rows : 0, m, m}), v({vectors ? rows : 0, n, n});
     each(rows, threads, [&](std::int64_t from, std::int64_t to) {
         kernels().svd(static_cast<int>(m), static_cast<int>(n), a.data(), from, to, sigma.data(),

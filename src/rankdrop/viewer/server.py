@@ -16,7 +16,7 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.gate import Gate, new_token
-from rankdrop.viewer.gated import free_port, start_gated, stop
+from rankdrop.viewer.gated import bound_uploads, free_port, start_gated, stop
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import meshes_of
 from rankdrop.viewer.session import Session
@@ -92,6 +92,7 @@ class Viewer:
         self.stage = Stage(self.server, live, meshes)
         self.stage.look_at_arm()
         self.controls = Controls(self.server, self.session, self.stage)
+        bound_uploads(self.server, self.controls.say)
         self._escape = EscapeTab(self.controls)
         self._families = FamiliesTab(self.controls, _SOURCES[source])
         self.path = PathTab(self.controls, deg=wishes.deg)

@@ -116,22 +116,20 @@ LIES = {
     "ball: a box is moved": ("ball", put("proof", "tree", change=lambda t: t.replace(".", "b", 1)), ""),
     "ball: cut along a joint that does not matter": (
         "ball", put("proof", "tree", change=lambda t: "a" + t + t), "means nothing"),
-    "ball: slides and turns in another scale": ("ball", put("claim", "scale", 2, value=4.0), "proven"),
+    "ball: slides and turns in another scale": ("ball", put("claim", "scale", 2, value=4.0), "another unit"),
     "ball: a tolerance that was not proven": (
         "ball", put("tolerance", value={"length": 0.05, "angle": 0.05, "points": [[0.0, 0.0, 0.0]] * 6}), ""),
     "near: a larger tolerance": ("near", put("tolerance", "angle", value=0.05), "proven"),
     "near: points beside the axes": ("near", put("tolerance", "points", 3, 0, value=5.0), "not on its axis"),
-    "ball: an arm of other lengths": ("ball", put("arm", "joints", 2, "screw", 0, change=lambda x: x * 0.2), ""),
+    "ball: an arm of other lengths": ("ball", put("arm", "joints", 2, "screw", 0, change=lambda x: x + 1e-9), "numbers of the arm"),
     "ball: a lower rank": ("ball", put("rank", value=5), "above 5"),
     "free: a segment is missing": ("free", put("claim", "spans", value=[]), "missing"),
     "crossing: a span is missing": (
         "crossing", put("claim", "spans", change=lambda spans: [spans[0], *spans[2:]]), "missing"),
     "crossing: the last span is missing": ("crossing", put("claim", "spans", change=lambda s: s[:-1]), "missing"),
-    "crossing: a row is missing": ("crossing", put("claim", "points", change=lambda p: p[:-1]), ""),
+    "crossing: a row is missing": ("crossing", put("claim", "points", change=lambda p: p[:-1]), "missing"),
     "crossing: told to be free": (
         "crossing", put("claim", "spans", 1, "kind", value="free"), "could not be proven free"),
-    "crossing: a bracket without a zero": (
-        "crossing", put("claim", "spans", 1, "bracket", 1, change=lambda b: b), ""),
     "crossing: free in the verdict": ("crossing", put("claim", "verdict", value="free"), "said to be free"),
     "free: a point of it moved": ("free", put("claim", "points", 1, 4, value=0.4), ""),
     "existence: a regular place": ("existence", put("claim", "q", 4, value=0.3), "away"),
@@ -139,12 +137,11 @@ LIES = {
         "existence", both(put("claim", "q", 4, value=1e-7), put("claim", "radius", value=1e-9)), "away"),
     "covering: other ranges": ("covering", put("claim", "lower", 0, value=-1.0), "other lower"),
     "covering: another hash": ("covering", put("claim", "sha256", value="0" * 64), "another covering"),
-    "covering: another arm": ("covering", put("arm", "fingerprint", value="0" * 64), "another arm"),
+    "covering: another arm": ("covering", put("arm", "fingerprint", value="0" * 64), "fingerprint"),
 }  # fmt: skip
-HARMLESS = {"crossing: a bracket without a zero"}
 
 
-@pytest.mark.parametrize("lie", [name for name in LIES if name not in HARMLESS])
+@pytest.mark.parametrize("lie", LIES)
 def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     name, change, reason = LIES[lie]
     found = judged(records, name, change)

@@ -16,7 +16,7 @@ from rankdrop.certify.proof.reading import Told, Unproven, Work, text
 from rankdrop.errors import ResultFileError
 
 _SEAM = 1e-14  # boxes are proven so much wider [rad]: a whole turn of doubles is shorter than 2π
-_DEEPEST = 48  # halvings of one box
+_DEEPEST, _PARTS = 48, 10_000  # halvings of one box, and parts of it
 
 Cells = NDArray[np.int64]
 
@@ -110,14 +110,15 @@ def _free_boxes(tree: BitTree) -> Iterator[tuple[int, Cells]]:
 def _free(arm: Arm, told: Told, plan: Plan, level: int, cell: list[int], work: Work) -> None:
     """A box free, whole or in parts."""
     depth = [min(level, most) for most in plan.depth]
-    stack = [(cell, depth)]
+    stack, spent = [(cell, depth)], 0
     while stack:
         index, levels = stack.pop()
         if not work.spend():
             raise Unproven(f"the work is used up ({work.most:,} enclosures) before every box was proven free again")
         if arm.keeps_rank(_region(told, plan, index, levels), told.whole_rows, told.rank, told.tolerance):
             continue
-        if sum(levels) - sum(depth) >= _DEEPEST:
+        spent += 1
+        if sum(levels) - sum(depth) >= _DEEPEST or spent >= _PARTS:
             raise Unproven("a box that the covering leaves out could not be proven free again")
         place = min(range(len(levels)), key=lambda j: (levels[j] - plan.depth[j], j))
         for half in (1, 0):

@@ -1,7 +1,8 @@
 """A certificate as a file: what is in it, read with budgets, and what is wrong with one that cannot be read.
 
     {"schema": "rankdrop/certificate/1", "kind": "ball" | "path" | "covering" | "existence", "version": …,
-     "arm": {"name", "joints": [{"name", "kind", "screw", "variable", "multiplier", "offset"}], "home", "last",
+     "arm": {"name", "joints": [{"name", "kind", "screw", "variable", "follows", "multiplier",
+                                 "offset"}], "home", "last",
              "fingerprint"},
      "task": {"name", "rows", "frame": {"axes", "origin", "point"}}, "rank": 6,
      "view": {"link", "point", "length"}, "tolerance": null | {"length", "angle", "points"},
@@ -24,8 +25,9 @@ from typing import Any
 import numpy as np
 
 from rankdrop.certify.proof.intervals import SCREW, SLIDE, TURN, Link, Tolerance
-from rankdrop.errors import ResultFileError
-from rankdrop.robot.model import Array
+from rankdrop.errors import ResultFileError, RobotError
+from rankdrop.robot.fingerprint import fingerprint
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
 
 SCHEMA = "rankdrop/certificate/1"
 BALL, PATH, COVERING, EXISTENCE = "ball", "path", "covering", "existence"
@@ -153,14 +155,18 @@ def _told(record: Record, folder: Path) -> Told:
     variables = 1 + max(one.driver for one in links)
     if {one.driver for one in links} != set(range(variables)):
         raise ValueError("variables are numbered from 1 without a gap")
+    home = _pose(arm["home"], "home")
+    model = text(arm["fingerprint"], "fingerprint")
+    if fingerprint(_robot(arm, links, home)) != model:
+        raise Damaged("the numbers of the arm were changed: they are not those of its fingerprint")
     rows = tuple(whole(row, 0, 5, "rows") for row in task["rows"])
     if not rows or list(rows) != sorted(set(rows)):
         raise ValueError("rows: increasing, from 0 to 5")
     frame = task["frame"]
     point = vector(frame["point"], 3, "point of the task")
     return Told(
-        kind=kind, name=text(arm["name"], "name"), links=links, variables=variables, home=_pose(arm["home"], "home"),
-        last=_pose(arm["last"], "last"), model=text(arm["fingerprint"], "fingerprint"),
+        kind=kind, name=text(arm["name"], "name"), links=links, variables=variables, home=home,
+        last=_pose(arm["last"], "last"), model=model,
         task=text(task["name"], "task"), rows=rows,
         frame=(whole(frame["axes"], -1, len(links) + 1, "axes"), whole(frame["origin"], -1, len(links) + 1, "origin"),
                (point[0], point[1], point[2])),
@@ -187,6 +193,26 @@ def _link(record: Record) -> Link:
         number(record["multiplier"], -_BIGGEST, _BIGGEST, "multiplier"),
         number(record["offset"], -_BIGGEST, _BIGGEST, "offset"),
     )  # fmt: skip
+
+
+def _robot(arm: Record, links: list[Link], home: Array) -> Robot:
+    """The arm as data, to be known by its fingerprint."""
+    joints = []
+    for one, record in zip(links, arm["joints"], strict=True):
+        follows = record["follows"]
+        mimic = None if follows is None else Mimic(text(follows, "follows"), one.multiplier, one.offset)
+        if mimic is None and (one.multiplier, one.offset) != (1.0, 0.0):
+            raise ValueError("a joint that follows none has the multiplier 1 and the offset 0")
+        joints.append(Joint(text(record["name"], "name"), JointKind(one.kind), np.array(one.screw), mimic=mimic))
+    try:
+        robot = Robot("arm", tuple(joints), home)
+    except RobotError as error:
+        raise ValueError(error.what) from error
+    place = {joint.name: k for k, joint in enumerate(robot.variables)}
+    drivers = [place[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+    if drivers != [one.driver for one in links]:
+        raise ValueError("a joint has another variable than the joint it follows")
+    return robot
 
 
 def _tolerance(record: Any, joints: int) -> Tolerance | None:

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rankdrop.certify.proof.intervals import Arm, Interval, Region, flint
+from rankdrop.certify.proof.intervals import SLIDE, Arm, Interval, Region, flint
 from rankdrop.certify.proof.reading import Record, Told, Unproven, Work, number, numbers, vector, whole
 from rankdrop.robot.model import Array
 
@@ -17,7 +17,7 @@ FREE, OUTSIDE, LETTERS = ".", "-", "abcdefghijklmnopqrstuvwxyzABCDEF"
 """A tree of boxes in preorder: a letter halves along that variable (a the first), lower half first."""
 OPEN, CROSSING, CLEAR = "open", "crossing", "free"
 """What a span of a path is said to be."""
-_DEEPEST = 40  # halvings of one leaf of the tree
+_DEEPEST, _PARTS = 40, 1000  # halvings of one leaf of the tree, and parts of it
 _NARROW = 1e-13  # pieces of a path whose joints move less are given up [rad]
 _WIDE = 1.2  # half diagonal of boxes around runs of stretches that are tried [rad]
 
@@ -64,6 +64,9 @@ def verify_ball(arm: Arm, told: Told, work: Work) -> str:
     q = vector(claim["q"], told.variables, "q")
     radius = number(claim["radius"], 0.0, 4.0, "radius")
     scale = [number(one, 1e-9, 1e9, "scale") for one in vector(claim["scale"], told.variables, "scale")]
+    slides = {one.driver for one in told.links if one.kind == SLIDE}
+    if any(scale[j] != 1.0 for j in range(told.variables) if j not in slides):
+        raise Unproven("turns are measured in another unit than rad")
     side, tree = number(told.proof["side"], 0.0, 4.0, "side"), text_of_tree(told.proof["tree"])
     if not 0.0 < radius <= side:
         raise Unproven("the boxes do not reach as far as the radius" if radius else "the radius is zero")
@@ -135,7 +138,7 @@ class _Ball:
 
 def _free(arm: Arm, told: Told, ball: _Ball, leaf: Cell, work: Work) -> None:
     """A box free, whole or in parts; parts outside the ball do not matter."""
-    stack = [leaf]
+    stack, spent = [leaf], 0
     while stack:
         cell = stack.pop()
         if cell.outside(ball.share):
@@ -144,7 +147,8 @@ def _free(arm: Arm, told: Told, ball: _Ball, leaf: Cell, work: Work) -> None:
             raise Unproven(f"the work is used up ({work.most:,} enclosures) before every box was proven free again")
         if arm.keeps_rank(ball.region(cell, arm.moving), told.whole_rows, told.rank, told.tolerance):
             continue
-        if sum(cell.level) - sum(leaf.level) >= _DEEPEST:
+        spent += 1
+        if sum(cell.level) - sum(leaf.level) >= _DEEPEST or spent >= _PARTS:
             raise Unproven("a box could not be proven free again")
         stack += cell.halved(min(range(len(cell.level)), key=lambda place: (cell.level[place], place)))
 
@@ -215,7 +219,10 @@ def _list(value: object) -> list[Record]:
 def _place(value: object, count: int) -> Place:
     if not isinstance(value, list) or len(value) != 2:
         raise ValueError("a place is [stretch, share]")
-    return whole(value[0], 0, count - 1, "stretch"), number(value[1], 0.0, 1.0, "share")
+    stretch = whole(value[0], 0, 1 << 40, "stretch")
+    if stretch >= count:
+        raise Unproven(f"a segment of the path is missing: a span is on stretch {stretch + 1} of {count}")
+    return stretch, number(value[1], 0.0, 1.0, "share")
 
 
 def _check_tiles(spans: list[_Span], count: int) -> None:

@@ -45,6 +45,7 @@ def arm_record(robot: Robot) -> Record:
         joints.append({
             "name": joint.name, "kind": str(joint.kind), "screw": joint.screw.tolist(),
             "variable": place[mimic.leader if mimic else joint.name],
+            "follows": mimic.leader if mimic else None,
             "multiplier": mimic.multiplier if mimic else 1.0, "offset": mimic.offset if mimic else 0.0,
         })  # fmt: skip
     return {

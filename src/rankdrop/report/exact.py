@@ -78,8 +78,8 @@ def _exact_family(family: ExactFamily | ExactRow) -> str:
     lines += "".join(_condition(one) for one in family.latex if len(one) > _SHORT)
     real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
     return (
-        f'<div class="exact"><h4>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
-        f"</h4>{lines}{real}</div>"
+        f'<div class="exact"><h3>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
+        f"</h3>{lines}{real}</div>"
     )
 
 

@@ -12,13 +12,13 @@ from io import StringIO
 import numpy as np
 import pytest
 
+from rankdrop.exact.writing.mathml import typeset
 from rankdrop.family.record import Share, Soundness
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
 from rankdrop.report.content import Content, arrows, content, standing
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page
-from rankdrop.report.typeset import typeset
 from rankdrop.results.known import shipped
 
 LARGEST = 15_000_000

@@ -5,9 +5,8 @@ from __future__ import annotations
 from html import escape
 
 from rankdrop.compare import ExactRow, Joined
-from rankdrop.exact import ExactFamily
+from rankdrop.exact import ExactFamily, typeset
 from rankdrop.report.content import Content
-from rankdrop.report.typeset import typeset
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded

@@ -26,8 +26,8 @@ _SIGNS = {
     "ω": r"\omega", "α": r"\alpha", "β": r"\beta", "Δ": r"\Delta", "²": "^2", "³": "^3", "∞": r"\infty", "→": r"\to",
 }  # fmt: skip
 _NUMBERED = re.compile(r"([θσqωv])(\d+)")
-_WORDS, _COLUMN, _DEGREES = 0.8, 0.055, 0.03
-"""Of the width of a page: what two columns of words share, what a joint takes of it, and with values in decimals."""
+_WORDS, _COLUMN, _DEGREES = 0.8, 0.052, 0.07
+"""Of the width of a page: what two columns of words share, what a joint takes of that, what decimals add."""
 _LINES = 8  # conditions of one row that are printed; the rest is in the JSON
 _LONGEST = 1500  # characters of one condition
 
@@ -71,12 +71,15 @@ def _table(
         f"({share_text(share.explained, share.tested)})."
     )
     name = re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
-    size = r"\footnotesize" if any("(" in cell for family in rows for cell in _values(robot, family)) else r"\small"
-    words = max(0.25, _WORDS - _COLUMN * robot.n - (_DEGREES * robot.n if size != r"\small" else 0.0))
+    joints = zip(*(_values(robot, one) for one in rows), strict=True)
+    decimals = sum(any("(" in cell for cell in joint) for joint in joints)
+    words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
+    columns = f"rp{{{0.4 * words:.3f}\\linewidth}}*{{{robot.n}}}{{c}}cp{{{0.6 * words:.3f}\\linewidth}}"
+    size = r"\footnotesize" if decimals else r"\small"
     lines = [
         r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}",
         f"\\label{{tab:{name}-corank-{summary.corank}}}",
-        f"\\begin{{tabular}}{{rp{{{0.4 * words:.3f}\\linewidth}}*{{{robot.n}}}{{c}}cp{{{0.6 * words:.3f}\\linewidth}}}}", r"\hline",
+        f"\\begin{{tabular}}{{{columns}}}", r"\hline",
         " & ".join(["", "family", *heads, "dim", lost]) + r" \tabularnewline", r"\hline",
     ]  # fmt: skip
     notes = []
@@ -138,7 +141,8 @@ def _conditions(family: Family, joined: Joined | None) -> Iterator[str]:
     """The conditions that the columns do not say, as mathematics: exact ones where there are, else the fitted ones."""
     exact = [] if joined is None else _exact(family, joined)
     bound = set(family.coupled)
-    fitted = [f"${mathematics(equation.pretty())} = 0$" for equation in family.equations if bound & set(equation.joints)]
+    own = [equation for equation in family.equations if bound & set(equation.joints)]
+    fitted = [f"${mathematics(equation.pretty())} = 0$" for equation in own]
     chosen = [f"${one}$" for one in exact] or fitted
     for text in chosen[:_LINES]:
         yield text if len(text) <= _LONGEST else f"a condition of {len(text)} characters, see the JSON"

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from rankdrop.certify.bittree import Cells, Flags
 from rankdrop.certify.covering import Covering
 from rankdrop.family.record import Family
 from rankdrop.family.system import System
+from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, Robot
 
 Progress = Callable[[int, int], None]
@@ -129,7 +129,7 @@ class _Sight:
 
     def _away(self, gap: Array, at: int) -> Array:
         """A difference of joint values, on a turn the short way round."""
-        return (gap + pi) % (2 * pi) - pi if self.maker.found.plan.turns[at] else gap
+        return wrap(gap) if self.maker.found.plan.turns[at] else gap
 
     def near(self, cells: Cells) -> Flags:
         """(M,) whether a point of the family was found within half a diagonal of the centre of each leaf."""

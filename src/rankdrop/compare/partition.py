@@ -17,10 +17,9 @@ import numpy as np
 from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.linear import wrap
-from rankdrop.families.sampling import Setting
 from rankdrop.family.naming import told
 from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
 
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, units of the arm]
@@ -28,12 +27,12 @@ _POINTS = 24  # random points of a family that its lost motions are told from
 
 
 def in_exact_terms(
-    setting: Setting, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
+    problem: Problem, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
 ) -> tuple[CorankFamilies, tuple[Match, ...], dict[str, str]]:
     """The rows of one corank, one for each exact family that was met; rows that match none keep what they have.
 
     Args:
-        setting: the arm in its own unit of length, and the corank.
+        problem: the arm in its own unit of length, and the corank.
         found: its rows, and the fresh points that were tried on them.
         families: the exact ones of this corank, in the same unit.
         agreement: which row consists of which families.
@@ -55,29 +54,29 @@ def in_exact_terms(
         sound = one.row not in loose and over[0].soundness.holds
         alone = len(over) == 1 and one.families == (family.id,) and not one.parts and sound
         rng = np.random.default_rng([seed, number, 9])
-        made = over[0] if alone else _measured(setting, found, family, over, rng)
+        made = over[0] if alone else _measured(problem, found, family, over, rng)
         if made is None:
             continue
         now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
         rows.append(replace(made, id=family.id, name=family.name))
         matches.append(Match(family.id, (family.id,)))
     strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
-    named = numbered(strangers, setting.corank, after=len(families))  # in the order they have already
+    named = numbered(strangers, problem.corank, after=len(families))  # in the order they have already
     matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
     now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
     together = (*rows, *named)
     given = {(row.equations, row.witness) for row in found.families}
     same = {(row.equations, row.witness) for row in together} == given
-    summary = found.summary if same else _recounted(setting, found, together)
+    summary = found.summary if same else _recounted(problem, found, together)
     return replace(found, summary=summary, families=together), tuple(matches), now
 
 
-def _recounted(setting: Setting, found: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
+def _recounted(problem: Problem, found: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
     """The summary with the fresh points that the rows explain as they are now."""
     if not len(found.fresh):
         return found.summary
-    fresh = Cloud(setting.robot, setting.task, found.fresh, np.full(len(found.fresh), setting.corank))
-    check, _ = explained(fresh, [row.equations for row in rows if row.equations], setting.tolerances)
+    fresh = Cloud(problem.robot, problem.task, found.fresh, np.full(len(found.fresh), problem.corank))
+    check, _ = explained(fresh, [row.equations for row in rows if row.equations], problem.tolerances)
     return replace(found.summary, completeness=Share(check.tested, check.agree))
 
 
@@ -90,23 +89,23 @@ def _judged(row: Family, loose: Wider | None) -> Family:
 
 
 def _measured(
-    setting: Setting, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
+    problem: Problem, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
 ) -> Family | None:
     """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
     equations = family.equations
-    points = solutions(setting, family, rng)
+    points = solutions(problem, family, rng)
     if points.elsewhere and len(over) == 1:  # where each side's conditions hold too widely, both together may not
         both = replace(over[0], equations=(*equations, *over[0].equations))
-        together = solutions(setting, both, rng)
+        together = solutions(problem, both, rng)
         if together.solved > together.elsewhere == 0:
             equations, points = both.equations, together
-    inside = points.q[setting.allowed(points.q)]
+    inside = points.q[problem.allowed(points.q)]
     if not len(inside):
         return None
-    share = int(lies_on(family, found.fresh, setting.tolerances).sum()) if len(found.fresh) else 0
-    pinned = _pinned(setting, family, over, inside)
+    share = int(lies_on(family, found.fresh, problem.tolerances).sum()) if len(found.fresh) else 0
+    pinned = _pinned(problem, family, over, inside)
     at = inside[0]
-    directions, sentences = told(setting.robot, at, inside[:_POINTS], setting.task, setting.corank)
+    directions, sentences = told(problem.robot, at, inside[:_POINTS], problem.task, problem.corank)
     held = {one.number for one in pinned}
     return Family(
         id=family.id,
@@ -126,31 +125,31 @@ def _measured(
     )
 
 
-def _pinned(setting: Setting, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
+def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
     """Joints that stand at one of a few values at all points, where every combination of their values is met."""
     values: dict[int, list[float]] = {}
     for joint in {one.number for row in over for one in row.pinned}:
         options: list[float] = []
         for value in (value for row in over for one in row.pinned if one.number == joint for value in one.values):
-            if not any(abs(_apart(setting, joint, value, other)) <= _SAME for other in options):
+            if not any(abs(_apart(problem, joint, value, other)) <= _SAME for other in options):
                 options.append(value)
-        away = np.array([np.abs(_apart(setting, joint, points[:, joint - 1], value)) for value in options])
+        away = np.array([np.abs(_apart(problem, joint, points[:, joint - 1], value)) for value in options])
         met = [value for value, near in zip(options, away, strict=True) if near.min() <= _SAME]
         if (away.min(axis=0) <= _SAME).all():
             values[joint] = sorted(met)
     joints = sorted(values)
     labels = np.array([
-        np.abs([_apart(setting, joint, points[:, joint - 1], value) for value in values[joint]]).argmin(axis=0)
+        np.abs([_apart(problem, joint, points[:, joint - 1], value) for value in values[joint]]).argmin(axis=0)
         for joint in joints
     ]).reshape(len(joints), len(points))  # fmt: skip
     if len({tuple(column) for column in labels.T}) < len(list(product(*values.values()))):
-        return tuple(one for one in family.pinned(setting.robot) if one.number in values)
-    names = setting.robot.variables
+        return tuple(one for one in family.pinned(problem.robot) if one.number in values)
+    names = problem.robot.variables
     return tuple(Pinned(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
 
 
-def _apart(setting: Setting, joint: int, one: Array | float, other: float) -> Array:
+def _apart(problem: Problem, joint: int, one: Array | float, other: float) -> Array:
     """The difference of values of a joint, turns left out where it turns."""
     off = np.asarray(one - other, dtype=np.float64)
-    return wrap(off) if setting.robot.periodic[joint - 1] else off
+    return wrap(off) if problem.robot.periodic[joint - 1] else off
 

@@ -13,6 +13,7 @@ from rankdrop.certify.bittree import Cells, Flags
 from rankdrop.certify.covering import Covering
 from rankdrop.families.searching import refine
 from rankdrop.local.block import singular_values
+from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
@@ -107,7 +108,7 @@ def _descended(
     rank = found.plan.rank
     width = 2 * found.boxes(cells[:1])[1]
     away = np.abs(ends.q - begun)[:, place]
-    away = np.where(np.array(found.plan.turns), np.abs((away + np.pi) % (2 * np.pi) - np.pi), away)
+    away = np.where(np.array(found.plan.turns), np.abs(wrap(away)), away)
     stays = (away <= _NEAR * width).all(axis=1) & np.isfinite(ends.sigma[:, rank - 1])
     here = singular_values(robot, begun, task)[:, rank - 1]
     sigma = np.where(stays, ends.sigma[:, rank - 1], here)

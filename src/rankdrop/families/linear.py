@@ -18,6 +18,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.signature import Covector
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import Mask
+from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, Robot
 
 
@@ -96,11 +97,6 @@ def _polynomial(covector: Sequence[int], values: Sequence[float]) -> Equation:
 
 SIMPLE = pi / 12  # values are taken for a multiple of this where they agree with one
 Values = tuple[float, ...]
-
-
-def wrap(angle: Array) -> Array:
-    """Angles brought into (−π, π]."""
-    return np.asarray(pi - np.mod(pi - angle, 2 * pi))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rankdrop.families.linear import wrap
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.system import Mask, System
-from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -40,9 +39,10 @@ def members(
         there, own = in_metres(robot), family_in_metres(family, robot)
         found = members(there, task_in_metres(task, robot), own, count, seed, tolerances=tolerances)
         return out_of_metres(robot, found)
-    points, solved = System(family.equations).solve(sample(robot, task, count, seed))
+    problem = Problem(robot, task, family.corank, tolerances)
+    points, solved = System(family.equations).solve(problem.sample(count, seed))
     points = wrapped(robot, points[solved])
-    return points[lies(robot, task, points, family.corank, tolerances) & within_travel(robot, task, family, points)]
+    return points[problem.singular(points) & within_travel(problem, family, points)]
 
 
 def general_member(
@@ -67,45 +67,32 @@ def general_member(
         there, own = in_metres(robot), family_in_metres(family, robot)
         rest = [family_in_metres(other, robot) for other in others]
         return out_of_metres(robot, general_member(there, task_in_metres(task, robot), own, moving, seed, rest))
-    starts = np.round(sample(robot, task, 256, seed), 1)
+    problem = Problem(robot, task, family.corank)
+    starts = np.round(problem.sample(256, seed), 1)
     bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
     tied = sorted(set(moving) & set(bound)) or bound
     held = [number - 1 for number in (one.number for one in family.pinned)]
     along = np.eye(robot.n)[:, sorted({*tied, *held})]
     points, solved = System(family.equations).solve(starts, along=along)
     points = wrapped(robot, points[solved])
-    points = points[lies(robot, task, points, family.corank) & within_travel(robot, task, family, points)]
+    points = points[problem.singular(points) & within_travel(problem, family, points)]
     if not len(points):
         return np.array(family.witness)
-    kept = generic_rank(robot, task) - family.corank
-    room = singular_values(robot, points, task)[:, kept - 1] if kept else np.ones(len(points))
+    room = problem.sigma(points)[:, problem.rank - 1] if problem.rank else np.ones(len(points))
     for other in others:
         if other.id != family.id and other.equations:
             room = np.minimum(room, np.abs(System(other.equations).values(points)).max(axis=1))
     return np.asarray(points[int(room.argmax())])
 
 
-def lies(robot: Robot, task: Task, q: Array, corank: int, tolerances: Tolerances = DEFAULT) -> Mask:
-    """(N,) whether the Jacobian at q (N, n) has lost `corank` of its generic rank: σ ≤ `singular`."""
-    if not len(q):
-        return np.zeros(0, dtype=np.bool_)
-    rank = generic_rank(robot, task) - corank
-    return np.asarray(singular_values(robot, q, task)[:, rank] <= tolerances.singular)
-
-
-def wrapped(robot: Robot, q: Array) -> Array:
-    """Turning joints in (−π, π]."""
-    return np.asarray(np.where(robot.periodic, wrap(q), q))
-
-
-def within_travel(robot: Robot, task: Task, family: Family, q: Array) -> Mask:
+def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
     """(N,) whether every joint that does not go round is inside the box that samples come from.
 
     A slide that the family pins beyond its travel (Stanford arm: at 0) is let go there, or nothing would be seen.
     """
-    low, high = (np.array(end) for end in sampling_box(robot, task, limits=False))
+    low, high = (np.array(end) for end in problem.box)
     for pinned in family.pinned:
         j = pinned.number - 1
         low[j], high[j] = min(low[j], *pinned.values), max(high[j], *pinned.values)
     inside = (q >= low - EDGE) & (q <= high + EDGE)
-    return np.asarray((inside | robot.periodic).all(axis=1))
+    return np.asarray((inside | problem.robot.periodic).all(axis=1))

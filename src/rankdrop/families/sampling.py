@@ -1,4 +1,4 @@
-"""More points: random configurations, and those of one family by random steps along its tangent.
+"""More points of one family, by random steps along its tangent.
 
 Of joints on one axis only the sum of their angles matters, and one of them stands for both. Where the axes of joints i
 and j are one line at every configuration, singular values depend on θ_i + s θ_j alone, with s = ±1 as they turn the
@@ -9,56 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from rankdrop.families.linear import Linear, Values, wrap
+from rankdrop.families.linear import Linear, Values
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.family.system import Mask
-from rankdrop.local.block import sampling_box, singular_values, structural_sample
-from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
-from rankdrop.tolerances import Tolerances
-
-SAMPLES = 8  # configurations at which the sum is tried
-SAME_SUM = 1e-12  # singular values that differ by less are the same [1]
-
-
-class Twin(NamedTuple):
-    """Joints on one axis, from 0: wherever θ_j occurs it stands in θ_first + sign·θ_second."""
-
-    first: int
-    second: int
-    sign: int
-
-
-def twins_of(robot: Robot, task: Task, irrelevant: Sequence[bool]) -> tuple[Twin, ...]:
-    """Pairs of turning joints of which only the sum or the difference matters; of three on one axis two pairs.
-
-    Args:
-        robot, task: the arm.
-        irrelevant: (n,) joints that do not matter at all; they are nobody's twin.
-    """
-    q = structural_sample(robot, task, SAMPLES)
-    sigma = singular_values(robot, q, task)
-    joints = [j for j in range(robot.n) if robot.periodic[j] and not irrelevant[j]]
-    found: list[Twin] = []
-    for place, first in enumerate(joints):
-        if any(first == twin.second for twin in found):
-            continue
-        for second in joints[place + 1 :]:
-            for sign in (1, -1):
-                moved = q.copy()
-                moved[:, first] += 0.7
-                moved[:, second] -= sign * 0.7
-                if np.abs(singular_values(robot, moved, task) - sigma).max() < SAME_SUM:
-                    found.append(Twin(first, second, sign))
-                    break
-    return tuple(found)
+from rankdrop.problem import Problem, Twin, wrap
+from rankdrop.robot.model import Array
 
 
 def gathered(q: Array, twins: Sequence[Twin]) -> Array:
@@ -105,77 +64,25 @@ POLISHED = 1e-15  # σ of a polished point [1]
 SAME = 1e-6  # combinations of values closer than this are the same
 
 
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """What every step of the pipeline needs to know.
-
-    Attributes:
-        robot, task: the arm.
-        corank, rank: k, and the rank kept.
-        tolerances: thresholds.
-        limits: stay within the joint limits.
-    """
-
-    robot: Robot
-    task: Task
-    corank: int
-    rank: int
-    tolerances: Tolerances
-    limits: bool = False
-
-    def inspect(self, q: Array) -> Inspection:
-        """Signatures of points."""
-        return inspect(self.robot, self.task, self.rank, q, self.tolerances)
-
-    def polished(self, q: Array) -> Array:
-        """Singular points driven on to σ ≤ 1e-15: signatures of arms that are nearly special need it."""
-        if not len(q):
-            return q
-        finer = replace(self.tolerances, target=POLISHED)
-        found = refine(self.robot, q, self.corank, task=self.task, limits=self.limits, iterations=8, tolerances=finer)
-        better = found.sigma[:, self.rank] <= self.tolerances.singular
-        return np.where(better[:, None], found.q, q)
-
-    def random(self, count: int, rng: np.random.Generator) -> Array:
-        """(count, n) uniform configurations of the box that the search draws from."""
-        lower, upper = sampling_box(self.robot, self.task, limits=self.limits)
-        return rng.uniform(lower, upper, size=(count, self.robot.n))
-
-    @cached_property
-    def irrelevant(self) -> Mask:
-        """(n,) joints on which the singular values do not depend at all (the first one, the last one, …)."""
-        rng = np.random.default_rng(0)
-        q = np.repeat(self.random(16, rng)[None], self.robot.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
-        j = np.arange(self.robot.n)
-        q[j, :, j] = self.random(16, rng).T
-        sigma = singular_values(self.robot, q.reshape(-1, self.robot.n), self.task).reshape(*q.shape[:2], -1)
-        return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < 1e-12)
-
-    @cached_property
-    def twins(self) -> tuple[Twin, ...]:
-        """Joints on one axis."""
-        return twins_of(self.robot, self.task, [bool(one) for one in self.irrelevant])
-
-    def allowed(self, q: Array) -> Mask:
-        """(N,) whether configurations respect the limits, angles up to whole turns; all True without limits."""
-        ok = np.ones(len(q), dtype=np.bool_)
-        if not self.limits:
-            return ok
-        for j, joint in enumerate(self.robot.variables):
-            x = q[:, j]
-            if self.robot.periodic[j] and np.isfinite(joint.lower):
-                x = joint.lower - 1e-9 + np.mod(x - joint.lower + 1e-9, 2 * np.pi)
-            ok &= (x >= joint.lower - 1e-9) & (x <= joint.upper + 1e-9)
-        return ok
+def polished(problem: Problem, q: Array) -> Array:
+    """Singular points driven on to σ ≤ 1e-15: signatures of arms that are nearly special need it."""
+    if not len(q):
+        return q
+    finer = replace(problem.tolerances, target=POLISHED)
+    found = refine(
+        problem.robot, q, problem.corank, task=problem.task, limits=problem.limits, iterations=8, tolerances=finer
+    )
+    better = found.sigma[:, problem.rank] <= problem.tolerances.singular
+    return np.where(better[:, None], found.q, q)
 
 
-def smooth(setting: Setting, inspection: Inspection, members: Array, rng: np.random.Generator) -> bool:
+def smooth(problem: Problem, inspection: Inspection, members: Array, rng: np.random.Generator) -> bool:
     """Whether ker D is the tangent space: a step ε along it is ε² away from the set, not ε as where families meet."""
     chosen = members[:: max(1, len(members) // 8)][:8]
     q, tangent = inspection.q[chosen], inspection.tangent[chosen]
     step = np.einsum("nij,nj->ni", tangent, rng.standard_normal(q.shape))
     step *= 0.01 / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)
-    back = refine(setting.robot, q + step, setting.corank, task=setting.task, tolerances=setting.tolerances)
+    back = refine(problem.robot, q + step, problem.corank, task=problem.task, tolerances=problem.tolerances)
     way = np.linalg.norm(wrap(back.q - q - step), axis=1)
     return bool(np.median(way) < 0.2 * 0.01)
 
@@ -187,17 +94,17 @@ class Supply:
     Attributes:
         q: (N, n) points so far, in no special order: a fit needs them spread over the family.
         tangent: (N, n, n) projectors on the tangent space there.
-        inspect: how points that the search brought back are inspected; None: polished, then by D.
+        more: how points that the search brought back are inspected; None: polished, then by D.
     """
 
-    setting: Setting
+    problem: Problem
     signature: Signature
     linear: Linear
     values: Values
     q: Array
     tangent: Array
     rng: np.random.Generator
-    inspect: Callable[[Array], Inspection] | None = None
+    more: Callable[[Array], Inspection] | None = None
     exhausted: bool = field(default=False)
 
     def __call__(self, count: int) -> Array:
@@ -214,13 +121,13 @@ class Supply:
         step = np.einsum("nij,nj->ni", self.tangent[base], self.rng.standard_normal((batch, self.q.shape[1])))
         length = self.rng.uniform(0.1, 1.0, size=(batch, 1))
         step *= length / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)
-        setting = self.setting
+        problem = self.problem
         start = self.q[base] + step
-        found = refine(setting.robot, start, setting.corank, task=setting.task, tolerances=setting.tolerances)
+        found = refine(problem.robot, start, problem.corank, task=problem.task, tolerances=problem.tolerances)
         back = found.converged
-        inspection = setting.inspect(setting.polished(back)) if self.inspect is None else self.inspect(back)
+        inspection = inspect(problem, polished(problem, back)) if self.more is None else self.more(back)
         same = np.array([s == self.signature for s in inspection.signatures], dtype=np.bool_)
-        same &= inspection.sigma[:, setting.rank] <= 1e-12 if len(same) else same
+        same &= inspection.sigma[:, problem.rank] <= 1e-12 if len(same) else same
         off = self.linear.values(inspection.q) - np.array(self.values)
         off = np.where(self.linear.periodic, wrap(off), off)
         same &= (np.abs(off) < SAME).all(axis=1)

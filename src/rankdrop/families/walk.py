@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.family.system import REACHED, System, shortest
-from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -29,29 +30,16 @@ ITERATIONS = 30
 STEP = 0.3  # longest step [rad; slides in length scales]
 
 
-def onto(
-    robot: Robot,
-    task: Task,
-    starts: Array,
-    rank: int,
-    along: Array,
-    *,
-    iterations: int = ITERATIONS,
-    tolerances: Tolerances = DEFAULT,
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Move configurations within q + span(along) until the rank is at most `rank`.
+def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Move configurations within q + span(along) until the rank is at most that of the problem.
 
     Each step is the shortest least-squares solution of D(Δ) = −F with Δ in the span, measured in scaled joint
     coordinates. A start near which the span does not meet the set does not arrive, and says so.
 
     Args:
-        robot: the arm.
-        task: from `resolve_task`.
+        problem: the arm and the corank; `singular` decides what has arrived, `target` where a start stops.
         starts: (N, n) configurations [rad, m].
-        rank: the rank that is kept, generic rank − k for corank k.
-        along: (n, d) orthonormal directions in scaled joint coordinates (`joint_scale`).
-        iterations: at most.
-        tolerances: `singular` decides what has arrived, `target` where a start stops.
+        along: (n, d) orthonormal directions in scaled joint coordinates (`Problem.scale`).
 
     Returns:
         (N, n) end points and (N,) whether σ beyond the rank is zero there.
@@ -60,29 +48,29 @@ def onto(
         ConfigurationError: starts have the wrong shape.
         OptionError: there is no block beyond that rank.
     """
-    scale = joint_scale(robot, task)
+    scale, rank, tolerances = problem.scale, problem.rank, problem.tolerances
     q = np.array(starts, dtype=np.float64)
     active = np.arange(len(q))
-    for _ in range(iterations):
-        here = block(robot, q[active], task, rank)
+    for _ in range(ITERATIONS):
+        here = problem.block(q[active])
         going = here.sigma[:, rank] > tolerances.target
         active = active[going]
         if not len(active):
             break
         f = here.f[going].reshape(len(active), -1)
-        d = here.d[going].reshape(len(active), f.shape[1], robot.n)
+        d = here.d[going].reshape(len(active), f.shape[1], problem.n)
         delta = -shortest((d * scale) @ along, f) @ along.T
         length = np.linalg.norm(delta, axis=1, keepdims=True)
         q[active] += scale * delta * np.minimum(1.0, STEP / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-15]
-    return q, np.asarray(singular_values(robot, q, task)[:, rank] <= tolerances.singular)
+    return q, problem.singular(q)
 
 
 _INDEPENDENT = 1e-6  # singular values of the scaled derivatives below this share of the largest are zero
 _STANDS = 1e-6  # a joint whose tangent motion is shorter does not move along the family
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Walk:
     """The way along one family.
 
@@ -95,6 +83,11 @@ class Walk:
     task: Task
     family: Family
     tolerances: Tolerances = DEFAULT
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The arm, asked for the corank of the family."""
+        return Problem(self.robot, self.task, self.family.corank, self.tolerances)
 
     def tangent(self, q: ArrayLike) -> Array:
         """Orthonormal basis of the tangent space at a point of the family.
@@ -109,11 +102,11 @@ class Walk:
             ConfigurationError: q is not one configuration of this arm.
         """
         at = one_configuration(self.robot, q)
-        scale = joint_scale(self.robot, self.task)
+        scale = self.problem.scale
         if self.family.equations:
             slopes = System(self.family.equations).jacobian(at[None])[0] * scale
         else:
-            slopes = block(self.robot, at, self.task, self._rank).d.reshape(-1, self.robot.n) * scale
+            slopes = self.problem.block(at).d.reshape(-1, self.robot.n) * scale
         _, sigma, vt = np.linalg.svd(slopes)
         kept = int((sigma > _INDEPENDENT * max(1.0, sigma[0])).sum())
         return np.asarray(vt[kept:].T)
@@ -146,7 +139,7 @@ class Walk:
         size = float(np.linalg.norm(direction))
         if size <= _STANDS:
             return None
-        return self.back(at + joint_scale(self.robot, self.task) * direction * (length / size))
+        return self.back(at + self.problem.scale * direction * (length / size))
 
     def back(self, q: Array) -> Array | None:
         """A point of the family next to q (n,), or None where none was reached."""
@@ -154,15 +147,10 @@ class Walk:
             system = System(self.family.equations)
             end, _ = system.solve(q[None], step=0.1)
             good = np.abs(system.values(end)).max() <= REACHED
-            sigma = singular_values(self.robot, end[0], self.task)[self._rank]
-            good &= bool(sigma <= self.tolerances.singular)
+            good &= bool(self.problem.singular(end)[0])
             return end[0] if good else None
-        ends, arrived = onto(self.robot, self.task, q[None], self._rank, np.eye(self.robot.n))
+        ends, arrived = onto(self.problem, q[None], np.eye(self.robot.n))
         return ends[0] if arrived[0] else None
-
-    @property
-    def _rank(self) -> int:
-        return generic_rank(self.robot, self.task) - self.family.corank
 
 
 MOST_STARTS = 200_000
@@ -230,19 +218,20 @@ def in_slice(
         raise OptionError("these joints span no slice", got=list(joints), allowed=f"different numbers, 1 … {robot.n}")
     if not 1 <= starts <= MOST_STARTS:
         raise OptionError("starts is outside the range", got=starts, allowed=f"1 … {MOST_STARTS}")
-    low, high = sampling_box(robot, task, limits=limits)
+    problem = Problem(robot, task, 1, tolerances, limits)
+    low, high = problem.box
     rows = np.repeat(centre[None], starts, axis=0)
     rows[:, chosen] = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
-    full = generic_rank(robot, task)
+    full = problem.generic_rank
     if full == 0:
         return SlicePoints(tuple(joints), rows[:0], np.zeros(0, dtype=np.int64), starts)
-    ends, arrived = onto(robot, task, rows, full - 1, np.eye(robot.n)[:, chosen], tolerances=tolerances)
+    ends, arrived = onto(problem, rows, np.eye(robot.n)[:, chosen])
     ends = ends[arrived]
     if not limits:
         turning = robot.periodic & np.isin(np.arange(robot.n), chosen)
-        ends = np.where(turning, np.pi - np.mod(np.pi - ends, 2 * np.pi), ends)
+        ends = np.where(turning, wrap(ends), ends)
     slack = tolerances.value
     inside = ((ends[:, chosen] >= low[chosen] - slack) & (ends[:, chosen] <= high[chosen] + slack)).all(axis=1)
     ends = ends[inside]
-    rank = np.minimum((singular_values(robot, ends, task) > tolerances.singular).sum(axis=1), full)
+    rank = np.minimum((problem.sigma(ends) > tolerances.singular).sum(axis=1), full)
     return SlicePoints(tuple(joints), ends, np.asarray(full - rank, dtype=np.int64), starts)

@@ -12,10 +12,11 @@ crease is told from a local minimum: on a crease some mixture of gradients leads
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from rankdrop.local.block import block, decompose, joint_scale, limit_box
+from rankdrop.local.block import block, decompose
 from rankdrop.local.minimax import EFFORT, Evaluate, Lowest, Model, descend, promised
+from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
@@ -75,9 +76,9 @@ FLAT = 1e-8
 search that ends for want of a fall of 1e-12 leaves promises of about that size at smooth minima."""
 
 
-def tied_model(robot: Robot, task: Task, rank: int) -> Evaluate:
-    """σ[rank], σ[rank + 1], … as one block, per scaled joint motion q / `joint_scale`."""
-    scale = joint_scale(robot, task)
+def tied_model(problem: Problem) -> Evaluate:
+    """σ[rank], σ[rank + 1], … as one block, per scaled joint motion q / `Problem.scale`."""
+    robot, task, rank, scale = problem.robot, problem.task, problem.rank, problem.scale
 
     def evaluate(scaled: Array) -> Model:
         sigma, tensor = gradient_tensor(robot, scaled * scale, task, rank)
@@ -87,13 +88,12 @@ def tied_model(robot: Robot, task: Task, rank: int) -> Evaluate:
     return evaluate
 
 
-def stays_up(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool) -> NDArray[np.bool_]:
+def stays_up(problem: Problem, q: Array) -> Mask:
     """(B,) whether no mixture of gradients leads down from (B, n) configurations: local minima, to first order."""
     if not len(q):
         return np.zeros(0, dtype=np.bool_)
-    scale = joint_scale(robot, task)
-    box = _box(robot, task, limits)
-    values, tensor = tied_model(robot, task, rank)(q / scale)
+    scale, box = problem.scale, _box(problem)
+    values, tensor = tied_model(problem)(q / scale)
     if box is not None:  # joints at a limit that σ pushes outward do not count
         gradient = np.einsum("baan->bn", tensor[:, 0][:, :1, :1])
         at = ((q / scale <= box[0]) & (gradient > 0.0)) | ((q / scale >= box[1]) & (gradient < 0.0))
@@ -101,18 +101,16 @@ def stays_up(robot: Robot, task: Task, rank: int, q: Array, *, limits: bool) -> 
     return np.asarray(promised(values, tensor, np.ones(len(q))).most <= FLAT)
 
 
-def brought_down(
-    robot: Robot, task: Task, rank: int, q: Array, *, limits: bool, iterations: int = 200, effort: int = EFFORT
-) -> Lowest:
+def brought_down(problem: Problem, q: Array, *, iterations: int = 200, effort: int = EFFORT) -> Lowest:
     """σ[rank] descended from (B, n) configurations to where it is least nearby; `q` of the result in rad and m."""
-    scale, box = joint_scale(robot, task), _box(robot, task, limits)
-    found = descend(tied_model(robot, task, rank), q / scale, box, iterations=iterations, effort=effort)
+    scale = problem.scale
+    found = descend(tied_model(problem), q / scale, _box(problem), iterations=iterations, effort=effort)
     return Lowest(found.q * scale, found.value, found.slope, found.iterations)
 
 
-def _box(robot: Robot, task: Task, limits: bool) -> tuple[Array, Array] | None:
-    if not limits:
+def _box(problem: Problem) -> tuple[Array, Array] | None:
+    """Where the scaled joints may go; None where no limits are asked for."""
+    if problem.walls is None:
         return None
-    low, high = limit_box(robot, task)
-    scale = joint_scale(robot, task)
-    return low / scale, high / scale
+    low, high = problem.walls
+    return low / problem.scale, high / problem.scale

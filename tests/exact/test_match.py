@@ -43,12 +43,13 @@ def derived(name: str) -> tuple[ExactFamily, ...]:
 
 
 def held(
-    name: str, rows: Sequence[Any] | None = None, families: Sequence[Any] | None = None, *, limits: bool = False
+    name: str, rows: Sequence[Any] | None = None, families: Sequence[Any] | None = None, *, limits: bool = False,
+    seed: int = 0,
 ) -> Agreement:
     found = shipped(name)
     rows = found.families if rows is None else rows
     families = derived(name) if families is None else families
-    return match(Problem(found.robot, found.task, limits=limits), rows, families)
+    return match(Problem(found.robot, found.task, limits=limits), rows, families, seed=seed)
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families.irregular import inspect_doubled
-from rankdrop.families.sampling import gathered, gathered_tangent, spread
+from rankdrop.families.linear import gathered, gathered_tangent, spread
 from rankdrop.family.equation import Equation, Term
 from rankdrop.problem import Problem, Twin
 from rankdrop.robot.dh import from_dh

@@ -10,11 +10,10 @@ import pytest
 
 from rankdrop.families import rows as merge_module
 from rankdrop.families import table as families_module
-from rankdrop.families.linear import Linear
+from rankdrop.families.linear import Linear, polished
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, verified
 from rankdrop.families.rows import Cover, on_row
-from rankdrop.families.sampling import polished
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Signature, inspect
 from rankdrop.families.unseen import unseen

@@ -9,7 +9,7 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
-from rankdrop.local.tied import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
+from rankdrop.local.minimax import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
 from rankdrop.problem import Problem
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -29,7 +29,7 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.sampling import gathered, spread
+from rankdrop.families.linear import gathered, spread
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.problem import Twin
 from rankdrop.robot.model import Array

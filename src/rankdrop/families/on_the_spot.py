@@ -18,10 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
 from rankdrop.families.irregular import recognised
-from rankdrop.families.linear import Linear, Values, canonical
+from rankdrop.families.linear import Linear, Supply, Values, canonical, smooth
 from rankdrop.families.residual import circuit_equations
 from rankdrop.families.row import Row
-from rankdrop.families.sampling import Supply, smooth
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation

@@ -23,9 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, Ground, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
-from rankdrop.families.linear import Linear, Values
+from rankdrop.families.linear import Linear, Supply, Values, gathered_tangent
 from rankdrop.families.row import on_combinations
-from rankdrop.families.sampling import Supply, gathered_tangent
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
 from rankdrop.kinematics import task_jacobian

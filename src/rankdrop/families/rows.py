@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
-from rankdrop.families.linear import Linear, Values, boxes, grow
+from rankdrop.families.linear import Linear, Supply, Values, boxes, grow, smooth
 from rankdrop.families.residual import residual_equations
 from rankdrop.families.row import Row, verified
-from rankdrop.families.sampling import Supply, smooth
 from rankdrop.families.signature import Inspection, Signature
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import Mask

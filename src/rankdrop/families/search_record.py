@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.local.tied import brought_down
+from rankdrop.local.minimax import brought_down
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html

@@ -27,7 +27,7 @@ from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
 from rankdrop.local.block import generic_rank, sample
-from rankdrop.local.tied import stays_up
+from rankdrop.local.minimax import stays_up
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

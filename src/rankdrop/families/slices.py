@@ -12,7 +12,7 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.members import general_member
+from rankdrop.families.walk import general_member
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.system import System
 from rankdrop.problem import Problem, wrapped

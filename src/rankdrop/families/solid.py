@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.members import general_member
 from rankdrop.families.slices import surface
+from rankdrop.families.walk import general_member
 from rankdrop.family.record import Family
 from rankdrop.family.system import SOLVED, System, shortest
 from rankdrop.problem import Problem, wrap

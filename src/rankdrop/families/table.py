@@ -19,10 +19,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop.families.linear import polished
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
 from rankdrop.families.rows import Cover, find_rows
-from rankdrop.families.sampling import polished
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Inspection, inspect

@@ -1,6 +1,8 @@
 from .dh import from_dh as from_dh
 from .digits import Angles as Angles
+from .files import Element as Element
 from .files import read_text as read_text
+from .files import read_xml as read_xml
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance
 from .model import Array as Array
@@ -10,14 +12,12 @@ from .model import Robot as Robot
 from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
-from .packages import PLACES as PLACES
-from .packages import find_package as find_package
 from .quantities import quantity as quantity
 from .transform import from_xyz_rpy as from_xyz_rpy
 from .urdf import joint_origin as joint_origin
-from .urdf_numbers import number as number
-from .urdf_numbers import three as three
+from .urdf import number as number
+from .urdf import three as three
 from .urdf_tree import Tree as Tree
 from .urdf_tree import read_tree as read_tree
-from .xml_file import Element as Element
-from .xml_file import read_xml as read_xml
+from .xacro import PLACES as PLACES
+from .xacro import find_package as find_package

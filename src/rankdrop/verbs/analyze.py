@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined
+from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined, in_exact_terms
 from rankdrop.compare.match import Match, match
-from rankdrop.compare.partition import in_exact_terms
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.searching import check_numbers, search

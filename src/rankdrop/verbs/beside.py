@@ -22,11 +22,11 @@ from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.explanation.data import ExplanationData
-from rankdrop.robot.changes import Change
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.meant import count
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import Change
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT

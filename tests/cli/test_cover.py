@@ -11,8 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.compare.covered import Explainer
-from rankdrop.compare.places import FOUND, PROVEN, grouped
+from rankdrop.compare.covered import FOUND, PROVEN, Explainer, grouped
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot

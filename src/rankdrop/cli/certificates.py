@@ -46,7 +46,8 @@ def in_words(record: dict[str, Any]) -> str:
     if record["kind"] == "existence":
         return f"a singular configuration exists within {claim['radius']:.1g} of q, joint by joint"
     arms = "" if near is None else (
-        f", for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad of this one, joint by joint"
+        f", for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad of this one,"
+        " joint by joint"
     )
     return f"no singularity within {angle_below(claim['radius'])}{arms}"
 

@@ -31,6 +31,7 @@ from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.naming import name_family, told, told_apart
 from rankdrop.local.block import singular_values
+from rankdrop.problem import wrapped
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import out_of_units
@@ -301,7 +302,7 @@ def described(
 
 def _witness(chain: Chain, rank: int, points: Array, pins: Mapping[int, tuple[str, ...]]) -> Array:
     """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
-    q = np.where(chain.own.periodic, np.pi - np.mod(np.pi - points, 2 * np.pi), points)
+    q = wrapped(chain.own, points)
     rounded = q.copy()
     for joint in range(chain.n):
         tried = rounded.copy()

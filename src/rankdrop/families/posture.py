@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.families.members import lies, within_travel, wrapped
+from rankdrop.families.walk import within_travel
 from rankdrop.family.naming import told
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.posture import candidates, fault
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, metre_exponent, task_in_metres
@@ -71,7 +72,8 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     starts = candidates(robot, task, _CANDIDATES, 0)
     points, solved = System(family.equations).solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
-    points = points[lies(robot, task, points, family.corank) & within_travel(robot, task, family, points)]
+    problem = Problem(robot, task, family.corank)
+    points = points[problem.singular(points) & within_travel(problem, family, points)]
     return _into_limits(robot, points)
 
 

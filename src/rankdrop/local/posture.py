@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.kinematics import link_poses
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
-from rankdrop.local.drawn import skeleton
+from rankdrop.local.lines import skeleton
 from rankdrop.reach import reach
 from rankdrop.robot import Array, Robot
 from rankdrop.task import Task

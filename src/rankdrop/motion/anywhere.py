@@ -17,7 +17,7 @@ from rankdrop._handles import chain_of, task_view
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import search
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
-from rankdrop.local.nearest import idle_joints
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, TIE
@@ -47,7 +47,7 @@ class Anywhere:
         self.robot, self.task, self.box = robot, task, box
         self.rank = generic_rank(robot, task) - 1
         self.scale = joint_scale(robot, task)
-        self.moves = ~idle_joints(robot, task)
+        self.moves = ~Problem(robot, task).idle
         self._limits = box if bool(np.isfinite(box).any()) else None
         found = search(robot, 1, task=task, starts=CLOUD, seed=seed, limits=bool(np.isfinite(box).all()))
         self.cloud = found.q[found.outcome == Outcome.CONVERGED]

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families import Solid, joint_symbol, wrap
+from rankdrop.families import Solid, joint_symbol
 from rankdrop.family import Family
 from rankdrop.local import sampling_box, skeleton, start_posture
+from rankdrop.problem import wrap
 from rankdrop.reach import reach
 from rankdrop.report.content import Content, standing
 from rankdrop.report.downloads import downloads

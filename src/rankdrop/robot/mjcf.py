@@ -20,13 +20,11 @@ import numpy as np
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.budgets import MOST_BODIES
 from rankdrop.robot.digits import Angles
-from rankdrop.robot.files import read_text
+from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import about_axis, translation
-from rankdrop.robot.urdf_ends import choose_ends
-from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
-from rankdrop.robot.xml_file import Element, read_xml
+from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
 
 _KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
 _NOWHERE = Element("joint", {}, 0)  # the compiler keeps no lines

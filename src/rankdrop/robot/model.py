@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
-from rankdrop.robot.lengths import checked_lengths
+from rankdrop.robot.quantities import checked_lengths
 from rankdrop.sections import Section, html
 
 Array = NDArray[np.float64]

@@ -13,9 +13,9 @@ from rankdrop.robot.digits import Angles
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.models.placed import placed
-from rankdrop.robot.urdf_ends import choose_ends
+from rankdrop.robot.urdf_tree import choose_ends
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
-from rankdrop.robot.xml_file import Element
+from rankdrop.robot.files import Element
 
 _NOWHERE = Element("joint", {}, 0)  # a model keeps no lines
 

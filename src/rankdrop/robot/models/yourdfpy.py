@@ -14,7 +14,7 @@ from rankdrop.robot.models.placed import placed
 from rankdrop.robot.transform import rigid
 from rankdrop.robot.urdf import from_tree
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
-from rankdrop.robot.xml_file import Element
+from rankdrop.robot.files import Element
 
 
 def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:

@@ -16,6 +16,8 @@ from .curves import singular_curves as singular_curves
 from .curves import sweeps as sweeps
 from .distance import family_distances as family_distances
 from .linear import wrap as wrap
+from .measured import Distances as Distances
+from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
 from .search_record import Outcome as Outcome

@@ -22,7 +22,7 @@ from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
-from rankdrop.results.explanation.words import angle
+from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -222,7 +222,7 @@ def _sentence(
                default=None)  # fmt: skip
     near = ""
     if free is not None:
-        near = f"; nearest: {angle(free.closest.distance)} from {free.name or 'a singularity'}, {_when(free)}"
+        near = f"; nearest: {short(free.closest.distance, 3)} rad from {free.name or 'a singularity'}, {_when(free)}"
     if verdict == FREE:
         held = f", and farther than {settings.min_distance:g} rad from any" if kept == "kept" else ""
         return f"Free: proven for every point of the path{held} ({spent:,} enclosure{'s' if spent != 1 else ''}){near}."

@@ -17,6 +17,7 @@ from rankdrop.motion.check import check_path
 from rankdrop.results.codec import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
 from rankdrop.units import scaled
 from rankdrop.verbs.analyze import analyze
 
@@ -286,7 +287,7 @@ def test_a_planned_path_that_halts_a_motoman_is_known_before_it_is_driven() -> N
     arm = open_robot("hc10")
     start, end = np.array([0.3, 0.4, -0.5, 0.2, 0.7, 0.1]), np.array([-0.4, 0.1, -0.2, 0.3, -0.55, -0.6])
     q = start + np.linspace(0, 1, 12)[:, None] * (end - start)
-    assert (singular_values(arm, q)[:, -1] > 1e-4).all()
+    assert (singular_values(arm, q, resolve_task(None, arm))[:, -1] > 1e-4).all()
     found = check_path(arm, q, np.linspace(0, 2, 12))
     assert found.verdict == "crossing"
     (crossed,) = found.crossings

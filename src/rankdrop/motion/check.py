@@ -231,7 +231,7 @@ def _sentence(
         parts.append(f"crosses a singularity {_times(len(met[CROSSING]))} (proven), first {_first(met[CROSSING])}")
     if met[TOUCHING]:
         parts.append(f"touches one {_times(len(met[TOUCHING]))}, first {_first(met[TOUCHING])}")
-    if kept == "violated":
+    if kept == "violated" and not met[CROSSING] and not met[TOUCHING]:
         parts.append(f"comes nearer than {settings.min_distance:g} rad{near.replace('; nearest', '')}")
     if kept == "not proven":
         parts.append(f"a distance of {settings.min_distance:g} rad could not be proven{near}")

@@ -85,28 +85,29 @@ std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, cons
     return std::make_unique<Watcher>(chain, view, families, settings);
 }
 
-// One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step.
+// One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step, q.
 nb::object watch(Watcher& watcher, const In1& q, const std::optional<In1>& velocity) {
     const std::size_t m = static_cast<std::size_t>(watcher.rows()), n = static_cast<std::size_t>(watcher.variables()),
                       s = std::min(m, n);
     if (q.shape(0) != n || (velocity && velocity->shape(0) != n)) throw nb::value_error("q or velocity has the wrong shape");
     rankdrop_step seen;
     if (!watcher.step(q.data(), velocity ? velocity->data() : nullptr, seen)) return nb::none();
-    Result<double> arrays({s + m * m + n});
+    Result<double> arrays({s + m * m + 2 * n});
     double* next = std::copy_n(seen.sigma, s, arrays.data());
     next = std::copy_n(seen.u, m * m, next);
-    std::copy_n(seen.null_step, n, next);
+    next = std::copy_n(seen.null_step, n, next);
+    std::copy_n(q.data(), n, next);
     return nb::make_tuple(arrays.give(), seen.rank, seen.corank, seen.family, seen.nearest, seen.residual, seen.distance,
-                          seen.reach, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate);
+                          seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate);
 }
 
-// Of every family at the last step: reach (F), residual (F), and the gradient of the reach by q (F, n).
+// Of every family at the last step: distance (F), residual (F), and the gradient of the distance by q (F, n).
 nb::object apart(const Watcher& watcher) {
     const std::size_t count = static_cast<std::size_t>(watcher.families()), n = static_cast<std::size_t>(watcher.variables());
-    Result<double> reach({count}), residual({count}), away({count, n});
+    Result<double> distance({count}), residual({count}), away({count, n});
     for (std::size_t f = 0; f < count; ++f)
-        watcher.family(static_cast<int>(f), reach.data() + f, residual.data() + f, away.data() + f * n);
-    return nb::make_tuple(reach.give(), residual.give(), away.give());
+        watcher.family(static_cast<int>(f), distance.data() + f, residual.data() + f, away.data() + f * n);
+    return nb::make_tuple(distance.give(), residual.give(), away.give());
 }
 
 void fit(const Families& table, const In2& q) {

@@ -217,6 +217,9 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Pack *sine = take(arena, families.nodes()), *cosine = take(arena, families.nodes());
     Pack* phase = take(arena, 2 * families.phases());
     const Waves<Pack> waves{sine, cosine};
+    const WalkRoom<Pack> walks(families, arena);
+    const int known = (int)families.corank.size();
+    auto* each = arena.take<Apart<Pack>>((std::size_t)known);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
@@ -225,10 +228,14 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
         Pack rank = fill(0.0);
         for (int i = 0; i < settings.generic; ++i)
             rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));
-        const Attribution<Pack> met =
-            attribute<Pack>(families, settings, fill((double)settings.generic) - rank,
-                            [&](int family) { return apart<Pack>(families, family, x, waves, gradient, nullptr); });
-        const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch, gradient);
+        for (int family = 0; family < known; ++family)
+            each[family] = apart<Pack>(families, family, x, waves, gradient, nullptr);
+        walk_all<Pack>(families, settings.start, x, walks, each, nullptr);
+        const Pack lost = fill((double)settings.generic) - rank;
+        const Attribution<Pack> met = attribute<Pack>(families, settings, lost, each);
+        Pack distance = met.distance;
+        if (settings.beyond)
+            distance = min(distance, first_order_distance(chain, view, families, settings, ws, scratch, gradient));
         store(ws.sigma, s, count, out.sigma + row * s, s);
         store_columns(ws.u, m, m, count, out.u + row * m * m, m * m, room);
         if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n, room);

@@ -9,12 +9,12 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, visible
 from rankdrop.robot.budgets import RANGE
+from rankdrop.robot.files import Element
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.models.placed import placed
 from rankdrop.robot.transform import rigid
 from rankdrop.robot.urdf import from_tree
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
-from rankdrop.robot.files import Element
 
 
 def from_yourdfpy(model: Any, *, base: str | None = None, tip: str | None = None, as_written: bool = False) -> Robot:

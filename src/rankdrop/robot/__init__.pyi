@@ -13,6 +13,7 @@ from .open import search_catalog as search_catalog
 from .packages import PLACES as PLACES
 from .packages import find_package as find_package
 from .quantities import quantity as quantity
+from .tool import with_tool as with_tool
 from .transform import from_xyz_rpy as from_xyz_rpy
 from .urdf import joint_origin as joint_origin
 from .urdf_numbers import number as number

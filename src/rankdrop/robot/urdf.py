@@ -72,7 +72,8 @@ def from_urdf(
             kind = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
             screw = _screw(kind, _axis(tree, joint), pose)
-            joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
+            mimic = mimics.get(joint.name)
+            joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimic, joint.child))
     found = Robot(
         tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source("urdf", place),
         base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",

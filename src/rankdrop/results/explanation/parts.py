@@ -45,11 +45,11 @@ def known_families(
         OptionError: the analysis is about another arm or other rows.
     """
     if analysis is None:
-        known = known_analysis(robot, task)
+        known = known_analysis(robot, task, any_tip=True)
         return (known.families, "catalogue") if known else ((), "on the spot")
     if not isinstance(analysis, Analysis):
         raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
-    mine, other = geometry(robot), geometry(analysis.robot)
+    mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
     if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
         raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
     if analysis.task.rows != task.rows or analysis.task.frame != task.frame:

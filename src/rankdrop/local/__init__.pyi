@@ -39,6 +39,7 @@ from .representation import representation_at as representation_at
 from .screws import constraint as constraint
 from .screws import in_short as in_short
 from .screws import words as words
+from .second_order import proof_of as proof_of
 from .systems import systems_at as systems_at
 from .tied import gradient_tensor as gradient_tensor
 from .tied import plane_rotation as plane_rotation

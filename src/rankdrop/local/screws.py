@@ -101,7 +101,7 @@ _ZERO = 1e-6  # a part below this share of the direction is not there
 _AXIS = 1e-6  # an axis is X, Y or Z when its other components are below this
 
 
-_NEARLY = 0.2  # a part below this share of the whole: what the other part alone says is true to 2 %
+_NEARLY = 0.25  # a part below this share of the whole: what the other part alone says is true to 3 %
 
 
 def constraint(direction: ArrayLike, length: float = 1.0) -> str:

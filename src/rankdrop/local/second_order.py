@@ -168,7 +168,7 @@ def _lost_motion(row: Array, form: Array) -> LostMotion:
 
 
 _OPEN = "no direction of the tool is lost"
-_NEVER_OPEN = "whether the tool is at an edge of its reach is not decided: the arm never makes all that the task asks for"
+_NEVER_OPEN = "whether the tool is at an edge of its reach is not decided where the arm never makes the whole task"
 _SEVERAL = "whether the tool is at an edge of its reach is not decided where several directions are lost"
 _INSIDE = "the tool is not at an edge of its reach: it can go on to both sides"
 _EDGE = "the tool is at an edge of its reach: it can go back, not on"
@@ -269,7 +269,7 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
     if place.corank and definite(each, seed):
         return _none(each, False, _HELD)
     if not told_by_pose(place.task):
-        return _none(each, None, "ways out with the tool held still were not looked for: not for these rows in this frame")
+        return _none(each, None, "ways out with the tool held still are not looked for with these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):
         return _none(each, None, "no way out with the tool held still was found; that is no proof that there is none")
@@ -352,10 +352,11 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     best = int(np.argmax(value))
     sigma = traced.sigma[best]
     order, rate = _along(sigma, float(promise[best]), float(traced.length[best]))
-    start = "you can leave it with the tool held still" if place.corank else "the joints can move with the tool held still"
+    can = "you can leave it" if place.corank else "the joints can move"
+    outside = "" if inside[best] else "; outside the joint limits"
     words = (
-        f"{start}: σ_r = {sigma[-1]:.3g} after {traced.length[best]:.3g} rad, the tool where it was to "
-        f"{max(1e-12, float(traced.error[best])):.0e}" + ("" if inside[best] else "; outside the joint limits")
+        f"{can} with the tool held still: σ_r = {sigma[-1]:.3g} after {traced.length[best]:.3g} rad, the tool "
+        f"where it was to {max(1e-12, float(traced.error[best])):.0e}{outside}"
     )
     avoidable = True if place.corank else None
     return Stillness(
@@ -374,7 +375,7 @@ def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillnes
     if stayed and traced.valid.any():
         return _none(each, None, "motions with the tool held still that were traced stay singular; there may be others")
     if traced.valid.any():
-        return _none(each, None, "whether it can be left with the tool held still was not told: σ_r along such motions is too small")
+        return _none(each, None, "not told whether it can be left with the tool held still: σ_r is too small there")
     return _none(each, None, "no motion with the tool held still could be traced; that is no proof that there is none")
 
 

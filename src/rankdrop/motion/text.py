@@ -60,7 +60,7 @@ def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterabl
         if one.verdict == UNDECIDED and isfinite(one.closest.distance):
             yield f"    nearest singularity known: {one.closest.distance:.3g}"
         for sentence in one.lost:
-            yield f"    lost: {sentence}"
+            yield f"    the tool {sentence}"
         if not isnan(one.null_share):
             yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
         if one.speed_factor < 1.0:

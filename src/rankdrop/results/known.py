@@ -88,7 +88,8 @@ def candidates(robot: Robot, *, tip: bool = True) -> tuple[str, ...]:
 
     Makers build one geometry under several names: the robot's own name comes first.
     """
-    return tuple(sorted(_index().get(coarse_fingerprint(robot, tip=tip), ()), key=lambda name: (name != robot.name, name)))
+    found = _index().get(coarse_fingerprint(robot, tip=tip), ())
+    return tuple(sorted(found, key=lambda name: (name != robot.name, name)))
 
 
 def known_names() -> tuple[str, ...]:

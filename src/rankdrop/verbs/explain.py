@@ -26,7 +26,15 @@ from rankdrop.local.ways_out import JointEscape, escape
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Blame, ExplainSettings, Far
 from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.parts import FRAMES, how_far, known_families, lost_of, met_at, turned_task, verdict_of
+from rankdrop.results.explanation.parts import (
+    checked_frame,
+    how_far,
+    known_families,
+    lost_of,
+    met_at,
+    turned_task,
+    verdict_of,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SMALL, Tolerances
@@ -101,13 +109,12 @@ def explain(
             allowed=f"above 0, up to {LARGEST_TOLERANCE:g}", mend="to be told of small ones, raise `near` or `small`",
             typed="to be told of small ones, raise --near",
         )  # fmt: skip
-    if frame is not None and frame not in FRAMES:
-        raise OptionError("these are no axes", where="frame", got=repr(frame), allowed=", ".join(FRAMES))
     resolved = resolve_task(task, robot, length_scale=length_scale)
     families, source = known_families(robot, resolved, analysis, tolerances)
     settings = ExplainSettings(
-        near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION, frame or ""
-    )
+        near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION,
+        checked_frame(frame),
+    )  # fmt: skip
     rank = rank_at(robot, configuration, resolved, tolerances)
     return _explained(Asked(robot, configuration, resolved, rank, families, source, coranks, settings))
 

@@ -99,7 +99,12 @@ def details_html(found: Explanation) -> str:
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
         what = "lost" if found.verdict == "singular" else "about to be lost"
-        lines += [f"<span style='{_QUIET}'>{what}:</span> {escape(words)}" for words in found.lost.words]
+        lines.append(f"<span style='{_QUIET}'>{what}:</span> the tool can only move so that")
+        lines += [
+            f"{escape(', '.join(seen.constraints))} <span style='{_QUIET}'>in {escape(seen.axes)}"
+            f"{escape(''.join(f'; {one}' for one in seen.short if one))}</span>"
+            for seen in found.lost.seen
+        ]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
         f"{circuit_text(one)}"

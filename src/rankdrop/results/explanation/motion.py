@@ -166,8 +166,8 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     if "joint rates" in columns:
         notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
     if losing:
-        notes.insert(0, "lost: the share of this motion that cannot be made; the other columns are of the nearest motion "
-                        "that can, at 1 m/s or 1 rad/s along the axis")  # fmt: skip
+        notes.insert(0, "lost: the share of this motion that cannot be made; the other columns are of the nearest "
+                        "motion that can, at 1 m/s or 1 rad/s along the axis")  # fmt: skip
     if rates.weakest is not None:
         kept = f"σ{found.rank.rank}"
         notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "
@@ -192,7 +192,7 @@ def _percent(share: float) -> str:
 
 
 def _costs(one: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[str, ...]:
-    """Joint rates (not where it is `brief`), the joint that holds back, and the largest speed [`unit`, or a mixture]."""
+    """Joint rates (not where it is `brief`), the joint that holds back, the largest speed [`unit` or mixed]."""
     each = tuple(short(round(rate, 6)) for rate in one.joint_rates) if full else ()
     most = _largest(one) if not unit or isinf(one.speed) else f"{short(one.speed, 3)} {unit}"
     held = "" if one.worst is None else f"{one.worst} {one.worst_joint}"

@@ -106,9 +106,7 @@ def _seen(
 ) -> Iterator[Seen]:
     """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
     length = counted_length(robot)
-    point = replace(task.frame, axes=BASE)
-    found = [("base", lost_in_frame(robot, q, task, corank, point)),
-             ("tool", lost_in_frame(robot, q, task, corank, replace(point, axes=TIP)))]  # fmt: skip
+    found = [(name, lost_seen_from(robot, q, task, corank, name)) for name in FRAMES[:2]]
     fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for _, one in found)
     simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
     if asked == "link" or (not asked and simpler):
@@ -120,6 +118,29 @@ def _seen(
                 tuple(constraint(one, length) for one in framed.directions),
                 tuple(in_short(one) for one in framed.directions),
             )  # fmt: skip
+
+
+def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
+    """What is lost in axes of the base or of the tool, at the task's point, or in those of the sparsest frame.
+
+    Args:
+        robot, q, task, corank: as in `lost_directions`.
+        frame: one of `FRAMES`.
+    """
+    if frame == "link":
+        return lost_in_sparsest_frame(robot, q, task, corank)
+    return lost_in_frame(robot, q, task, corank, replace(task.frame, axes=BASE if frame == "base" else TIP))
+
+
+def checked_frame(frame: str | None) -> str:
+    """The axes asked for; empty for None.
+
+    Raises:
+        OptionError: there are no such axes.
+    """
+    if frame is not None and frame not in FRAMES:
+        raise OptionError("these are no axes", where="frame", got=repr(frame), allowed=", ".join(FRAMES))
+    return frame or ""
 
 
 def axes_text(robot: Robot, framed: FramedDirections) -> str:
@@ -276,7 +297,9 @@ def _several(rank: Rank, small: float) -> str:
     """Where more is small than what vanishes nearby: an arm without its offsets would lose it all."""
     count = int((rank.sigma[: rank.rank] <= small).sum())
     first = rank.rank - count
-    return f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}" if count > 1 else ""
+    if count < 2:
+        return ""
+    return f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}"
 
 
 def _nearly(rank: Rank, small: float) -> str:

@@ -37,9 +37,9 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -
         f'font-weight:700">{sign} {now.verdict}</span>'
     )
     rank = f"rank {now.seen.rank} of {generic_rank}"
-    spare = length_of_chain - now.seen.rank
+    idle = length_of_chain - now.seen.rank
     lines = [
-        f"{badge} &nbsp;{rank}" + (f", {spare} spare" if spare else ""),
+        f"{badge} &nbsp;{rank}" + (f", {idle} idle joint motion{'s' if idle > 1 else ''}" if idle else ""),
         _family_line(now, known),
         _bars(now, generic_rank),
     ]

@@ -17,10 +17,10 @@ MEANING = {
     INTERNAL: "internal error, with a traceback",
     BAD_INPUT: "bad input: one line on stderr says what, where, and what to do",
     UNEXPLAINED: "analyze: some point is not explained, some row failed its test, or exact conditions differ; "
-    "conditions: not complete, not verified, or the condition tested is not exact; explain: near a singularity; escape, nearest, "
-    "tolerant: none found; path: a singularity is met or too near, or undecided; cover: not complete, or known "
-    "families do not explain all; aspects: undecided; through: not trackable, or undecided; reproduce: some item "
-    "differs without a reason",
+    "conditions: not complete, not verified, or the condition tested is not exact; explain: near a singularity; "
+    "escape, nearest, tolerant: none found; path: a singularity is met or too near, or undecided; cover: not complete, "
+    "or known families do not explain all; aspects: undecided; through: not trackable, or undecided; reproduce: some "
+    "item differs without a reason",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

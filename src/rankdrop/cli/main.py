@@ -209,7 +209,7 @@ def _missing(error: MissingArgumentError) -> str:
     assert argument is not None
     what = f"{argument.name} is missing" if error.keyword is None else f"{error.keyword} needs a value"
     told = getattr(app[error.command_chain[0]].default_command, "__doc__", None) if error.command_chain else None
-    about = re.search(rf"^ +{argument.field_info.name}: (.+?)(?:[.;]|$)", told or "", re.MULTILINE)
+    about = re.search(rf"^ +{argument.field_info.name}: (.+?)(?:\. |;|\.?$)", told or "", re.MULTILINE)
     return f"{what}: {about[1][0].lower()}{about[1][1:]}." if about else f"{what}."
 
 

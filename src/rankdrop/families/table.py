@@ -201,7 +201,9 @@ def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic:
     directions, sentences = _lost(setting, at, generic)
     return Family(
         id="",
-        name=name_family(robot, setting.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
+        name=name_family(
+            robot, setting.task, generic, [one.number for one in pinned], coupled=[j + 1 for j in signature.coupled]
+        ),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import degrees, isfinite, isnan
 
-from rankdrop.motion.data import FREE, LEADS, UNDECIDED, PathData, Place, Stretch
+from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, PathData, Place, Stretch
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 
@@ -22,7 +22,8 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         full: every stretch, not the ten worst.
     """
     shown = found.stretches if full else found.stretches[:SHOWN]
-    sections = [Section(found.sentence), _about(found)]
+    tone = {FREE: "good", CROSSING: "bad", TOUCHING: "bad"}.get(found.verdict, "warning")
+    sections = [Section(found.sentence, tone=tone), _about(found)]
     met = [one for one in shown if one.verdict != FREE]
     if met:
         sections.append(Section("Where it meets a singularity", lines=tuple(_met_lines(met, found, deg=deg))))
@@ -35,7 +36,7 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         notes += (f"{left} more stretch{'es' if left > 1 else ''}: with --full, or in the JSON",)
     if notes:
         sections.append(Section("Notes", lines=notes))
-    return (*sections, Section(found.sentence))
+    return (*sections, Section(found.sentence, tone=tone))
 
 
 def _about(found: PathData) -> Section:

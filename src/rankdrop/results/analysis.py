@@ -299,7 +299,8 @@ def sampled(analysis: Analysis) -> str:
     return (
         f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
-        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows ({share_text(explained, fresh)})."
+        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows "
+        f"({share_text(explained, fresh)})."
     )
 
 
@@ -309,5 +310,6 @@ def unseen(analysis: Analysis) -> str:
     if not found:
         return ""
     worst = max(found, key=lambda row: row.unseen.upper)
-    share = f"an estimated {100 * worst.unseen.estimate:.2f} % of them, at most {100 * worst.unseen.upper:.2f} % (95 %)"
-    return f"Searches that end where none has ended: {share}, worst at corank {worst.corank} ({worst.unseen.how})."
+    share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
+    how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
+    return f"Searches that end where none has ended: {share}, worst at corank {worst.corank}. {how}."

@@ -38,23 +38,30 @@ def _out(found: ExplanationData, full: bool) -> Section:
     if out.best_pair is not None and (full or not helpful):
         after.append(f"best two joints: {_direction(found, out.best_pair)}")
     after.append(f"best direction: {_direction(found, out.best_direction)}")
-    after += _told(out.avoidable_words, full)
+    after.append(_sentence(out.avoidable_words))
     for words in dict.fromkeys(one.words for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
         one = words if len(out.types) == 1 else words.replace("the lost direction", _which_of(which, len(out.types)))
         slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
-        after += _told(f"{slowly}{one}", full, words)
-    after += _told(out.boundary_words, full)
+        after.append(_sentence(f"{slowly}{one}"))
+    after.append(_sentence(out.boundary_words))
     columns = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
     notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
     return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows, (0, 5),
                    tuple(after), notes if rows and full else ())  # fmt: skip
 
 
-def _told(words: str, full: bool, key: str = "") -> list[str]:
-    """A sentence, and why it holds where everything is wanted."""
-    why = proof_of(key or words) if full else ""
-    return [f"{words[0].upper()}{words[1:]}.", *([f"    {why}"] if why else [])]
+def proofs_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+    """Why the sentences on ways out hold, with the formulas."""
+    out = found.escape
+    said = (out.avoidable_words, *(one.words for one in out.types), out.boundary_words)
+    lines = tuple(f"{_sentence(words)} {proof_of(words)}" for words in dict.fromkeys(said) if proof_of(words))
+    if lines and found.rank.corank:
+        yield Section("Why", "for the ways out", lines)
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
 
 
 def _which_of(which: list[int], count: int) -> str:
@@ -166,8 +173,9 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     if "joint rates" in columns:
         notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
     if losing:
-        notes.insert(0, "lost: the share of this motion that cannot be made; the other columns are of the nearest "
-                        "motion that can, at 1 m/s or 1 rad/s along the axis")  # fmt: skip
+        rest = ("lost: the share of this motion that cannot be made",
+                "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis")
+        notes = [*rest, *notes]
     if rates.weakest is not None:
         kept = f"σ{found.rank.rank}"
         notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "

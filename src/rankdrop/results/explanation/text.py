@@ -16,7 +16,7 @@ from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
-from rankdrop.results.explanation.motion import escape_part, far_part, rates_part
+from rankdrop.results.explanation.motion import escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
     degrees_hint,
     fixed,
@@ -32,10 +32,12 @@ from rankdrop.results.explanation.words import (
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section
 
+TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
+"""How the verdict is coloured."""
 _LONG = 160  # characters of an equation that is printed
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
 _TWIST = "v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]"
-_COUNTED = "; nearly: turning by 1 rad counts as much as moving by 1 m"
+_COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
 
@@ -72,6 +74,7 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     yield Section(
         of_explanation(found), "", tuple(lines),
         ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
+        tone=TONE[found.verdict],
     )  # fmt: skip
 
 
@@ -152,7 +155,7 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
                 lines.append(f"      carried {torque}: {wrench_text(wrench)}")
         title = "What is lost" if found.rank.corank else "What is nearly lost"
         mixed = any("·" in one for seen in lost.seen for one in seen.constraints)
-        notes = (_TWIST + (_COUNTED if mixed else ""),)
+        notes = (_TWIST, *((_COUNTED,) if mixed else ()))
         yield Section(title, _focus(found), tuple(lines), notes=notes)
     if len(lost.never):
         rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)
@@ -233,7 +236,7 @@ def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
 
 
 def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
-    yield Section(of_explanation(found))
+    yield Section(of_explanation(found), tone=TONE[found.verdict])
 
 
 def _deg(value: float, unit: str) -> str:
@@ -295,6 +298,7 @@ def _lengths(values: Iterable[float]) -> str:
 
 
 DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+    "proofs": proofs_part,
     "ellipsoids": ellipsoids_part,
     "redundancy": redundancy_part,
     "representation": representation_part,

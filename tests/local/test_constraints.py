@@ -6,8 +6,8 @@ import re
 
 import numpy as np
 import pytest
-
 from known.arms import KINDS
+
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.frames import TIP, Frame
 from rankdrop.kinematics import jacobian, pose

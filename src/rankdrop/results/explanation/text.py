@@ -61,7 +61,7 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
     lines = [
         *_warnings(found),
-        f"rank {rank.rank} of {r}, corank {rank.corank}; {_idle(found)} (nullity {rank.nullity})",
+        f"{f'rank {rank.rank} of {r}, corank {rank.corank}; ' * bool(rank.corank)}{_idle(found)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
     ]

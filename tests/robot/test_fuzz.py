@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scripts import tool
 
 from rankdrop.certify.coverfile import MAGIC, load
 from rankdrop.errors import ResultFileError
-from scripts import tool
 
 FUZZ = tool("fuzz_readers")
 

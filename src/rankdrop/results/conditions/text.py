@@ -289,7 +289,8 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
 
 def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
     if found.left:
-        yield Section("Not finished", "a longer --time-limit may finish it", tuple(piece for one in found.left for piece in either(one, width)))
+        lines = tuple(piece for one in found.left for piece in either(one, width))
+        yield Section("Not finished", "a longer --time-limit may finish it", lines)
 
 
 def _number(value: float, digits: int = 12) -> str:

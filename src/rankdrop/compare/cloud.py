@@ -25,7 +25,7 @@ from rankdrop.exact.tree import Tree
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
 from rankdrop.family.system import System
-from rankdrop.family.which import families_at
+from rankdrop.family.which import on_one_of
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -123,10 +123,10 @@ def explained(
         left = left[way > tolerances.explained]
         if not len(left):
             break
-    crossing = [_Given(system.equations) for system in systems]
+    crossing = [system.equations for system in systems]
 
     def over(indices: NDArray[np.int64], q: Array) -> NDArray[np.int64]:
-        on = [families_at(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
+        on = [on_one_of(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
         return indices[[not one for one in on]]
 
     left = over(left, points.q)
@@ -147,16 +147,6 @@ def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
         near = np.abs(found - q[mine]).max(axis=1) <= FURTHER
         q[mine[near]] = found[near]
     return q
-
-
-@dataclass(frozen=True)
-class _Given:
-    """Equations as `families_at` reads a family; the rank lost at a point is at least 1, which is all that is asked."""
-
-    equations: tuple[Equation, ...]
-    name: str = ""
-    corank: int = 1
-    dimension: int = 0
 
 
 _POINTS = 24  # real points looked at on each

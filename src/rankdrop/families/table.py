@@ -26,7 +26,7 @@ from rankdrop.families.rows import Cover, find_rows
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Inspection, inspect
-from rankdrop.families.unseen import Leftover, leftovers, none_found, unseen
+from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.naming import name_family, told, told_apart
 from rankdrop.family.record import (
@@ -119,8 +119,8 @@ def families(
         at = samples[row][0] if shown is None else shown
         found.append(_family(problem, row, sounds[row], per_row, samples[row], at))
         report(80 + 20 * count // len(kept), STEPS)
-    found += [_unnamed(problem, leftover, share.tested) for leftover in rest]
-    pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
+    found += [family for family, _ in rest]
+    pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces)
     return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
@@ -198,7 +198,7 @@ def _family(problem: Problem, row: Row, sound: Soundness, share: Share, generic:
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions, sentences = _lost(problem, at, generic)
+    directions, sentences = told(robot, at, generic, problem.task, problem.corank)
     return Family(
         id="",
         name=name_family(robot, problem.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
@@ -217,10 +217,6 @@ def _family(problem: Problem, row: Row, sound: Soundness, share: Share, generic:
     )
 
 
-def _lost(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
-    return told(problem.robot, at, points, problem.task, problem.corank)
-
-
 def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -> Array:
     """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
     points, good = row.sample(problem, 12, rng)
@@ -228,32 +224,6 @@ def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -
     inspection = inspect(problem, q)
     chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, problem.rank] <= problem.tolerances.singular))
     return np.asarray(q[rng.permutation(chosen)[:24]])
-
-
-def _unnamed(problem: Problem, leftover: Leftover, tested: int) -> Family:
-    robot, at = problem.robot, leftover.witness
-    directions, sentences = _lost(problem, at, leftover.q)
-    values = tuple(
-        Pinned(robot.variables[j].name, j + 1, leftover.values(problem, j))
-        for j in leftover.pinned
-    )
-    return Family(
-        id="",
-        name="unnamed family",
-        corank=problem.corank,
-        dimension=leftover.dimension,
-        pinned=values,
-        free=tuple(j + 1 for j in leftover.free),
-        coupled=tuple(j + 1 for j in leftover.coupled),
-        equations=(),
-        witness=tuple(float(x) for x in at),
-        lost_directions=directions,
-        lost_words=sentences,
-        soundness=Soundness(0, 0),
-        explained=Share(tested, leftover.fresh),
-        evidence=leftover.evidence,
-        named=False,
-    )
 
 
 def _pieces(cover: Cover, rows: list[Row], inspection: Inspection) -> list[int]:

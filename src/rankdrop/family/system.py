@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from rankdrop.family.equation import Equation
 from rankdrop.robot.model import Array
+from rankdrop.solve import newton
 
 Mask = NDArray[np.bool_]
 
-CUT = 1e-7  # singular values of the equations' Jacobian below this share of the largest are not inverted
 CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
 REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
 
+_DONE = 1e-15  # |f| that no step makes smaller
 _NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
 _ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
 
@@ -97,22 +98,12 @@ class System:
         q = np.array(q, dtype=np.float64)
         if not self.equations or not len(q):
             return q, np.ones(len(q), dtype=np.bool_)
-        active = np.arange(len(q))
-        for _ in range(iterations):
-            f, a = self.linear(q[active])
-            going = np.abs(f).max(axis=1) > 1e-15
-            active, f, a = active[going], f[going], a[going]
-            if not len(active):
-                break
-            if along is not None:
-                a = a @ along
-            delta = -shortest(a, f)
-            if along is not None:
-                delta = delta @ along.T
-            length = np.linalg.norm(delta, axis=1, keepdims=True)
-            q[active] += delta * np.minimum(1.0, step / np.maximum(length, 1e-300))
-            active = active[length[:, 0] > still]
+        q = newton(self._unsolved, q, along=along, iterations=iterations, step=step, still=still)
         return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
+
+    def _unsolved(self, q: Array) -> tuple[Mask, Array, Array]:
+        f, a = self.linear(q)
+        return np.abs(f).max(axis=1) > _DONE, f, a
 
     def nearest(self, q: Array, within: float = 1e-3) -> tuple[Array, Array]:
         """Way from points to the zero set.
@@ -142,11 +133,3 @@ class System:
         f, slope = self.linear(q)
         f, slope = np.abs(f), np.linalg.norm(slope, axis=-1)
         return np.asarray(np.minimum(f / np.maximum(slope, 1e-300), np.sqrt(f)).max(axis=1))
-
-
-def shortest(a: Array, f: Array) -> Array:
-    """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
-    u, s, vt = np.linalg.svd(a, full_matrices=False)
-    keep = s > np.maximum(CUT * s[:, :1], 1e-14)
-    inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)
-    return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))

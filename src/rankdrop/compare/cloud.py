@@ -153,7 +153,7 @@ _POINTS = 24  # real points looked at on each
 _LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
 
 
-def pointless(
+def sets_without_points(
     chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
 ) -> tuple[list[str], list[str]]:
     """What the tree leaves open for want of points, and the sets on which no real point was found, in sentences.
@@ -163,7 +163,7 @@ def pointless(
     """
     lost: dict[str, Variety] = {}
     unmet: dict[str, Variety] = {}
-    for piece, order, last in tree.pointless:
+    for piece, order, last in tree.without_points:
         theta = [point for point, _ in zip(real_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
             unmet[piece.key] = piece

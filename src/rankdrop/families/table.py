@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 from rankdrop.families.linear import polished
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
-from rankdrop.families.rows import Cover, find_rows
+from rankdrop.families.rows import Membership, find_rows
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Inspection, inspect
 from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.naming import name_family, told, told_apart
+from rankdrop.family.naming import lost_motions, name_family, told_apart
 from rankdrop.family.record import (
     CorankFamilies,
     CorankSummary,
@@ -91,7 +91,7 @@ def families(
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
     inspection = inspect(problem, polished(problem, cloud.converged))
-    cover = Cover(problem, inspection.q)
+    cover = Membership(problem, inspection.q)
     rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
     sounds: dict[Row, Soundness] = {}
     samples: dict[Row, Array] = {}
@@ -109,7 +109,7 @@ def families(
     independent = _fresh(problem, cloud, inspection, seed, threads) if fresh is None else fresh.converged
     checked = inspect(problem, polished(problem, independent))
     report(80, STEPS)
-    new = Cover(problem, checked.q)
+    new = Membership(problem, checked.q)
     rest = leftovers(problem, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
     found = []
@@ -198,7 +198,7 @@ def _family(problem: Problem, row: Row, sound: Soundness, share: Share, generic:
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions, sentences = told(robot, at, generic, problem.task, problem.corank)
+    directions, sentences = lost_motions(problem, at, generic)
     return Family(
         id="",
         name=name_family(robot, problem.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
@@ -226,7 +226,7 @@ def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -
     return np.asarray(q[rng.permutation(chosen)[:24]])
 
 
-def _pieces(cover: Cover, rows: list[Row], inspection: Inspection) -> list[int]:
+def _pieces(cover: Membership, rows: list[Row], inspection: Inspection) -> list[int]:
     """How many points of the cloud met each piece: a row with one combination of its values."""
     counts: list[int] = []
     left = inspection.exact.copy()

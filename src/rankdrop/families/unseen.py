@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import Linear
 from rankdrop.families.signature import Inspection, inspect
-from rankdrop.family.naming import told
+from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, Pinned, Share, Soundness, Unseen
 from rankdrop.family.system import Mask
 from rankdrop.problem import Problem
@@ -107,7 +107,7 @@ def _unnamed(
     q, cloud = inspection.q[members], int((members < from_cloud).sum())
     gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
     at = q[int(np.argmax(gap))]
-    directions, sentences = told(problem.robot, at, q, problem.task, problem.corank)
+    directions, sentences = lost_motions(problem, at, q)
     kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
     names = problem.robot.variables
     family = Family(

@@ -34,7 +34,8 @@ TOP = 9
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "mpl_toolkits", "plotly",
-            "jinja2", "yourdfpy", "trimesh", "websockets", "playwright", "yaml", "rosbags", "pyarrow"}  # fmt: skip
+            "jinja2", "yourdfpy", "roboticstoolbox", "trimesh", "websockets", "playwright", "yaml",
+            "rosbags", "pyarrow"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

@@ -1,3 +1,4 @@
+from .certify.proof.verifying import verify as verify
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor
 from .families.searching import search as search

@@ -4,7 +4,8 @@ What is solved is a function of q (N, n) that gives values f (N, e) and derivati
 or the block F with its derivative D. Nothing here knows what they mean.
 
 Newton's step is the shortest one that solves f + A·x = 0 in the least-squares sense, x = −A⁺f, capped. A curve is
-walked along the null vector of A and brought back by such steps. The nearest solution is where x = Aᵀλ, f = 0.
+walked along the null vector of A and brought back by such steps. The nearest solution is where x = Aᵀλ, f = 0. The
+core has the same steps for equations of families and for the searches, where there are thousands of starts.
 """
 
 from __future__ import annotations

@@ -78,7 +78,7 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
             q[:, 1:5] = found.boxes(cells[::7])[0]
             near = q[by == 0]
             # distance from the family by walking, independent of the change of sign
-            from rankdrop.motion.distance import distances
+            from rankdrop.families.measured import distances
 
             far = distances([family], UR5, near[:400], TASK).distance[:, 0]
             assert (far <= explainer.radius * (1 + 1e-6)).mean() > 0.999

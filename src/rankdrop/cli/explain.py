@@ -32,6 +32,7 @@ def explain(
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = EVALUATIONS,
     seed: Whole = 0,
+    certificate: str | None = None,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -58,6 +59,8 @@ def explain(
         limits: The nearest singularity within the joint limits.
         evaluations: Budget of the certified radius; 0 for the quick one.
         seed: Of every random choice.
+        certificate: Write what is proven to this file, for `rankdrop verify`: at a singular configuration that one
+            exists there, else a ball without any.
         full: Print all sections: every circuit, ellipsoids, joint rates, redundancy, representation.
         json: Write the explanation to this file as well; - writes it to stdout in place of the text.
         quiet: No progress; results and errors only.
@@ -65,8 +68,9 @@ def explain(
     from dataclasses import replace
 
     from rankdrop import explain as run
+    from rankdrop.cli.certificates import of_place, saving
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.ideal import open_ideal
     from rankdrop.cli.sections import interrupted
     from rankdrop.results import Analysis, plain
@@ -74,6 +78,8 @@ def explain(
     from rankdrop.verbs import here
 
     check_target(json, "--json")
+    check_target(certificate, "--certificate")
+    check_different({"--json": json, "--certificate": certificate})
     model, task, made = open_ideal(robot, arm, ideal)
     given = parse_configuration(q, model, deg=deg)
     found = run(
@@ -90,6 +96,8 @@ def explain(
         steps.append(lambda: _print(found, made, beside, full=full))
     if json is not None:
         steps.append(lambda: write_json(record, json))
+    if certificate is not None:
+        steps.append(saving(of_place(found, None, evaluations), certificate))
     do_all(steps)
     return interrupted(found) or EXIT[found.verdict]
 

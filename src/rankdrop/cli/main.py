@@ -49,6 +49,7 @@ try:
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.through import through
     from rankdrop.cli.tolerant import tolerant
+    from rankdrop.cli.verify import verify
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
@@ -94,6 +95,7 @@ app.command(aspects)
 app.command(through)
 app.command(monitor)
 app.command(cover)
+app.command(verify)
 app.command(view)
 app.command(reproduce)
 app.command(report)

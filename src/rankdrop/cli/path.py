@@ -15,13 +15,17 @@ from rankdrop.cli.whole import Whole
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rankdrop.certify import ModelTolerance
     from rankdrop.cli.progress import Report
     from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
-_OF_ONE = {"--figure": "a figure is", "--html": "a page is", "--rows": "rows are"}
+_OF_ONE = {
+    "--figure": "a figure is", "--html": "a page is", "--rows": "rows are", "--certificate": "a certificate is",
+    "--model-tolerance": "a tolerance of the model is",
+}  # fmt: skip
 
 
 def path(
@@ -43,6 +47,8 @@ def path(
     mend: MendOptions = NO_MENDING,
     html: str | None = None,
     rows: str | None = None,
+    certificate: str | None = None,
+    model_tolerance: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -85,25 +91,45 @@ def path(
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
         html: Write a page that stands alone, with the arm playing the path: .html.
         rows: Write a table, one line for each row: .parquet, .json or .csv. Units are in the names of the columns.
+        certificate: Write what is proven to this file, for `rankdrop verify`: the path, its free spans and crossings.
+        model_tolerance: Prove the path free for every arm so near to this one, joint by joint: 0.3mm,1mrad.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.certificates import model_tolerance as tolerance_of
+    from rankdrop.cli.certificates import saving
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.motion import FORMATS, check_format, judged, paths_to_dict
+    from rankdrop.motion import (
+        FORMATS,
+        FREE,
+        check_format,
+        judged,
+        path_certificate,
+        paths_to_dict,
+        proven_for_near_arms,
+    )
     from rankdrop.results import Analysis
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
     check_target(html, "--html", (".html", ".htm"))
     check_target(rows, "--rows", FORMATS)
-    check_different({"--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed})
+    check_target(certificate, "--certificate")
+    check_different({
+        "--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed,
+        "--certificate": certificate,
+    })  # fmt: skip
+    near = tolerance_of(model_tolerance)
     if rows is not None:
         check_format(rows)
     found = _files(files)
     bounds = check_options(mend, len(found))
     model, task = open_arm(robot, arm)
-    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html, "--rows": rows})
+    least = _distance(min_distance, len(found), {
+        "--figure": figure, "--html": html, "--rows": rows, "--certificate": certificate,
+        "--model-tolerance": model_tolerance,
+    })  # fmt: skip
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
@@ -113,9 +139,16 @@ def path(
         with reporter(quiet=quiet) as report:
             result = one(found[0], report)
             remedies = mended(result, bounds, families, report) if mend.asked and result.complete else None
+        kept = None if near is None else bool(result.complete and result.verdict == FREE) and proven_for_near_arms(
+            result, near
+        )
         steps: list[Callable[[], None]] = []
         if json != STDOUT:
             steps.append(lambda: _print(result, remedies, full=full))
+            if near is not None:
+                steps.append(lambda: _print_near(near, bool(kept)))
+        if certificate is not None and result.complete:
+            steps.append(saving(path_certificate(result, near if kept else None), certificate))
         if json is not None:
             steps.append(lambda: write_json(_record(result, remedies), json))
         if remedies is not None and mend.fixed is not None:
@@ -127,7 +160,7 @@ def path(
         if rows is not None:
             steps.append(lambda: _rows(result, families, rows))
         do_all(steps)
-        return _code(result, remedies)
+        return _code(result, remedies) or (exits.UNEXPLAINED if kept is False else exits.FINE)
     with reporter(quiet=quiet) as report:
         many = judged(found, lambda file: one(file, report))
     steps = []
@@ -253,6 +286,14 @@ def _print(result: PathCheck, remedies: Mending | None, *, full: bool) -> None:
 
     *first, last = result.sections(full=full)
     print_sections([*first, *(() if remedies is None else remedies.sections()), last])
+
+
+def _print_near(near: ModelTolerance, kept: bool) -> None:
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.sections import Section
+
+    arms = f"for every arm within {near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad of this one, joint by joint"
+    print_sections([Section("model", f"free {arms}: {'proven' if kept else 'not proven'}")], first=False)
 
 
 def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:

@@ -19,3 +19,4 @@ from .suppression.factors import parse_joints as parse_joints
 from .suppression.steps import Suppression as Suppression
 from .suppression.steps import conditions_text as conditions_text
 from .suppression.suppress import suppress as suppress
+from .writing.mathml import typeset as typeset

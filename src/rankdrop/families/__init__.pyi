@@ -15,8 +15,11 @@ from .curves import Sweep as Sweep
 from .curves import singular_curves as singular_curves
 from .curves import sweeps as sweeps
 from .distance import family_distances as family_distances
+from .measured import Distances as Distances
+from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
+from .posture import posed as posed
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
 from .searching import MOST_STARTS as MOST_STARTS

@@ -17,6 +17,7 @@ import numpy as np
 
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.sections import Section, html
 from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
 
 
@@ -115,6 +116,29 @@ class Family:
         directions = np.array(self.lost_directions, dtype=np.float64)
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: what the family asks, what is lost, how it was tested."""
+        return html([_section(self)])
+
+
+def _section(family: Family) -> Section:
+    rows = [(one.joint, " or ".join(f"{value:.6g}".replace("-", "−") for value in one.values)) for one in family.pinned]
+    rows += [(f"joint {number}", "any value") for number in family.free]
+    rows += [(f"joint {number}", "coupled, see below") for number in family.coupled]
+    bound = set(family.coupled)
+    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
+    told += [f"lost: {words}" for words in family.lost_words]
+    at = ", ".join(f"{value:.4g}".replace("-", "−") for value in family.witness)
+    tested = (
+        f"{family.soundness.singular:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
+        f"it explains {family.explained.explained:,} of {family.explained.tested:,} fresh singular points"
+    )
+    return Section(
+        f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
+        columns=("joint", "stands at [rad, m]"), rows=tuple(rows), texts=(0, 1),
+        after=(*told, f"witness q = ({at}) [rad, m]"), notes=(tested,),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,8 @@ from .ordered_report import report as report
 from .ordered_report import session as session
 from .planar import planar_two_link as planar_two_link
 from .planar import rate_table as rate_table
+from .posture import fault as fault
+from .posture import start_posture as start_posture
 from .rates import rate_growth as rate_growth
 from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy

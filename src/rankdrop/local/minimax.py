@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop import _core
 from rankdrop.local.block import block, decompose
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, Robot
@@ -83,82 +84,24 @@ def largest(values: Array) -> Array:
     return np.asarray(values.max(axis=(1, 2)))
 
 
-def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Array:
-    """(B, N, k, k) Λ by accelerated projected gradient, begun anew every few rounds; `mixed` is where to begin.
+def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
+    """The step from each of B configurations, and what it promises.
 
-    It ends where the step from Λ reaches nine tenths of what the best one can promise, which Λ itself bounds.
+    Λ comes by accelerated projected gradient, begun anew every few rounds, until the step from it reaches nine tenths
+    of what the best one can promise, which Λ itself bounds.
+
+    Args:
+        values: (B, N, k) a.
+        tensor: (B, N, k, k, n) T, symmetric in the tied values.
+        tau: (B,) τ.
+        mixed: (B, N, k, k) Λ to begin from; None for all values alike.
+        effort: how often the projection may begin anew.
     """
     count, pieces, k = values.shape
-    gram = np.einsum("bjacn,bjacm->bnm", tensor, tensor)
-    pace = (1.0 / np.maximum(tau * np.linalg.eigvalsh(gram)[:, -1], 1e-300))[:, None, None, None]
-    diagonal = values[..., None] * np.eye(k)
-    here = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k)).copy() if mixed is None else mixed.copy()
-    open_rows = np.arange(count)
-    for _ in range(effort):
-        rows = open_rows
-        slopes, t = tensor[rows], tau[rows]
-        x = here[rows]
-        ahead, momentum = x, 1.0
-        for _ in range(_ROUNDS):
-            gradient = diagonal[rows] - np.einsum("b,bn,bjacn->bjac", t, followed(ahead, slopes), slopes)
-            stepped = _on_traces(ahead + pace[rows] * gradient)
-            later = (1.0 + np.sqrt(1.0 + 4.0 * momentum**2)) / 2.0
-            ahead = stepped + (momentum - 1.0) / later * (stepped - x)
-            x, momentum = stepped, later
-        here[rows] = x
-        best, reached = _bounds(values[rows], slopes, t, x)
-        open_rows = rows[best - reached > np.maximum(0.1 * best, _EXACT)]
-        if not len(open_rows):
-            break
-    return here
-
-
-def _bounds(values: Array, tensor: Array, tau: Array, mixed: Array) -> tuple[Array, Array]:
-    """(B,) the fall of the model, its ‖Δ‖²/2τ counted, that no step exceeds, and that of the step from Λ."""
-    along = followed(mixed, tensor)
-    length = tau * (along**2).sum(axis=1) / 2.0
-    now = largest(values)
-    weighted = np.einsum("bjaa,bja->b", mixed, values)
-    return now - weighted + length, now - _after(values, tensor, -tau[:, None] * along) - length
-
-
-def _after(values: Array, tensor: Array, step: Array) -> Array:
-    """(B,) what the model makes of F after a step."""
-    moved = values[..., None] * np.eye(values.shape[-1]) + np.einsum("bjacn,bn->bjac", tensor, step)
-    if moved.shape[-1] == 1:
-        return np.asarray(moved[..., 0, 0].max(axis=1))
-    return np.asarray(np.linalg.eigvalsh(moved).max(axis=(1, 2)))
-
-
-def followed(mixed: Array, tensor: Array) -> Array:
-    """(B, n) G(Λ)."""
-    return np.asarray(np.einsum("bjac,bjacn->bn", mixed, tensor))
-
-
-def _on_traces(matrices: Array) -> Array:
-    """The nearest positive semidefinite blocks whose traces sum to 1, by their eigenvalues."""
-    count, pieces, k, _ = matrices.shape
-    if k == 1:
-        return _on_simplex(matrices.reshape(count, pieces)).reshape(count, pieces, 1, 1)
-    weights, vectors = np.linalg.eigh(matrices)
-    kept = _on_simplex(weights.reshape(count, pieces * k)).reshape(count, pieces, k)
-    return np.asarray(np.einsum("bjae,bje,bjce->bjac", vectors, kept, vectors))
-
-
-def _on_simplex(weights: Array) -> Array:
-    """The nearest rows of numbers from 0 up that sum to 1."""
-    falling = -np.sort(-weights, axis=1)
-    excess = (np.cumsum(falling, axis=1) - 1.0) / np.arange(1, weights.shape[1] + 1)
-    last = (falling > excess).sum(axis=1) - 1
-    return np.maximum(weights - np.take_along_axis(excess, last[:, None], axis=1), 0.0)
-
-
-def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
-    """The step from each of B configurations, and what it promises."""
-    best = mixture(values, tensor, tau, mixed, effort)
-    most, _ = _bounds(values, tensor, tau, best)
-    step = -tau[:, None] * followed(best, tensor)
-    return Promise(step, largest(values) - _after(values, tensor, step), most, best)
+    if mixed is None:
+        mixed = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k))
+    arrays = [np.ascontiguousarray(array, dtype=np.float64) for array in (values, tensor, tau, mixed)]
+    return Promise(*_core.promised(*arrays, rounds=_ROUNDS, effort=effort, exact=_EXACT))
 
 
 def descend(

@@ -23,7 +23,8 @@ from rankdrop.local.block import joint_scale, sampling_box
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.check import EVALUATIONS, check_path
 from rankdrop.motion.data import FREE, UNDECIDED, Place, ToolMotion
-from rankdrop.motion.follow import Followed, between, follow, solve
+from rankdrop.motion.follow import Followed, between, follow
+from rankdrop.motion.inverse import Aim, distinct
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.trajectory import checked_times
 from rankdrop.reach import reach
@@ -131,7 +132,7 @@ def _checked(poses: ArrayLike, t: ArrayLike | None) -> tuple[Array, Array | None
     return wanted, checked_times(times, [f"t, pose {row + 1}" for row in range(len(wanted))])
 
 
-def solutions(robot: Robot, goal: Array, task: Task) -> Array:
+def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     """(S, n) configurations at a pose (4, 4) within the joint limits, nearest to q = 0 first, of those found.
 
     Newton's method from `STARTS` random configurations and from the one nearest to zero; a redundant arm has more.
@@ -139,20 +140,15 @@ def solutions(robot: Robot, goal: Array, task: Task) -> Array:
     low, high = sampling_box(robot, task, limits=True)
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
     starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
-    q, arrived = solve(robot, np.repeat(goal[None], len(starts), axis=0), starts, task)
-    q = q[arrived]
+    q = Aim(robot, task).reached(goal, starts)
     q = q - 2 * np.pi * np.where(robot.periodic, np.round((q - home) / (2 * np.pi)), 0.0)
     for turn in (-2 * np.pi, 2 * np.pi):  # limits may want the next turn
         moved = np.where(robot.periodic, q + turn, q)
         bad = (q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)
         q = np.where(bad & (moved >= robot.lower) & (moved <= robot.upper), moved, q)
     q = q[((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1)]
-    scale = joint_scale(robot, task)
-    kept: list[Array] = []
-    for one in q[np.argsort(np.linalg.norm((q - home) / scale, axis=1), kind="stable")]:
-        if not any(np.linalg.norm((one - other) / scale) < _SAME for other in kept):
-            kept.append(one)
-    return np.array(kept).reshape(-1, robot.n)
+    far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
+    return distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
 
 
 def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, str]:
@@ -167,7 +163,7 @@ def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tu
             raise ConfigurationError(f"pose 1 is not reached: {found.words}", where="start",
                                      mend="a start nearer to it, or none")  # fmt: skip
         return found.q[0], "of the start that was given"
-    found_ = solutions(robot, goal, task)
+    found_ = within_limits(robot, goal, task)
     if not len(found_):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
@@ -235,7 +231,7 @@ def _why(robot: Robot, poses: Array, task: Task, found: Followed, place: float) 
     at = place + 1.0
     words = re.sub(r"at pose [\d.]+", f"at pose {at:.5g}", found.words)
     ahead = min(ceil(place + 1e-9), len(poses) - 1)
-    if len(solutions(robot, poses[ahead], task)):
+    if len(within_limits(robot, poses[ahead], task)):
         return f"{words}; pose {ahead + 1} is within reach, by other configurations"
     return f"{words}; pose {ahead + 1} is out of reach: no configuration within the joint limits was found for it"
 

@@ -22,12 +22,14 @@ from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
+from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 from rankdrop.version import VERSION
 
+_AT_ROW = 1e-6  # share of the way between two rows that is told as the row
 EVALUATIONS = 2_000_000
 """Enclosures that a path may cost: some seconds. A path of a minute takes some hundred."""
 
@@ -120,7 +122,7 @@ def check_path(
     shares = _Shares(there_path, proof.setting.scale, met)
     notes = (*_limit_notes(robot, path), *survey.notes, *_hints(robot, path, rates, interpolate))
     if where is not None and where >= 0:
-        notes = (*notes, f"the distance {min_distance:g} could not be proven around row {where + 1}")
+        notes = (*notes, f"the distance {min_distance:g} rad could not be proven around row {where + 1}")
     if there is not robot:
         stretches = tuple(_out_of_metres(one, robot) for one in stretches)
     return PathCheck(
@@ -220,19 +222,19 @@ def _sentence(
                default=None)  # fmt: skip
     near = ""
     if free is not None:
-        near = f"; nearest: {free.closest.distance:.3g} from {free.name or 'a singularity'}, {_when(free)}"
+        near = f"; nearest: {short(free.closest.distance, 3)} rad from {free.name or 'a singularity'}, {_when(free)}"
     if verdict == FREE:
-        held = f", and farther than {settings.min_distance:g} from any" if kept == "kept" else ""
-        return f"Free: proven for every point of the path{held} ({spent:,} enclosures){near}."
+        held = f", and farther than {settings.min_distance:g} rad from any" if kept == "kept" else ""
+        return f"Free: proven for every point of the path{held} ({spent:,} enclosure{'s' if spent != 1 else ''}){near}."
     parts = []
     if met[CROSSING]:
         parts.append(f"crosses a singularity {_times(len(met[CROSSING]))} (proven), first {_first(met[CROSSING])}")
     if met[TOUCHING]:
         parts.append(f"touches one {_times(len(met[TOUCHING]))}, first {_first(met[TOUCHING])}")
-    if kept == "violated":
-        parts.append(f"comes nearer than {settings.min_distance:g}{near.replace('; nearest', '')}")
+    if kept == "violated" and not met[CROSSING] and not met[TOUCHING]:
+        parts.append(f"comes nearer than {settings.min_distance:g} rad{near.replace('; nearest', '')}")
     if kept == "not proven":
-        parts.append(f"a distance of {settings.min_distance:g} could not be proven{near}")
+        parts.append(f"a distance of {settings.min_distance:g} rad could not be proven{near}")
     if met[UNDECIDED]:
         lasts = "" if shares.time is None else f", {shares.time:.3g} s"
         parts.append(f"{shares.length:.3g} rad of it{lasts} undecided")
@@ -249,7 +251,8 @@ def _first(met: list[Stretch]) -> str:
 
 def _when(one: Stretch) -> str:
     place = one.closest.place
-    at = f"row {place.row}" if place.share == 0.0 else f"between rows {place.row} and {place.row + 1}"
+    near = min(place.share, 1.0 - place.share) < _AT_ROW
+    at = f"row {round(place.row + place.share)}" if near else f"between rows {place.row} and {place.row + 1}"
     return at if place.time is None else f"{at} at {place.time:.4g} s"
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import RankdropError
+from rankdrop.families.anywhere import QUICK
+from rankdrop.families.measured import Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.family.record import Family, LocalFamily, family_in_metres
 from rankdrop.family.which import families_at
@@ -19,10 +21,8 @@ from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.local.screws import words
-from rankdrop.motion.anywhere import QUICK
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
-from rankdrop.motion.distance import Ruler
 from rankdrop.motion.meets import Meeting
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import degrees, isfinite, isnan
 
+import numpy as np
+
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, PathData, Place, Stretch
+from rankdrop.results.explanation.words import angle, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 
@@ -58,7 +61,7 @@ def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterabl
         yield f"    at {_joints(found.robot, one.closest.q, deg=deg)}"
         yield f"    how: {one.how}"
         if one.verdict == UNDECIDED and isfinite(one.closest.distance):
-            yield f"    nearest singularity known: {one.closest.distance:.3g}"
+            yield f"    nearest singularity known: {angle(one.closest.distance)}"
         for sentence in one.lost:
             yield f"    lost: {sentence}"
         if not isnan(one.null_share):
@@ -79,10 +82,11 @@ def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section
         speed = ["–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}"] if limited else []
         rows.append((
             name, f"{_row(one.start)} – {_row(one.end)}", *time, _near(one),
-            f"{one.closest.sigma:.3g}", "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
+            short(one.closest.sigma, 3), "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
         ))  # fmt: skip
     where = tuple(
-        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}: {_joints(found.robot, one.closest.q, deg=deg)}"
+        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, found.robot)}: "
+        f"{_joints(found.robot, one.closest.q, deg=deg)}"
         for one in free[:3] if one.closest.distance >= LEADS
     )
     notes: tuple[str, ...] = (
@@ -105,16 +109,27 @@ def _span(one: Stretch) -> str:
     if start.time is None or end.time is None:
         return rows
     if end.time - start.time < 1e-4:
-        return f"{rows}, at {one.closest.place.time:.6f} s (± {max(end.time - start.time, 1e-12):.1e} s)"
+        return f"{rows}, at {one.closest.place.time:.6f} s (± {short(max(end.time - start.time, 1e-12), 2)} s)"
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
 
 
 def _row(place: Place) -> str:
-    return f"{place.row}" if place.share == 0.0 else f"{place.row + place.share:.2f}"
+    return f"{round(place.row + place.share, 2):.12g}"
 
 
 def _far(distance: float) -> str:
-    return f"{distance:.3g}" if isfinite(distance) else "?"
+    return short(distance, 3) if isfinite(distance) else "?"
+
+
+def _way(one: Stretch, robot: Robot) -> str:
+    """Which joints would have to move how far to the singular configuration; what is below 1 % of the most left out."""
+    if not len(one.closest.foot):
+        return ""
+    ways = one.closest.foot - one.closest.q
+    most = np.abs(ways).max()
+    parts = [f"{joint.name} {motion(float(way), joint.unit)}" for joint, way in zip(robot.variables, ways, strict=True)
+             if abs(way) >= 0.01 * most]  # fmt: skip
+    return f" ({', '.join(parts)} away)"
 
 
 def _near(one: Stretch) -> str:
@@ -122,7 +137,7 @@ def _near(one: Stretch) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
+    return f"{short(100 * share, 3)} %"
 
 
 def _slow(one: Stretch, robot: Robot) -> str:
@@ -136,8 +151,8 @@ def _slow(one: Stretch, robot: Robot) -> str:
 def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
     parts = []
     for joint, value in zip(robot.variables, q, strict=True):
-        angle = joint.unit == "rad"
-        shown = degrees(float(value)) if deg and angle else float(value)
-        unit = ("°" if deg else " rad") if angle else " m"
-        parts.append(f"{joint.name} {round(shown, 4 if not angle or not deg else 3) + 0.0:g}{unit}")
+        turns = joint.unit == "rad"
+        shown = degrees(float(value)) if deg and turns else float(value)
+        unit = ("°" if deg else " rad") if turns else " m"
+        parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
     return ", ".join(parts)

@@ -34,6 +34,7 @@ from rankdrop.results.codec import (
     summary_to_dict,
     task_from_dict,
 )
+from rankdrop.results.latex import latex_tables
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
@@ -263,6 +264,11 @@ class Analysis:
         if self.settings.limits:
             rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
         return html(overview(self.robot, self.generic_rank, self.coranks, rows))
+
+    def latex(self) -> str:
+        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.results.latex_tables`."""
+        return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                            limits=self.settings.limits)  # fmt: skip
 
     def save(self, path: str | Path) -> None:
         """Write the analysis to a JSON file.

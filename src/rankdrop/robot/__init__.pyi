@@ -1,3 +1,4 @@
+from .budgets import LARGEST_FILE as LARGEST_FILE
 from .dh import from_dh as from_dh
 from .digits import Angles as Angles
 from .files import Element as Element
@@ -9,6 +10,14 @@ from .model import Array as Array
 from .model import Joint as Joint
 from .model import JointKind as JointKind
 from .model import Robot as Robot
+from .models.mujoco import from_mujoco as from_mujoco
+from .models.mujoco import to_mujoco as to_mujoco
+from .models.pinocchio import from_pinocchio as from_pinocchio
+from .models.pinocchio import to_pinocchio as to_pinocchio
+from .models.toolbox import from_toolbox as from_toolbox
+from .models.toolbox import to_toolbox as to_toolbox
+from .models.yourdfpy import from_yourdfpy as from_yourdfpy
+from .models.yourdfpy import to_yourdfpy as to_yourdfpy
 from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog

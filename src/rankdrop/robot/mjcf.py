@@ -74,8 +74,38 @@ def from_mjcf(
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
     name = root.attributes.get("model", visible(file.stem))
     model, couplings, changes = _compiled(mujoco, file, as_written)
+    return robot_of(mujoco, model, name, str(file), couplings, changes, base, tip, as_written=as_written)
+
+
+def robot_of(
+    mujoco: Any,
+    model: Any,
+    name: str,
+    place: str,
+    couplings: list[tuple[str, str]],
+    changes: dict[str, list[float]],
+    base: str | None,
+    tip: str | None,
+    *,
+    as_written: bool,
+) -> Robot:
+    """The chain from `base` to `tip` of a compiled model.
+
+    Args:
+        mujoco: the package.
+        model: its MjModel.
+        name: of the robot.
+        place: the file, for errors and `Robot.source`.
+        couplings: pairs of joints that a constraint couples.
+        changes: what was added to angles [rad], by body or site.
+        base, tip: names of bodies or sites; None: chosen.
+        as_written: take every number literally.
+
+    Raises:
+        RobotError: a ball or free joint in the chain, names that are not there.
+    """
     motions: dict[str, _Motion] = {}
-    tree, floating = _tree(mujoco, model, name, str(file), motions)
+    tree, floating = _tree(mujoco, model, name, place, motions)
     _refuse_floating(tree, floating, base, tip)
     ends = choose_ends(tree, base, tip)
     joints, home = _chain(tree, ends.path, motions)
@@ -85,7 +115,7 @@ def from_mjcf(
     if ends.base in floating:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
     found = Robot(
-        name, joints, home, source=Source("mjcf", str(file)), base=ends.base, tip=ends.tip,
+        name, joints, home, source=Source("mjcf", place), base=ends.base, tip=ends.tip,
         notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     on_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}

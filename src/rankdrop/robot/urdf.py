@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Mapping
 from math import inf, isfinite
 from pathlib import Path
 
@@ -170,6 +171,32 @@ def from_urdf(
     else:
         text, place = read_text(Path(source)), file or str(source)
     tree = read_tree(read_xml(text, place, _NOT_READ), place)
+    return from_tree(tree, "urdf", base=base, tip=tip, as_written=as_written)
+
+
+def from_tree(
+    tree: Tree,
+    kind: str,
+    *,
+    base: str | None,
+    tip: str | None,
+    as_written: bool,
+    origins: Mapping[str, Array] | None = None,
+) -> Robot:
+    """The chain from `base` to `tip` of a tree of links and joints.
+
+    Args:
+        tree: with the elements of a URDF.
+        kind: of the source (`Source.kind`).
+        base, tip: names of links; None: chosen.
+        as_written: take every number literally.
+        origins: (4, 4) pose of each joint in the frame of its parent link, by joint (where none is told, they
+            coincide); None reads the elements.
+
+    Raises:
+        RobotError: names file, line, element, joint, value and mend.
+    """
+    place = tree.file
     ends = choose_ends(tree, base, tip)
     moving = [joint for joint in ends.path if joint.moves]
     check_joints(len(moving), place, steps=len(ends.path))
@@ -178,14 +205,14 @@ def from_urdf(
     angles = Angles(as_written)
     joints = []
     for joint in ends.path:
-        pose = pose @ joint_origin(tree, joint, angles)
+        pose = pose @ (joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4)))
         if joint.moves:
-            kind = _kind(tree, joint)
+            motion = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
-            screw = _screw(kind, _axis(tree, joint), pose)
-            joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
+            screw = _screw(motion, _axis(tree, joint), pose)
+            joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
     found = Robot(
-        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source("urdf", place),
+        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
         base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     return as_meant(found, angles)

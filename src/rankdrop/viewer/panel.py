@@ -51,8 +51,9 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -
 def _family_line(now: Now, known: int) -> str:
     if now.family is not None:
         return f"on <b>{_name(now.family)}</b>"
-    distance = f"≈ {angle(now.seen.distance)}" if isfinite(now.seen.distance) else "unknown"
-    first = f"to the singular set {distance}"
+    first = f"to the singular set {angle(now.distance) if isfinite(now.distance) else 'unknown'}"
+    if now.at_least > 0.0:
+        first += f", proven: at least {angle_below(now.at_least)}"
     if now.seen.corank:
         first = "on none of the known families" if known else "no families are known beforehand"
     if now.nearest is None:

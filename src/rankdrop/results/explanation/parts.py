@@ -192,14 +192,14 @@ def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, st
 
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
                   small: float = SMALL) -> str:  # fmt: skip
-    """The verdict by what a monitor sees, before any search: near within the first-order distance.
+    """The verdict by what a monitor measures, before any search.
 
     Args:
         corank: at the configuration.
         generic_rank: r.
         smallest: min(m, n) of the task and the arm.
         sigma: σ_r [1].
-        distance: σ_r/‖∇σ_r‖ [rad].
+        distance: to the nearest singular configuration known [rad].
         near, small: as in `rankdrop.verbs.explain`.
     """
     if corank:

@@ -9,13 +9,14 @@ it of a cloud on the family. Such a walk circles where the family is curved as n
 many nearest points; so unless every family is pinned, the singular set itself is walked on as well, from more starts
 (`anywhere`), and a point that this finds counts for the families whose conditions it satisfies. What is returned is
 singular, so a distance is never too small; it may be too large by what no walk has come round to (measured against
-`nearest_singularity` in `tests/motion`). Beside it stands a bound from below, proven by one enclosure (`certify`).
+`nearest_singularity` in `tests/families`). Beside it stands a bound from below, proven by one enclosure (`certify`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -23,14 +24,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop._handles import configurations
 from rankdrop.certify.ball import LARGEST, settings_of
-from rankdrop.certify.setting import enclose
+from rankdrop.certify.setting import Setting, enclose
 from rankdrop.errors import OptionError
+from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pinned, family_in_metres
 from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
-from rankdrop.motion.anywhere import THOROUGH, Anywhere
-from rankdrop.motion.curve import Index
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import shortest
 from rankdrop.task import Task
@@ -48,6 +48,9 @@ _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
 _BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
 _SWEEPS = 3  # rounds in which the feet of neighbours are tried
+
+
+Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,15 +115,46 @@ def distances(
         True
     """
     rows, _ = configurations(robot, q)
-    there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, rows)
-    known = families if there is robot else [family_in_metres(family, robot) for family in families]
-    found = Ruler(known, there, there_task, limits=limits, seed=seed).measure(moved)
-    found = replace(found, at_least=at_least(there, moved, there_task))
-    if there is robot:
-        return found
-    return replace(
-        found, foot=out_of_metres(robot, found.foot), anywhere_foot=out_of_metres(robot, found.anywhere_foot)
-    )
+    return Measure(families, robot, task, limits=limits, seed=seed).of(rows)
+
+
+class Measure:
+    """`distances`, again and again: what they begin at is made once.
+
+    Args:
+        families, robot, task, limits, seed: as in `distances`.
+    """
+
+    def __init__(
+        self, families: Sequence[Family], robot: Robot, task: Task, *, limits: bool = False, seed: int = 0
+    ) -> None:
+        self.robot = robot
+        self._there, self._task = in_metres(robot), task_in_metres(task, robot)
+        known = families if self._there is robot else [family_in_metres(family, robot) for family in families]
+        self._known, self._limits, self._seed = known, limits, seed
+
+    @cached_property
+    def _ruler(self) -> Ruler:
+        return Ruler(self._known, self._there, self._task, limits=self._limits, seed=self._seed)
+
+    @cached_property
+    def _settings(self) -> tuple[Setting, ...]:
+        return _settings(self._there, self._task)
+
+    def of(self, q: Array, *, along: bool = False) -> Distances:
+        """Distances of configurations (N, n) [rad, m]; `along`: they follow each other on a path."""
+        moved = into_metres(self.robot, q)
+        found = replace(self._ruler.measure(moved, along=along), at_least=self.at_least(q))
+        if self._there is self.robot:
+            return found
+        return replace(
+            found, foot=out_of_metres(self.robot, found.foot),
+            anywhere_foot=out_of_metres(self.robot, found.anywhere_foot),
+        )  # fmt: skip
+
+    def at_least(self, q: Array) -> Array:
+        """(N,) the proven bound alone."""
+        return _proven(self._there, self._settings, into_metres(self.robot, q))
 
 
 def at_least(robot: Robot, q: Array, task: Task) -> Array:
@@ -131,9 +165,20 @@ def at_least(robot: Robot, q: Array, task: Task) -> Array:
         q: (N, n).
         task: from `resolve_task`; for one that cannot be certified nothing is proven, 0.
     """
+    return _proven(robot, _settings(robot, task), q)
+
+
+def _settings(robot: Robot, task: Task) -> tuple[Setting, ...]:
+    """What enclosures are made from; none for a task that cannot be certified."""
     try:
-        settings = settings_of(robot, task)
+        return tuple(settings_of(robot, task))
     except OptionError:
+        return ()
+
+
+def _proven(robot: Robot, settings: tuple[Setting, ...], q: Array) -> Array:
+    """(N,) the largest radius that an enclosure from one of the settings proves."""
+    if not settings:
         return np.zeros(len(q))
     rows = np.ascontiguousarray(q)
     radii = [enclose(robot, one, rows, radius=LARGEST, threads=1)[1] for one in settings]

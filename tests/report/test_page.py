@@ -63,7 +63,7 @@ def test_what_is_not_verified_is_said() -> None:
     found = shown("scara")
     wrong = replace(found.analysis.families[0], soundness=Soundness(100, 99), explained=Share(10, 9))
     text = page(replace(found, analysis=replace(found.analysis, families=(wrong,)))).split("<script")[0]
-    assert text.count("Not sound: k1.f1 also holds at 1 of 100 solutions") == 2
+    assert text.count("A test failed: k1.f1 also holds at 1 of 100 solutions") == 2
     assert "erified" not in text
     assert "0.990" in text
 

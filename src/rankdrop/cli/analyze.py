@@ -133,7 +133,7 @@ def _print(
         show(console, corank_section(console, analysis, summary, every=every))
     if there:
         print_sections([there_section(there)], first=False)
-    key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
+    key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
     if analysis.near is not None and analysis.families:
         print_sections([near_overview(analysis.near, analysis.families)], first=False)

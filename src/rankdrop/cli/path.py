@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions
 from rankdrop.cli.mend import NO_MENDING, MendOptions, check_options, mended, write_fixed
 from rankdrop.cli.whole import Whole
 
@@ -36,6 +36,8 @@ def path(
     interpolate: Literal["linear", "cubic", "quintic"] = "linear",
     min_distance: str = "0",
     arm: ArmOptions = NO_OPTIONS,
+    frame: Literal["base", "tool", "link"] = "base",
+    tcp: TCP = None,
     analysis: str | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 2_000_000,
@@ -81,6 +83,8 @@ def path(
         min_distance: Distance in joint space to be kept from every singularity [rad; slides divided by the length
             scale]; 5deg is understood.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
+        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
+        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         limits: Distances to singularities within the joint limits only.
         evaluations: Enclosures that one path may cost; about 10 microseconds each.
         topic: Of a bag in which several have joint values (JointState, JointTrajectory).
@@ -125,7 +129,7 @@ def path(
         check_format(rows)
     found = _files(files)
     bounds = check_options(mend, len(found))
-    model, task = open_arm(robot, arm)
+    model, task = open_arm(robot, arm, tcp, deg=deg)
     least = _distance(min_distance, len(found), {
         "--figure": figure, "--html": html, "--rows": rows, "--certificate": certificate,
         "--model-tolerance": model_tolerance,
@@ -133,7 +137,8 @@ def path(
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, report)
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, frame,
+                      report)  # fmt: skip
 
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
@@ -217,13 +222,14 @@ def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
 
 def _check(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None, report: Report,
+    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None,
+    frame: str, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.errors import OptionError
     from rankdrop.motion import check_path, holds_poses, read_trajectory
 
     if topic is None and holds_poses(file, robot):
-        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, report)
+        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, frame, report)
     if start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="--start", got=start)
     read = read_trajectory(file, robot, deg=deg, topic=topic)
@@ -231,14 +237,14 @@ def _check(
     return check_path(
         robot, read.q, read.times if read.timed else None, velocities=read.velocities,
         accelerations=read.accelerations, interpolate=interpolate, task=task, min_distance=min_distance, limits=limits,
-        analysis=analysis, evaluations=evaluations,
+        analysis=analysis, evaluations=evaluations, frame=frame,
         progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
     )  # fmt: skip
 
 
 def _check_poses(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, min_distance: float, limits: bool,
-    evaluations: int, deg: bool, start: str | None, report: Report,
+    evaluations: int, deg: bool, start: str | None, frame: str, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.terminal import say
@@ -259,7 +265,7 @@ def _check_poses(
     try:
         return check_poses(
             robot, read.matrices, read.times, start=first, task=task, min_distance=min_distance, limits=limits,
-            analysis=analysis, evaluations=evaluations,
+            analysis=analysis, evaluations=evaluations, frame=frame,
             progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
         )  # fmt: skip
     except ConfigurationError as error:

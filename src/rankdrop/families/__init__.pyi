@@ -1,6 +1,8 @@
 from .cells import COUPLED as COUPLED
 from .cells import FREE as FREE
+from .cells import MET as MET
 from .cells import NOTHING as NOTHING
+from .cells import TESTED as TESTED
 from .cells import Inside as Inside
 from .cells import inside_limits as inside_limits
 from .cells import joint_cell as joint_cell

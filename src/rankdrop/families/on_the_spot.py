@@ -247,7 +247,7 @@ def _family(
     )
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
     return LocalFamily(
-        name=name_family(robot, problem.task, spread, [joint + 1 for joint in signature.pinned], coupled=bool(coupled)),
+        name=name_family(robot, problem.task, spread, [joint + 1 for joint in signature.pinned], coupled=coupled),
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -330,7 +330,7 @@ def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) ->
     everyone = tuple(range(1, robot.n + 1))
     pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
     return LocalFamily(
-        name=name_family(robot, problem.task, q[None], everyone if isolated else ()),
+        name=name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None),
         corank=problem.corank,
         dimension=round(float(np.trace(at.tangent[0]))),
         pinned=pinned if isolated else (),

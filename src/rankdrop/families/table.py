@@ -201,7 +201,9 @@ def _family(problem: Problem, row: Row, sound: Soundness, share: Share, generic:
     directions, sentences = lost_motions(problem, at, generic)
     return Family(
         id="",
-        name=name_family(robot, problem.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
+        name=name_family(
+            robot, problem.task, generic, [one.number for one in pinned], coupled=[j + 1 for j in signature.coupled]
+        ),
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,

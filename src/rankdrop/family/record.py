@@ -217,7 +217,7 @@ def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Famil
     return tuple(replace(row, id=f"k{corank}.f{number}") for number, row in enumerate(ordered, after + 1))
 
 
-_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad)")
+_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
 
 
 def family_out_of_units(family: Family, robot: Robot) -> Family:
@@ -242,7 +242,7 @@ def _retold(sentence: str, power: int) -> str:
 
     def moved(match: re.Match[str]) -> str:
         value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
-        return f"{value:.3g} {match[2]}".replace("-", "−")
+        return f"{value:.3g} {match[2]}·".replace("-", "−")
 
     return _RATE.sub(moved, sentence)
 

@@ -12,6 +12,7 @@ from .circuits import make_all as make_all
 from .cofactors import Hunt as Hunt
 from .cofactors import hunt as hunt
 from .directions import lost_directions as lost_directions
+from .directions import lost_in_frame as lost_in_frame
 from .directions import lost_in_sparsest_frame as lost_in_sparsest_frame
 from .directions import readable_basis as readable_basis
 from .failures import failures_at as failures_at
@@ -41,7 +42,10 @@ from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .relations import relations_at as relations_at
 from .representation import representation_at as representation_at
+from .screws import constraint as constraint
+from .screws import in_short as in_short
 from .screws import words as words
+from .second_order import proof_of as proof_of
 from .systems import systems_at as systems_at
 from .ways_out import Direction as Direction
 from .ways_out import Escape as Escape

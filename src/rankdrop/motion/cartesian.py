@@ -56,6 +56,7 @@ def check_poses(
     evaluations: int = EVALUATIONS,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
+    frame: str = "base",
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
     """Judge a tool path: straight moves of the tip from pose to pose, on one branch of the inverse kinematics.
@@ -66,8 +67,8 @@ def check_poses(
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
         start: (n,) configuration near the first pose: which branch; None: of the solutions found within the joint
             limits the one nearest to q = 0, or to what the limits allow of it.
-        task, min_distance, limits, analysis, evaluations, length_scale, tolerances, progress: as in `check_path`; the
-            arm itself never leaves its joint limits.
+        task, min_distance, limits, analysis, evaluations, length_scale, tolerances, frame, progress: as in
+            `check_path`; the arm itself never leaves its joint limits.
 
     Returns:
         The path in joint space, judged; `tool` says which branch was taken, how far it could be followed, why it ended,
@@ -100,7 +101,7 @@ def check_poses(
     when = None if times is None else np.interp(place, np.arange(len(wanted)), times)
     judged = check_path(
         robot, q, when, task=resolved, min_distance=min_distance, limits=limits, analysis=analysis,
-        evaluations=evaluations, tolerances=tolerances, progress=progress,
+        evaluations=evaluations, tolerances=tolerances, frame=frame, progress=progress,
     )  # fmt: skip
     words = "" if found.complete else _why(robot, wanted, resolved, found, float(place[-1]))
     place = place + 1.0

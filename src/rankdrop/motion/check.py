@@ -21,7 +21,7 @@ from rankdrop.motion.result import PathCheck
 from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.parts import known_families
+from rankdrop.results.explanation.parts import checked_frame, known_families
 from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -49,6 +49,7 @@ def check_path(
     evaluations: int = EVALUATIONS,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
+    frame: str = "base",
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
     """Judge a path at every one of its points, between its samples too.
@@ -71,6 +72,7 @@ def check_path(
         evaluations: enclosures that may be spent.
         length_scale: translation is divided by it [m]; None is the task's, else the arm's reach.
         tolerances: `singular` decides what counts as touching.
+        frame: in whose axes lost motions are told: "base", "tool", or "link", the one in which they are simplest.
         progress: told (stretches decided, stretches).
 
     Returns:
@@ -96,8 +98,9 @@ def check_path(
     families, source = known_families(robot, resolved, analysis, tolerances)
     path = curve(rows, times, rates, accelerations_, interpolate)
     settings = PathSettings(
-        interpolate, float(min_distance), limits, int(evaluations), float(resolved.scale(robot)), tolerances, VERSION
-    )
+        interpolate, float(min_distance), limits, int(evaluations), float(resolved.scale(robot)), tolerances, VERSION,
+        checked_frame(frame),
+    )  # fmt: skip
     resolved = replace(resolved, length_scale=settings.length_scale)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     there_path = path if there is robot else Curve(into_metres(robot, path.control), times)

@@ -7,7 +7,7 @@ from math import degrees, isfinite, isnan
 
 import numpy as np
 
-from rankdrop.motion.data import FREE, LEADS, UNDECIDED, PathData, Place, Stretch
+from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, PathData, Place, Stretch
 from rankdrop.results.explanation.words import angle, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
@@ -25,7 +25,8 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         full: every stretch, not the ten worst.
     """
     shown = found.stretches if full else found.stretches[:SHOWN]
-    sections = [Section(found.sentence), _about(found)]
+    tone = {FREE: "good", CROSSING: "bad", TOUCHING: "bad"}.get(found.verdict, "warning")
+    sections = [Section(found.sentence, tone=tone), _about(found)]
     met = [one for one in shown if one.verdict != FREE]
     if met:
         sections.append(Section("Where it meets a singularity", lines=tuple(_met_lines(met, found, deg=deg))))
@@ -38,7 +39,7 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         notes += (f"{left} more stretch{'es' if left > 1 else ''}: with --full, or in the JSON",)
     if notes:
         sections.append(Section("Notes", lines=notes))
-    return (*sections, Section(found.sentence))
+    return (*sections, Section(found.sentence, tone=tone))
 
 
 def _about(found: PathData) -> Section:
@@ -63,7 +64,7 @@ def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterabl
         if one.verdict == UNDECIDED and isfinite(one.closest.distance):
             yield f"    nearest singularity known: {angle(one.closest.distance)}"
         for sentence in one.lost:
-            yield f"    lost: {sentence}"
+            yield f"    the tool {sentence}"
         if not isnan(one.null_share):
             yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
         if one.speed_factor < 1.0:

@@ -114,7 +114,7 @@ def workspace_section(content: Content) -> str:
         if not len(points):
             continue
         fills = spread(section, points) > _WIDE
-        words = "its tips fill the workspace: posture decides, not place" if fills else "confined to these places"
+        words = "can occur anywhere in the workspace, it depends on the posture" if fills else "occurs at these places"
         figures.append(
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"

@@ -12,7 +12,9 @@ from rankdrop.compare import Joined, conditions_of
 from rankdrop.families import (
     COUPLED,
     FREE,
+    MET,
     NOTHING,
+    TESTED,
     Inside,
     inside_limits,
     joint_cell,
@@ -34,7 +36,7 @@ STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none f
 
 def corank_tables(analysis: Analysis) -> str:
     """All tables, each with its title and what its starts did."""
-    key = f'<p class="small">{escape(legend(analysis.robot))}</p>' if analysis.families else ""
+    key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
     return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key + _near(analysis)
 
 
@@ -61,8 +63,8 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}"
     css = "good" if share.explained == share.tested else "bad"
     complete = (
-        f'<p>{count}, <span class="{css}">completeness {share_text(share.explained, share.tested)}</span> '
-        f"({share.explained:,} of {share.tested:,} fresh points).</p>"
+        f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained '
+        f"({share_text(share.explained, share.tested)})</span>.</p>"
     )
     body = "".join(_rows(analysis.robot, row, analysis.exact, limits=analysis.settings.limits) for row in rows)
     table = f"<table><thead>{_head(analysis.robot, summary)}</thead><tbody>{body}</tbody></table>"
@@ -88,8 +90,7 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
     lost = "lost direction" if summary.corank == 1 else "lost directions"
     return (
         f'<tr><th><span class="hidden">id</span></th><th class="words">family</th>{joints}<th>dim</th>'
-        f'<th class="words">{lost}</th><th>sound</th>'
-        "<th>share</th></tr>"
+        f'<th class="words">{lost}</th><th>{TESTED}</th><th>{MET}</th></tr>'
     )
 
 

@@ -22,6 +22,7 @@ from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
 from .quantities import quantity as quantity
+from .tool import with_tool as with_tool
 from .transform import from_xyz_rpy as from_xyz_rpy
 from .urdf import joint_origin as joint_origin
 from .urdf import number as number

@@ -277,7 +277,7 @@ def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tu
         slides = kind is JointKind.PRISMATIC
         screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(point, direction), direction]) + 0.0
         pose = pose @ _back(motion, slides=slides)
-        joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose))
+        joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose, link=step.child))
     return tuple(joints), pose
 
 

@@ -58,6 +58,7 @@ class Joint:
         frame: (4, 4) pose at q = 0, in the base frame, of the frame carried by the link after this joint
             (DH frame, URDF child link; else a frame on the axis).
         mimic: set when the joint follows another one; it is then not a variable of its own.
+        link: name of the link after this joint in the file; empty where it gives none.
     """
 
     name: str
@@ -68,10 +69,12 @@ class Joint:
     velocity: float = inf
     frame: Array = field(default_factory=lambda: np.eye(4))  # (4, 4)
     mimic: Mimic | None = None
+    link: str = ""
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
-        _check_name(self.name, where)
+        for label in (self.name, self.link):
+            _check_name(label, where)
         screw = _read_only(self.screw, (6,), where, "screw")
         object.__setattr__(self, "kind", JointKind(self.kind))
         axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]

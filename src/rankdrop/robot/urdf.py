@@ -210,7 +210,8 @@ def from_tree(
             motion = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
             screw = _screw(motion, _axis(tree, joint), pose)
-            joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
+            mimic = mimics.get(joint.name)
+            joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
     found = Robot(
         tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
         base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",

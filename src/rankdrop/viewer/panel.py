@@ -37,9 +37,9 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -
         f'font-weight:700">{sign} {now.verdict}</span>'
     )
     rank = f"rank {now.seen.rank} of {generic_rank}"
-    spare = length_of_chain - now.seen.rank
+    idle = length_of_chain - now.seen.rank
     lines = [
-        f"{badge} &nbsp;{rank}" + (f", {spare} spare" if spare else ""),
+        f"{badge} &nbsp;{rank}" + (f", {idle} idle joint motion{'s' if idle > 1 else ''}" if idle else ""),
         _family_line(now, known),
         _bars(now, generic_rank),
     ]
@@ -100,7 +100,12 @@ def details_html(found: Explanation) -> str:
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
         what = "lost" if found.verdict == "singular" else "about to be lost"
-        lines += [f"<span style='{_QUIET}'>{what}:</span> {escape(words)}" for words in found.lost.words]
+        lines.append(f"<span style='{_QUIET}'>{what}:</span> the tool can only move so that")
+        lines += [
+            f"{escape(', '.join(seen.constraints))} <span style='{_QUIET}'>in {escape(seen.axes)}"
+            f"{escape(''.join(f'; {one}' for one in seen.short if one))}</span>"
+            for seen in found.lost.seen
+        ]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
         f"{circuit_text(one)}"

@@ -51,6 +51,7 @@ class Wishes:
         dark: a dark page.
         host, port: to listen on; port None for the default one or a later one that is free.
         expose: let other machines in, by a token.
+        frame: in whose axes motions are told, as in `explain`.
     """
 
     q: Array | None = None
@@ -63,6 +64,7 @@ class Wishes:
     host: str = HOST
     port: int | None = None
     expose: bool = False
+    frame: str | None = None
 
 
 class Viewer:
@@ -89,7 +91,8 @@ class Viewer:
         self.server: viser.ViserServer = start_gated(wishes.host, gate)
         self.url = _url(wishes.host, gate)
         start = start_posture(robot, task) if wishes.q is None else wishes.q
-        self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits)
+        self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
+                               frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
         self.stage.look_at_arm()
         self.controls = Controls(self.server, self.session, self.stage)

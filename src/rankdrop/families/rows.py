@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
-from rankdrop.families.linear import Linear, Supply, Values, boxes, grow, smooth
+from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
 from rankdrop.families.residual import residual_equations
 from rankdrop.families.row import Row, verified
 from rankdrop.families.signature import Inspection, Signature
@@ -131,7 +131,7 @@ Groups = list[tuple[Signature, NDArray[np.int64]]]
 def find_rows(
     problem: Problem,
     inspection: Inspection,
-    cover: Cover,
+    cover: Membership,
     seed: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Row]:
@@ -152,7 +152,8 @@ def find_rows(
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     if len(rest) >= FEW:
         twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
-        rows += _fitted(problem, twice, Cover(problem, twice.q), budget, (seed, problem.corank, DOUBLED), doubled=True)
+        again = Membership(problem, twice.q)
+        rows += _fitted(problem, twice, again, budget, (seed, problem.corank, DOUBLED), doubled=True)
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, groups]))
     rng = np.random.default_rng([seed, problem.corank, groups + 1])
@@ -162,7 +163,7 @@ def find_rows(
 def _fitted(
     problem: Problem,
     inspection: Inspection,
-    cover: Cover,
+    cover: Membership,
     budget: Budget,
     seed: tuple[int, ...],
     progress: Callable[[int, int], None] | None = None,
@@ -215,7 +216,7 @@ def _join(found: dict[Signature, list[int]]) -> None:
 
 
 @dataclass(eq=False)
-class Cover:
+class Membership:
     """Which points of a cloud lie on which row; each row is asked once.
 
     Attributes:
@@ -282,7 +283,8 @@ def _rows_of(
             continue
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
-        supply = Supply(problem, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
+        q, tangent = inspection.q[here], inspection.tangent[here]
+        supply = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
         residual = residual_equations(supply, budget, thorough=thorough)
         if residual is None:
             continue

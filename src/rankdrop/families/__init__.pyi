@@ -18,6 +18,7 @@ from .distance import family_distances as family_distances
 from .linear import wrap as wrap
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
+from .reciprocal import EXACT as EXACT
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
 from .searching import MOST_STARTS as MOST_STARTS

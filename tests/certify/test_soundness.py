@@ -1,0 +1,49 @@
+"""Nothing that is proven free holds an exact singular configuration; `benchmarks/soundness.py` tries a million."""
+
+from __future__ import annotations
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rankdrop.certify.ball import settings_of
+
+BENCHMARK = Path(__file__).resolve().parents[2] / "benchmarks" / "soundness.py"
+
+
+@pytest.fixture(scope="module")
+def soundness():
+    spec = importlib.util.spec_from_file_location("soundness", BENCHMARK)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_few_hundred_hold(soundness):
+    tally = soundness.run(300, 5, ("puma560", "almarkhi4"), tell=False)
+    assert not any(tally.wrong.values()), tally.wrong
+    assert min(tally.tried.values()) >= 2
+    shares = np.concatenate(tally.shares)
+    assert 0.9 < shares.max() <= 1.0 + 1e-12  # the bounds are not merely timid
+
+
+def test_bounds_that_are_too_small_are_noticed(soundness, monkeypatch):
+    """Without the remainder, boxes of half a radian are called free though they hold a singular configuration."""
+
+    def blind(robot, task):
+        return tuple(replace(one, arm=one.arm * 0.0) for one in settings_of(robot, task))
+
+    monkeypatch.setattr(soundness, "settings_of", blind)
+    tally = soundness.run(6000, 5, ("ur5", "puma560"), tell=False)
+    assert tally.wrong["boxes"] + tally.wrong["balls, one enclosure"] > 0
+
+
+@pytest.mark.slow
+def test_thirty_thousand_hold(soundness):
+    tally = soundness.run(30_000, 2, tell=False)
+    assert not any(tally.wrong.values()), tally.wrong
+    assert tally.tried["boxes"] == tally.tried["curves"] == tally.tried["balls, one enclosure"] == 30_000
+    assert tally.tried["coverings"] == 15_000

@@ -99,10 +99,10 @@ def try_arm(robot: Robot, q: Array, cover: Covering | None, rng: np.random.Gener
         tally.add("curves", Along(robot, setting).enclosed(start, chord, np.zeros_like(chord)).free)
         arm, some = checker(robot, setting), range(0, len(there), 1000)
         none = np.zeros(n)
-        tally.add("boxes, checker",
-                  np.array([again(arm, setting, middle[k], half[k] * scale, None) for k in some], dtype=np.bool_))  # fmt: skip
-        tally.add("curves, checker",
-                  np.array([again(arm, setting, start[k], none, chord[k]) for k in some], dtype=np.bool_))  # fmt: skip
+        wrong = [again(arm, setting, middle[k], half[k] * scale, None) for k in some]
+        tally.add("boxes, checker", np.array(wrong, dtype=np.bool_))
+        wrong = [again(arm, setting, start[k], none, chord[k]) for k in some]
+        tally.add("curves, checker", np.array(wrong, dtype=np.bool_))
         if cover is not None:
             tally.add("coverings", ~cover.holds(there))
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, Ground, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
 from rankdrop.families.linear import Linear, Values
+from rankdrop.families.memory import Memory
 from rankdrop.families.row import on_combinations
 from rankdrop.families.sampling import Setting, Supply, gathered_tangent
 from rankdrop.family.equation import Equation, Term, normalised
@@ -190,6 +191,7 @@ def _free(linear: Linear, held: list[int], n: int) -> Array:
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
 SEED = 12  # points at which ranks are looked at
+RECALLED = 100  # starts from which equations of a known form are solved before they are taken
 ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
 
 
@@ -219,6 +221,23 @@ def residual_equations(supply: Supply, budget: Budget, *, thorough: bool) -> tup
         if equations is not None:
             return equations
     return _from_ideal(supply, ground, joints) if thorough and len(joints) > 1 else None
+
+
+def recalled_equations(supply: Supply, memory: Memory) -> tuple[Equation, ...] | None:
+    """Equations of the form that a similar arm has, fitted to points of this one; None where no form fits.
+
+    Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
+    among it, is the caller's to find out: a row of a known form that fails there is sought anew.
+    """
+    for form in memory.recall(supply, supply.setting.corank):
+        if _rank(supply, list(form)) != supply.signature.residual:
+            continue
+        tested, strangers = _from_random_starts(supply, form, RECALLED)
+        if tested and not len(strangers):
+            memory.recalled += 1
+            return form
+    memory.sought += 1
+    return None
 
 
 def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | None:
@@ -342,12 +361,8 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
     setting, tested = supply.setting, 0
     strangers = np.zeros((0, setting.robot.n))
     for count in (200, 800):
-        q, good = on_combinations(
-            setting, supply.linear, tuple(equations), supply.signature.residual, [supply.values], count, supply.rng
-        )
-        q = q[good]
-        sigma = singular_values(setting.robot, q, setting.task)
-        tested, strangers = tested + len(q), q[sigma[:, setting.rank] > setting.tolerances.singular]
+        more, strangers = _from_random_starts(supply, tuple(equations), count)
+        tested += more
         if len(strangers):
             return tested, strangers
     for _ in range(ROUNDS if tested else 0):
@@ -355,3 +370,14 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
         if len(strangers):
             break
     return tested, strangers
+
+
+def _from_random_starts(supply: Supply, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
+    """How many solutions so many random starts lead to, and those of them that are not singular."""
+    setting = supply.setting
+    q, good = on_combinations(
+        setting, supply.linear, equations, supply.signature.residual, [supply.values], count, supply.rng
+    )
+    q = q[good]
+    sigma = singular_values(setting.robot, q, setting.task)
+    return len(q), q[sigma[:, setting.rank] > setting.tolerances.singular]

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.linear import wrap
+from rankdrop.families.memory import Memory
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
 from rankdrop.families.rows import Cover, find_rows
@@ -60,6 +61,9 @@ def families(
     fresh: Search | None = None,
     threads: int = 0,
     progress: Progress | None = None,
+    wanted: int = FRESH,
+    near_misses: bool = True,
+    memory: Memory | None = None,
 ) -> CorankFamilies:
     """All families of one corank, with soundness, completeness and an estimate of what was not seen.
 
@@ -71,6 +75,9 @@ def families(
             exactly this corank (as far as 20 000 starts give them).
         threads: for the fresh search.
         progress: called with (done, total).
+        wanted: fresh points of exactly this corank, as far as they can be had.
+        near_misses: bring the smallest σ of a nonzero local minimum down; without it the summary has none.
+        memory: of a similar arm (`Memory`): forms of conditions that are tried first, and where those found are kept.
 
     Returns:
         CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
@@ -85,14 +92,15 @@ def families(
     if not isinstance(cloud.robot, UnitRobot):
         inner = families(
             _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
-            threads=threads, progress=progress,
+            threads=threads, progress=progress, wanted=wanted, near_misses=near_misses, memory=memory,
         )
         return families_out_of_units(inner, cloud.robot)
     report = progress or (lambda done, total: None)
     setting = Setting(cloud.robot, cloud.task, cloud.corank, cloud.rank, tolerances, cloud.limits)
     inspection = setting.inspect(setting.polished(cloud.converged))
     cover = Cover(setting, inspection.q)
-    rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
+    rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
+                     memory)  # fmt: skip
     sounds: dict[Row, Soundness] = {}
     samples: dict[Row, Array] = {}
     marks = _marks(rows)
@@ -106,7 +114,7 @@ def families(
             samples[row] = points
     kept = list(sounds)
     report(60, STEPS)
-    independent = _fresh(setting, cloud, inspection, seed, threads) if fresh is None else fresh.converged
+    independent = _fresh(setting, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
     checked = setting.inspect(setting.polished(independent))
     report(80, STEPS)
     new = Cover(setting, checked.q)
@@ -122,7 +130,7 @@ def families(
     found += [_unnamed(setting, leftover, share.tested) for leftover in rest]
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
     report(STEPS, STEPS)
-    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces)
+    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
     return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
 
 
@@ -163,16 +171,16 @@ def _marks(rows: list[Row]) -> dict[int, list[float]]:
     return found
 
 
-def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:
-    """Converged points of a search with another seed: at least `FRESH` of exactly this corank where possible."""
+def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int) -> Array:
+    """Converged points of a search with another seed: at least `wanted` of exactly this corank where possible."""
     if not len(inspection.q):
         return np.zeros((0, setting.robot.n))
-    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), FRESH / MOST_FRESH)
+    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = []
     found, spent = 0, 0
     for attempt in range(4):
-        starts = int(min(1.1 * (FRESH - found) / rate + 50, MOST_FRESH - spent))
-        if found >= FRESH or starts < 1:
+        starts = int(min(1.1 * (wanted - found) / rate + 50, MOST_FRESH - spent))
+        if found >= wanted or starts < 1:
             break
         part = search(
             setting.robot, setting.corank, task=setting.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
@@ -277,7 +285,7 @@ def _labels(row: Row, q: Array) -> NDArray[np.int64]:
     return labels
 
 
-def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> CorankSummary:
+def _summary(cloud: Search, share: Share, higher: int, pieces: list[int], near_misses: bool) -> CorankSummary:
     return CorankSummary(
         corank=cloud.corank,
         rank=cloud.rank,
@@ -285,7 +293,7 @@ def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> Cor
         converged=cloud.count(Outcome.CONVERGED),
         near_misses=cloud.count(Outcome.NEAR_MISS),
         slow=cloud.count(Outcome.SLOW),
-        smallest_near_miss=cloud.smallest_near_miss,
+        smallest_near_miss=cloud.smallest_near_miss if near_misses else None,
         completeness=share,
         higher=higher,
         unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),

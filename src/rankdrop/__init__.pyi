@@ -1,3 +1,4 @@
+from .designs.sweeping import sweep as sweep
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor
 from .families.searching import search as search

@@ -1,5 +1,6 @@
 from .dh import from_dh as from_dh
 from .digits import Angles as Angles
+from .drawing import Drawing as Drawing
 from .files import read_text as read_text
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance

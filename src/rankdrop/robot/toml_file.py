@@ -37,7 +37,8 @@ Place = Callable[[str, int | None], Where]
 
 
 def robot_from_toml(
-    text: str, *, file: str, default_name: str = "robot", kind: str | None = None, as_written: bool = False
+    text: str, *, file: str, default_name: str = "robot", kind: str | None = None, as_written: bool = False,
+    edit: Callable[[dict[str, Any]], None] | None = None,
 ) -> Robot:
     """A robot from the text of a DH file or a screw file.
 
@@ -50,11 +51,14 @@ def robot_from_toml(
         default_name: the robot's name where the file gives none.
         kind: `Source.kind` of the robot; "dh" or "screws" if None.
         as_written: take every number literally.
+        edit: called with the parsed tables before anything is computed of them; may change their entries.
 
     Raises:
         RobotError: not TOML, a missing or unknown key, a value that cannot be used; names file, line and key.
     """
     document = parsed_toml(text, file, parse_float=Written)
+    if edit is not None:
+        edit(document)
     lines = TomlLines(text)
 
     def place(table: str, index: int | None) -> Where:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
 
@@ -32,6 +33,7 @@ def from_urdf(
     tip: str | None = None,
     file: str | None = None,
     as_written: bool = False,
+    edit: Callable[[Tree], None] | None = None,
 ) -> Robot:
     """A robot from a URDF file or its text.
 
@@ -44,6 +46,7 @@ def from_urdf(
         base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_ends.choose_ends`).
         file: name of the text in errors and in `Robot.source`.
         as_written: take every number literally.
+        edit: called with the tree before anything is computed of it; may change attributes of its elements.
 
     Raises:
         RobotError: names file, line, element, joint, value and mend.
@@ -59,6 +62,8 @@ def from_urdf(
     else:
         text, place = read_text(Path(source)), file or str(source)
     tree = read_tree(read_xml(text, place, _NOT_READ), place)
+    if edit is not None:
+        edit(tree)
     ends = choose_ends(tree, base, tip)
     moving = [joint for joint in ends.path if joint.moves]
     check_joints(len(moving), place, steps=len(ends.path))

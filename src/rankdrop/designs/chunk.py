@@ -74,4 +74,5 @@ def _nominal(key: str) -> Memory:
 
 def _memory(key: str) -> Memory:
     """A copy of the nominal arm's, for one chunk."""
-    return Memory(forms={signature: dict(forms) for signature, forms in _nominal(key).forms.items()})
+    nominal = _nominal(key)
+    return Memory({signature: dict(forms) for signature, forms in nominal.forms.items()}, dict(nominal.names))

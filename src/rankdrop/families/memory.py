@@ -9,6 +9,7 @@ has no points, and one that splits has points of other signatures.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,18 +32,27 @@ class Memory:
     """Conditions of coupled joints as they were fitted, by corank, signature and values.
 
     Attributes:
-        forms: what was fitted, latest first.
+        forms: what was fitted.
+        names: what families of one form, pinned at the same values, are called: the first arm's name stays.
         recalled: how many sets of conditions were fitted from their known form.
         sought: how many were looked for from nothing.
     """
 
     forms: dict[tuple[int, Signature], dict[Values, Form]] = field(default_factory=dict)
+    names: dict[tuple[int, Signature, tuple[Values, ...]], str] = field(default_factory=dict)
     recalled: int = 0
     sought: int = 0
 
     def keep(self, corank: int, signature: Signature, values: Values, residual: Form) -> None:
         """Note what was fitted."""
         self.forms.setdefault((corank, signature), {})[values] = residual
+
+    def name(self, corank: int, signature: Signature, sets: tuple[Values, ...], make: Callable[[], str]) -> str:
+        """The name of a family: a known one, else as it is made."""
+        key = (corank, signature, sets)
+        if key not in self.names:
+            self.names[key] = make()
+        return self.names[key]
 
     def recall(self, supply: Supply, corank: int) -> list[Form]:
         """Conditions of a known form with coefficients fitted to the points; every form that fits, the likeliest first.

@@ -148,7 +148,8 @@ def elsewhere(
     system = System(residual)
     fixed = set(linear.pivots)
     joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
-    tested, strangers = 0, [none]
+    starts: list[Array] = []
+    ways: list[Array] = []
     for held in _held(setting, joints, marks, rng):
         numbers = list(held)
         chosen = [combinations[i] for i in rng.integers(len(combinations), size=EACH)]
@@ -156,15 +157,16 @@ def elsewhere(
         q[:, numbers] = list(held.values())
         q = linear.place(q, np.array(chosen, dtype=np.float64).reshape(EACH, -1), rng)
         along = _free(linear, numbers, n)
-        if not along.shape[1]:
-            continue
-        q, good = system.solve(q, along=along, iterations=60)
-        q = q[good & setting.allowed(q)]
-        sigma = singular_values(setting.robot, q, setting.task)[:, setting.rank]
-        regular = sigma > REGULAR
-        tested += int((regular | (sigma <= setting.tolerances.singular)).sum())
-        strangers.append(q[regular])
-    return tested, np.concatenate(strangers)
+        if along.shape[1]:
+            starts.append(q)
+            ways += [along @ along.T] * EACH
+    if not starts:
+        return 0, none
+    q, good = system.solve(np.concatenate(starts), along=np.array(ways), iterations=60)
+    q = q[good & setting.allowed(q)]
+    sigma = singular_values(setting.robot, q, setting.task)[:, setting.rank]
+    regular = sigma > REGULAR
+    return int((regular | (sigma <= setting.tolerances.singular)).sum()), q[regular]
 
 
 def _held(

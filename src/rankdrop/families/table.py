@@ -125,7 +125,7 @@ def families(
         per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
         shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
-        found.append(_family(setting, row, sounds[row], per_row, samples[row], at))
+        found.append(_family(setting, row, sounds[row], per_row, samples[row], at, memory))
         report(80 + 20 * count // len(kept), STEPS)
     found += [_unnamed(setting, leftover, share.tested) for leftover in rest]
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
@@ -200,16 +200,23 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
     return (s.rank, s.pinned, s.coupled, row.sets)
 
 
-def _family(setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array) -> Family:
+def _family(
+    setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array, memory: Memory | None
+) -> Family:
     """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, setting.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     directions, sentences = _lost(setting, at, generic)
+
+    def name() -> str:
+        numbers = [one.number for one in pinned]
+        return name_family(robot, setting.task, generic, numbers, coupled=bool(signature.coupled))
+
     return Family(
         id="",
-        name=name_family(robot, setting.task, generic, [one.number for one in pinned], coupled=bool(signature.coupled)),
+        name=name() if memory is None else memory.name(setting.corank, signature, row.sets, name),
         corank=setting.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,

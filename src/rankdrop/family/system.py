@@ -86,7 +86,8 @@ class System:
 
         Args:
             q: (N, n) starts.
-            along: (n, d) orthonormal basis of the directions that may be used; None for all.
+            along: (n, d) orthonormal basis of the directions that may be used, or (N, n, n) projectors on those of
+                each start; None for all.
             iterations: at most.
             step: longest step [rad].
             still: a start whose step gets shorter has arrived [rad].
@@ -105,9 +106,9 @@ class System:
             if not len(active):
                 break
             if along is not None:
-                a = a @ along
+                a = a @ (along if along.ndim == 2 else along[active])
             delta = -shortest(a, f)
-            if along is not None:
+            if along is not None and along.ndim == 2:  # of a projector the shortest step is in its range already
                 delta = delta @ along.T
             length = np.linalg.norm(delta, axis=1, keepdims=True)
             q[active] += delta * np.minimum(1.0, step / np.maximum(length, 1e-300))

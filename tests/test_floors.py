@@ -35,7 +35,8 @@ TOP = 10
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "mpl_toolkits", "plotly",
-            "jinja2", "yourdfpy", "trimesh", "websockets", "playwright", "yaml", "rosbags", "pyarrow", "scipy", "distributed", "threadpoolctl"}  # fmt: skip
+            "jinja2", "yourdfpy", "trimesh", "websockets", "playwright", "yaml", "rosbags", "pyarrow", "scipy",
+            "distributed", "threadpoolctl"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

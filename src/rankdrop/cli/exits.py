@@ -19,8 +19,8 @@ MEANING = {
     UNEXPLAINED: "analyze: some point is not explained, some row not sound, or exact conditions differ; conditions: "
     "not complete, not verified, or the condition tested is not exact; explain: near a singularity; escape, nearest, "
     "tolerant: none found; path: a singularity is met or too near, or undecided; cover: not complete, or known "
-    "families do not explain all; aspects: undecided; through: not trackable, or undecided; reproduce: some item "
-    "differs without a reason",
+    "families do not explain all; sweep, compare: a variant or an arm is not measured, or its families do not hold; "
+    "aspects: undecided; through: not trackable, or undecided; reproduce: some item differs without a reason",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

@@ -90,7 +90,7 @@ def _united(keys: Sequence[str]) -> set[str]:
     """Keys in which pieces that differ by the values of one pinned joint alone are taken together."""
     found: dict[tuple[Any, ...], list[str]] = {}
     for key in keys:
-        found.setdefault((_HEAD.match(key)[0] if _HEAD.match(key) else "", joints_of(key)), []).append(key)  # type: ignore[index]
+        found.setdefault((key.partition(": ")[0], joints_of(key)), []).append(key)
     return {alike[0] if len(set(alike)) == 1 else _union(alike) for alike in found.values()}
 
 
@@ -101,8 +101,8 @@ def _union(keys: Sequence[str]) -> str:
     joined = []
     for column in zip(*parts, strict=True):
         name, _, _ = column[0].partition(" = ")
-        values = sorted({value for part in column for value in part.partition(" = ")[2].split(", ") if value}, key=_order)
-        joined.append(f"{name} = {', '.join(values)}" if values else column[0])
+        values = {value for part in column for value in part.partition(" = ")[2].split(", ") if value}
+        joined.append(f"{name} = {', '.join(sorted(values, key=_order))}" if values else column[0])
     return start + "; ".join(joined)
 
 
@@ -123,7 +123,9 @@ def joints_of(key: str) -> frozenset[tuple[int, bool]]:
     return frozenset(found)
 
 
-def changes(records: Sequence[Mapping[str, Any]], names: Sequence[str], pairs: Sequence[tuple[int, int]]) -> list[Change]:
+def changes(
+    records: Sequence[Mapping[str, Any]], names: Sequence[str], pairs: Sequence[tuple[int, int]]
+) -> list[Change]:
     """What differs between neighbours.
 
     Args:

@@ -20,6 +20,7 @@ from rankdrop.families.cells import condition_text
 from rankdrop.families.memory import Memory
 from rankdrop.families.share import NearShare, near_shares
 from rankdrop.family.record import Family
+from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.data import FREE
 from rankdrop.results.analysis import Analysis
@@ -131,8 +132,6 @@ def _share(one: NearShare) -> Record:
 
 
 def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
-    from rankdrop.local.block import generic_rank
-
     rpy = None if asked["rpy"] is None else np.array(asked["rpy"])
     targets = targets_of(np.array(asked["lower"]), np.array(asked["upper"]), rpy, asked["points"], seed)
     met = reached(robot, task, generic_rank(robot, task), targets, oriented=rpy is not None, starts=asked["starts"],
@@ -153,11 +152,9 @@ def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, se
 def _paths(found: Analysis, asked: Mapping[str, Any], limits: bool, record: Record) -> None:
     rows = [_path(found, name, given, limits) for name, given in asked.items()]
     record["paths"] = rows
-    done = [row for row in rows if row["sigma"] is not None]
-    record["measures"]["path_sigma"] = min((row["sigma"] for row in done), default=None) if len(done) == len(rows) else None
-    record["measures"]["path_distance"] = (
-        min((row["distance"] for row in done), default=None) if len(done) == len(rows) else None
-    )
+    for measure, key in (("path_sigma", "sigma"), ("path_distance", "distance")):
+        values = [row[key] for row in rows]
+        record["measures"][measure] = None if None in values else min(values)
     record["measures"]["paths_free"] = sum(row["verdict"] == FREE for row in rows) / len(rows)
 
 

@@ -15,13 +15,14 @@ from rankdrop.designs.pareto import pareto
 from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
 from rankdrop.results.codec import save_record
-from rankdrop.robot.model import Array
 from rankdrop.sections import Section, html, text
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/sweep/1"
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
+_BETWEEN = "a change lies somewhere between two variants that were searched; one that comes and goes is not seen"
+_ALMOST_ALL = "for almost all lengths; where two lengths are equal or one is zero more may hold"
 UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
          "paths_free": "share", "free": "share"}  # fmt: skip
 MEANINGS = {
@@ -186,8 +187,9 @@ class Designs:
         )
         where = "inside the joint limits" if self.limits else "the whole joint space"
         about = f"{len(self.records):,} variants ({self.kind}); task {self.task}; {where}; seed {self.seed}"
-        yield Section(f"{self.robot}: sweep", about, columns=("parameter", "sets", "from", "to"), rows=ranges,
-                      texts=(0, 1), after=(f"σ has translation divided by {self.length_scale:.4g} m, for every variant",))  # fmt: skip
+        after = (f"σ has translation divided by {self.length_scale:.4g} m, for every variant",)
+        columns = ("parameter", "sets", "from", "to")
+        yield Section(f"{self.robot}: sweep", about, columns=columns, rows=ranges, texts=(0, 1), after=after)
         yield from self._ranking(every)
         yield from self._families()
         if self.failed or self.unverified:
@@ -197,11 +199,8 @@ class Designs:
     def _ranking(self, every: bool) -> Iterator[Section]:
         chosen = list(range(len(self.records))) if every or not self.goals else self.pareto
         names = self.measures
-        if self.goals and names and chosen:
-            first = next(iter(self.goals))
-            sign = 1 if self.goals[first] == "less" else -1
-            chosen = sorted(chosen, key=lambda i: (value is None, sign * (value or 0.0))
-                            if (value := self.records[i]["measures"].get(first)) is not None or True else (True, 0.0))  # fmt: skip
+        if self.goals:
+            chosen = sorted(chosen, key=self._rank)
         if not chosen or not names:
             return
         most = len(chosen) if every else SHOWN
@@ -218,6 +217,12 @@ class Designs:
         yield Section(title, summary, columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
                       texts=(), after=after, notes=notes)  # fmt: skip
 
+    def _rank(self, number: int) -> tuple[bool, float]:
+        """By the first goal, best first; variants without it last."""
+        first, want = next(iter(self.goals.items()))
+        value = self.records[number]["measures"].get(first)
+        return value is None, 0.0 if value is None else float(value) * (1.0 if want == "less" else -1.0)
+
     def _families(self) -> Iterator[Section]:
         found = self.structures
         if not found:
@@ -233,8 +238,9 @@ class Designs:
             )
             rows.append((str(number), f"{len(one.variants):,}", told if number > 1 else "\n".join(one.keys), where))
         more = (f"and {len(found) - SHOWN} more, in the JSON",) if len(found) > SHOWN else ()
-        yield Section("Sets of families", "the commonest first; the others by what they have more (+) and less (−)",
-                      columns=("", "variants", "families", "within"), rows=tuple(rows), texts=(2, 3), after=more)  # fmt: skip
+        told = "the commonest first; the others by what they have more (+) and less (−)"
+        columns = ("", "variants", "families", "within")
+        yield Section("Sets of families", told, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
         if self.changes:
             yield self._changed()
         if self.exact:
@@ -249,10 +255,9 @@ class Designs:
             rows.append((kind, " and ".join(before or after), " and ".join(after) if before else "", str(count),
                          self._between(places)))  # fmt: skip
         more = (f"and {len(counts) - SHOWN} more kinds, in the JSON",) if len(counts) > SHOWN else ()
-        return Section("Between neighbours", "what differs, and where it was met",
-                       columns=("", "family", "into", "pairs", "between"), rows=tuple(rows), texts=(0, 1, 2, 4), after=more,
-                       notes=("a change lies somewhere between two variants that were searched; one that comes and goes "
-                              "between them is not seen",))  # fmt: skip
+        columns = ("", "family", "into", "pairs", "between")
+        return Section("Between neighbours", "what differs, and where it was met", columns=columns, rows=tuple(rows),
+                       texts=(0, 1, 2, 4), after=more, notes=(_BETWEEN,))  # fmt: skip
 
     def _between(self, places: Sequence[Change]) -> str:
         told = []
@@ -270,9 +275,9 @@ class Designs:
         rows = tuple(
             (str(one["id"]), "\n".join(one["conditions"]), one["real"] or "every length") for one in self.exact
         )
-        return Section("Derived exactly", "with letters for the lengths; where each family is real",
-                       columns=("", "conditions", "real"), rows=rows, texts=(0, 1, 2),
-                       notes=("for almost all lengths; where two lengths are equal or one is zero more may hold",))  # fmt: skip
+        told = "with letters for the lengths; where each family is real"
+        columns = ("", "conditions", "real")
+        return Section("Derived exactly", told, columns=columns, rows=rows, texts=(0, 1, 2), notes=(_ALMOST_ALL,))
 
     def _doubt(self) -> Section:
         lines = [f"variant {i + 1}: {self.records[i]['error']}" for i in self.failed[:SHOWN]]

@@ -31,8 +31,10 @@ def variants_of(spec: Spec) -> Array:
         axes = np.meshgrid(*(one.values for one in spec.parameters), indexing="ij")
         return np.stack([axis.reshape(-1) for axis in axes], axis=1)
     qmc, count = _qmc(), len(spec.parameters)
-    draw = qmc.LatinHypercube(count, rng=spec.seed) if spec.kind == "latin-hypercube" else qmc.Sobol(count, rng=spec.seed)
-    unit = draw.random(spec.count) if spec.kind == "latin-hypercube" else draw.random(2 ** ceil(np.log2(spec.count)))
+    if spec.kind == "latin-hypercube":
+        unit = qmc.LatinHypercube(count, rng=spec.seed).random(spec.count)
+    else:
+        unit = qmc.Sobol(count, rng=spec.seed).random_base2(ceil(np.log2(spec.count)))
     low, high = box(spec.parameters)
     return np.asarray(low + unit[: spec.count] * (high - low))
 

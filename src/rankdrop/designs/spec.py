@@ -127,7 +127,7 @@ def read_spec(path: str | Path) -> Spec:
     try:
         text = read_text(file)
     except RobotError as error:
-        raise OptionError(error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend) from None
+        raise OptionError(error.what, where=str(path), got=error.got, allowed=error.allowed) from None
     return spec_of(parsed_toml(text, str(path)), file=str(path), folder=file.parent, lines=TomlLines(text))
 
 
@@ -147,6 +147,15 @@ def spec_of(
     """
     reader = _Reader(document, file, folder or Path("."), lines)
     return reader.spec()
+
+
+def asks_of(document: Mapping[str, Any], *, file: str = "options", folder: Path | None = None) -> Asks:
+    """What is asked, of tables alone: those of a specification without the arm.
+
+    Raises:
+        OptionError: as `spec_of`.
+    """
+    return _Reader(document, file, folder or Path("."), None).asks()
 
 
 class _Reader:
@@ -179,7 +188,7 @@ class _Reader:
         task = self._task(drawing)
         parameters = self._parameters(drawing)
         kind, count, listed = self._sample(parameters)
-        asks = self._asks()
+        asks = self.asks()
         return Spec(drawing, task, limits, seed, parameters, kind, count, listed, asks, self._pareto(asks))
 
     def _keys(self, table: Mapping[str, Any], allowed: Sequence[str], name: str) -> None:
@@ -254,7 +263,7 @@ class _Reader:
     def _parameter(self, drawing: Drawing, name: str, entry: Any) -> Parameter:
         if not isinstance(entry, Mapping):
             raise self.refuse("a parameter is a table", "parameters", name, got=repr(entry),
-                              allowed='{ sets = "JOINT.a", lower = …, upper = …, steps = … } or values = […]')  # fmt: skip
+                              allowed='{ sets = "JOINT.a", lower = …, upper = …, steps = … }')  # fmt: skip
         for key in entry:
             if key not in ("sets", "lower", "upper", "steps", "values"):
                 raise self.refuse("unknown key", "parameters", name, got=repr(key),
@@ -329,7 +338,7 @@ class _Reader:
     def _grid(self, parameters: tuple[Parameter, ...]) -> None:
         for one in parameters:
             if not one.values:
-                raise self.refuse("a grid needs the values", "parameters", one.name, allowed="steps = …, or values = […]")
+                raise self.refuse("a grid needs the values", "parameters", one.name, allowed="steps, or values")
 
     def _variants(self, listed: Any, parameters: tuple[Parameter, ...]) -> tuple[tuple[float, ...], ...]:
         names = [one.name for one in parameters]
@@ -344,7 +353,7 @@ class _Reader:
             rows.append(tuple(self._number(entry[one.name], one.measure, "variants", one.name) for one in parameters))
         return tuple(rows)
 
-    def _asks(self) -> Asks:
+    def asks(self) -> Asks:
         asked = {name: self.document[name] for name in ASKS if name in self.document}
         if not asked:
             raise self.refuse("nothing is asked of the variants", "", allowed=", ".join(f"[{name}]" for name in ASKS))
@@ -409,7 +418,8 @@ class _Reader:
         self._keys(table, ("width",), "certified")
         width = self._number(table.get("width", 0.2), "angle", "certified", "width")
         if not 0.0 < width <= 1.0:
-            raise self.refuse("this is no width of a box", "certified", "width", got=width, allowed="above 0, up to 1 rad")
+            raise self.refuse("this is no width of a box", "certified", "width", got=width,
+                              allowed="above 0, up to 1 rad")  # fmt: skip
         return width
 
     def _pareto(self, asks: Asks) -> dict[str, str]:

@@ -195,7 +195,8 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
             away = rng.normal(size=(len(rows), len(moves)))
             away *= (reach / np.maximum(np.linalg.norm(away, axis=1), 1e-300))[:, None]
             x[:, moves] += away * rng.random((len(rows), 1)) * scale[moves]
-        rows, centre, reach, x = (one[may[rows]] for one in (rows, centre, reach, x))
+        some = may[rows]
+        rows, centre, reach, x = rows[some], centre[some], reach[some], x[some]
         if not len(rows):
             continue
         for _ in range(_STEPS):
@@ -213,7 +214,7 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
 
 
 def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp], within: Array) -> Mask:
-    """(N,) False where a bound on the slope proves that no zero is so near: |f(q)| ≤ |f(q) − f(x)| ≤ sup |∇f| · |q − x|.
+    """(N,) False where a bound on the slope proves that no zero x is so near: |f(q)| ≤ sup |∇f| · |q − x|.
 
     Of equations in which a slide stands as a power nothing is proven.
     """

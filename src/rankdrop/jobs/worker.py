@@ -1,8 +1,8 @@
 """A worker: a process of its own that makes chunks, told over its standard input, and answers over its output.
 
 Of its own, so that BLAS has one thread from the beginning, a crash or a kill costs one chunk, and a caller's script is
-never imported by it. In: one line of JSON with work and plan, then a line with a number for each chunk. Out, for each: a
-line "ok LENGTH" or "error LENGTH" or "broken LENGTH", then so many bytes: the chunk, or an error as JSON, or a traceback.
+never imported by it. In: one line of JSON with work and plan, then a line with a number for each chunk. Out, for each:
+a line "ok LENGTH", "error LENGTH" or "broken LENGTH", then so many bytes: the chunk, an error as JSON, or a traceback.
 """
 
 from __future__ import annotations

@@ -51,8 +51,9 @@ def check_axes(task: Task) -> None:
 
 
 def error(robot: Robot, task: Task, q: Array, target: Array) -> Array:
-    """(N, m) what is missing from the pose at q (N, n) to the target, (4, 4) or one for each (N, 4, 4), lengths divided by
-    the length scale."""
+    """(N, m) what is missing from the pose at q (N, n) to the target (4, 4), or to one each (N, 4, 4), lengths divided
+    by the length scale.
+    """
     at = pose(robot, q)
     moved = (target[..., :3, 3] - at[:, :3, 3]) / task.scale(robot)
     turned = target[..., :3, :3] @ at[:, :3, :3].transpose(0, 2, 1)

@@ -146,8 +146,9 @@ class Drawing:
         if place.key in _LIMITS:
             kinds = {joint.name: joint.kind for joint in self.nominal.joints}
             return "length" if kinds.get(place.part) is JointKind.PRISMATIC else "angle"
-        angle = place.key in _ANGLES and not (place.key == "pitch" and self._rows is not None and place.part not in ENDS)
-        return "angle" if angle else "length"
+        if place.key == "pitch" and self._rows is not None and place.part not in ENDS:  # of a helical joint
+            return "length"
+        return "angle" if place.key in _ANGLES else "length"
 
     def robot(self, values: Mapping[Place, float], name: str | None = None) -> Robot:
         """The arm with other numbers at some places.

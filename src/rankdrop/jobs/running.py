@@ -123,10 +123,11 @@ def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, No
         while not todo.empty():
             with contextlib.suppress(queue.Empty):
                 todo.get_nowait()
-        for one in crew:
-            one.close()
-        for thread in threads:
-            thread.join()
+        for one, thread in zip(crew, threads, strict=True):
+            while thread.is_alive():  # it may just have begun another process
+                one.close()
+                thread.join(0.1)
+            one.stop()
 
 
 def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.SimpleQueue[Made | Exception]) -> None:
@@ -164,7 +165,7 @@ class _Worker:
             try:
                 kind, content = self._ask(chunk)
             except (OSError, EOFError, ValueError):  # it was killed, or ran out of memory
-                self._stop()
+                self.stop()
                 continue
             if kind == "error":
                 raise error_from_dict(json.loads(content))
@@ -197,7 +198,8 @@ class _Worker:
         told.write(json.dumps({"work": self._job.work, "plan": self._job.plan}).encode() + b"\n")
         return self._process
 
-    def _stop(self) -> None:
+    def stop(self) -> None:
+        """End the process and close its pipes; another one is begun where a chunk is asked for."""
         process, self._process = self._process, None
         if process is not None:
             process.kill()
@@ -208,7 +210,7 @@ class _Worker:
                         pipe.close()
 
     def close(self) -> None:
-        """End the process, also one that is at work."""
+        """End the process, also one that is at work, from another thread; no other one is begun."""
         self._closed = True
         process = self._process
         if process is not None:

@@ -211,8 +211,8 @@ def test_a_cluster_and_one_that_loses_a_worker_give_the_same_bytes(
 def test_two_processes_on_loopback_are_a_cluster(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     note = tmp_path / "scheduler.json"
     common = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-           "--scheduler-file", str(note)]  # fmt: skip
+    run = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+           "--no-dashboard", "--scheduler-file", str(note)]  # fmt: skip
     scheduler = subprocess.Popen(run, **common)  # type: ignore[call-overload]
     worker = subprocess.Popen(
         [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(note), "--nthreads", "1",

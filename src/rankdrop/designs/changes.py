@@ -20,7 +20,7 @@ from rankdrop.robot.model import Array
 
 APPEARS, VANISHES, SPLITS, JOIN = "appears", "vanishes", "splits", "join"
 _HEAD = re.compile(r"k(\d+), dim (\d+): ")
-_JOINT = re.compile(r"θ([\d, ]+)(?= =| coupled)")
+_JOINT = re.compile(r"(?:θ|q|joints )([\d, ]+)(?= =| coupled)")
 
 
 @dataclass(frozen=True, slots=True)

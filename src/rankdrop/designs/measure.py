@@ -24,7 +24,7 @@ from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.data import FREE
 from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import JointKind, Robot
 from rankdrop.task import Task
 
 Record = dict[str, Any]
@@ -32,6 +32,7 @@ STARTS, FRESH = 300, 300
 """Of families that are needed but were not asked for."""
 _TWELFTH = 15.0  # degrees: values at multiples of this are told, others depend on the lengths
 _ROUND = 1e-6  # degrees
+_ZERO = 1e-9  # [m]
 
 
 def measured(
@@ -78,16 +79,16 @@ def _families(
         record["verdict"] = found.verdict.word
         record["sentence"] = found.verdict.sentence
         record["rank"] = found.generic_rank
-        record["families"] = [_family(one) for one in found.families]
+        record["families"] = [_family(one, robot) for one in found.families]
         record["measures"]["families"] = len(found.families)
     return found
 
 
-def _family(one: Family) -> Record:
+def _family(one: Family, robot: Robot) -> Record:
     coupled = set(one.coupled)
     return {
         "id": one.id,
-        "key": key_of(one),
+        "key": key_of(one, robot),
         "name": one.name,
         "corank": one.corank,
         "dimension": one.dimension,
@@ -102,14 +103,23 @@ def _family(one: Family) -> Record:
     }
 
 
-def key_of(one: Family) -> str:
+def key_of(one: Family, robot: Robot) -> str:
     """What a family is, apart from the arm's lengths: corank, dimension, pinned joints, coupled joints.
 
-    Values that are multiples of 15° belong to it; others move with the lengths, and only their number does.
+    Values that are multiples of 15°, and zero of a slide, belong to it; others move with the lengths, and only their
+    number does.
     """
-    pins = [f"θ{pin.number} = {_values(pin.values)}" for pin in sorted(one.pinned, key=lambda pin: pin.number)]
-    tied = [f"θ{', '.join(map(str, one.coupled))} coupled"] if one.coupled else []
+    pins = []
+    for pin in sorted(one.pinned, key=lambda pin: pin.number):
+        slides = robot.variables[pin.number - 1].kind is JointKind.PRISMATIC
+        pins.append(f"q{pin.number} = {_lengths(pin.values)}" if slides else f"θ{pin.number} = {_values(pin.values)}")
+    tied = [f"joints {', '.join(map(str, one.coupled))} coupled"] if one.coupled else []
     return f"k{one.corank}, dim {one.dimension}: {'; '.join([*pins, *tied]) or 'everywhere'}"
+
+
+def _lengths(values: tuple[float, ...]) -> str:
+    other = sum(abs(x) > _ZERO for x in values)
+    return ", ".join((["0 m"] if other < len(values) else []) + ([f"{other} other"] if other else []))
 
 
 def _values(values: tuple[float, ...]) -> str:

@@ -52,8 +52,8 @@ class Designs:
         goals: measure -> "less" or "more".
         records: of every variant, by its number; docs/howto/comparing-designs.md says what is in them.
         pairs: of neighbours.
-        exact: families of the arm derived exactly with letters, and for which lengths they are real; empty where not
-            asked for or not derived.
+        exact: one variant of each of the commonest sets of families, derived exactly with letters for the lengths:
+            its families, and for which lengths they are real; empty where not asked for or not derived.
         folder: where parts and tables are kept; None: nowhere.
     """
 
@@ -272,12 +272,17 @@ class Designs:
         return "; ".join(told)
 
     def _exact(self) -> Section:
-        rows = tuple(
-            (str(one["id"]), "\n".join(one["conditions"]), one["real"] or "every length") for one in self.exact
-        )
-        told = "with letters for the lengths; where each family is real"
-        columns = ("", "conditions", "real")
-        return Section("Derived exactly", told, columns=columns, rows=rows, texts=(0, 1, 2), notes=(_ALMOST_ALL,))
+        rows = []
+        for one in self.exact:
+            letters = ", ".join(f"{name} = {value:.4g}" for name, value in one["letters"].items()).replace("-", "−")
+            told = [("; ".join(family["conditions"]), family["real"]) for family in one["families"] if family["real"]]
+            told += [(text, "no") for text in one["not_real"]]
+            told = told or [(f"{len(one['families'])} families", "for all lengths of these signs")]
+            rows += [(str(one["variant"]) if k == 0 else "", what, real, letters if k == 0 else "")
+                     for k, (what, real) in enumerate(told)]  # fmt: skip
+        about = "a variant of each of the commonest sets, with letters for the lengths; families not always real"
+        columns, texts = ("variant", "conditions", "real", "its lengths [m]"), (0, 1, 2, 3)
+        return Section("Derived exactly", about, columns=columns, rows=tuple(rows), texts=texts, notes=(_ALMOST_ALL,))
 
     def _doubt(self) -> Section:
         lines = [f"variant {i + 1}: {self.records[i]['error']}" for i in self.failed[:SHOWN]]

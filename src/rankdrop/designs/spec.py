@@ -168,9 +168,8 @@ class _Reader:
         name = ".".join(part for part in (table, key) if part)
         if self.lines is None:
             return f"{self.file}, {name}" if name else self.file
-        line = self.lines.find(table, index, key)
-        if line == 1 and table and key:  # [parameters.x] has a title of its own
-            line = self.lines.find(f"{table}.{key}", None, "")
+        titled = None if not key else self.lines.exact(name, None, "")  # [parameters.x] has a line of its own
+        line = self.lines.exact(table, index, key) or titled or self.lines.find(table, index, key)
         return f"{self.file}, line {line}" + (f", {name}" if name else "")
 
     def refuse(self, what: str, table: str, key: str = "", *, got: Any = None, allowed: Any = None,
@@ -208,10 +207,12 @@ class _Reader:
             raise self.refuse(f"{key} is a text", "", key, got=repr(value))
         return value
 
-    def _whole(self, table: Mapping[str, Any], key: str, name: str, default: int, least: int, most: int) -> int:
+    def _whole(
+        self, table: Mapping[str, Any], key: str, name: str, default: int, least: int, most: int, *, entry: str = ""
+    ) -> int:
         value = table.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise self.refuse(f"{key} is not a whole number that can be used", name, key, got=repr(value),
+            raise self.refuse(f"{key} is not a whole number that can be used", name, entry or key, got=repr(value),
                               allowed=f"{least} … {most}")  # fmt: skip
         return value
 
@@ -290,7 +291,7 @@ class _Reader:
         lower, upper = (self._number(entry[key], measure, "parameters", name) for key in ("lower", "upper"))
         if not lower < upper:
             raise self.refuse("lower is not below upper", "parameters", name, got=f"lower {lower:g}, upper {upper:g}")
-        steps = self._whole(entry, "steps", "parameters", 0, 2, 100_000) if "steps" in entry else 0
+        steps = self._whole(entry, "steps", "parameters", 0, 2, 100_000, entry=name) if "steps" in entry else 0
         values = tuple(lower + (upper - lower) * i / (steps - 1) for i in range(steps))
         return Parameter(name, places, measure, values, lower, upper)
 

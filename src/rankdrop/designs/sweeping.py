@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rankdrop.designs.changes import neighbours
+from rankdrop.designs.changes import neighbours, structures
 from rankdrop.designs.chunk import task_to_dict
 from rankdrop.designs.outcome import Designs
 from rankdrop.designs.samples import box, order_of, variants_of
 from rankdrop.designs.spec import Spec, goals, read_spec, spec_of
 from rankdrop.errors import RankdropError
 from rankdrop.jobs import Engine, Job, finish
+from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.verbs.conditions import conditions
 
 SIZE = 10
 """Variants of a chunk: some seconds of work, which is what a kill costs."""
-_SECONDS = 60.0  # time limit of the exact derivation, by the clock; it is one for all variants
+DERIVED = 4
+"""Sets of families of which one variant is derived exactly, the commonest first."""
+_SECONDS = 60.0  # time limit of one exact derivation, by the clock
 Report = Callable[[str, int, int], None]
 
 
@@ -77,11 +80,12 @@ def sweep(
     low, high = box(read.parameters)
     grid = [len(one.values) for one in read.parameters] if read.kind == "grid" else None
     asked = read.asks.families
+    exact = _exact(read, records, tell) if asked is not None and asked["exact"] else ()
     return Designs(
         robot=read.drawing.nominal.name, task=read.task.name, length_scale=float(read.task.length_scale or 0.0),
         limits=read.limits, parameters=read.parameters, kind=read.kind, seed=read.seed, goals=goals(read),
         records=records, pairs=neighbours(values, grid, low, high),
-        exact=_exact(read) if asked is not None and asked["exact"] else (), folder=None if out is None else Path(out),
+        exact=exact, folder=None if out is None else Path(out),
     )  # fmt: skip
 
 
@@ -101,16 +105,39 @@ def job_of(spec: Spec, values: np.ndarray[Any, np.dtype[np.float64]]) -> Job:
     return Job("sweep", "rankdrop.designs.chunk:variants", plan, -(-len(order) // SIZE), len(order))
 
 
-def _exact(spec: Spec) -> tuple[Mapping[str, Any], ...]:
-    """The families of the nominal arm derived with letters, which stand for the lengths of the variants too."""
-    try:
-        found = conditions(spec.drawing.nominal, spec.task, method="tree", seconds=_SECONDS, points=0, special=False)
-    except RankdropError:
-        return ()
-    if not found.complete:
-        return ()
-    return tuple(
-        {"id": one.id, "name": one.name, "corank": one.corank, "conditions": list(one.texts), "real": one.reality,
-         "letters": {name: float(value) for name, value in found.letters.items()}}
-        for one in found.families
-    )  # fmt: skip
+def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tuple[Mapping[str, Any], ...]:
+    """One variant of each of the commonest sets of families, derived exactly with letters for the lengths.
+
+    The letters stand for the lengths of other variants too: where a family is real is told for all of them.
+    """
+    found = []
+    sets = structures(records)[:DERIVED]
+    for done, one in enumerate(sets):
+        tell("exact conditions", done, len(sets))
+        values = np.array([records[i]["values"] for i in one.variants])
+        number = one.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
+        given = {
+            place: x for parameter, x in zip(spec.parameters, records[number]["values"], strict=True)
+            for place in parameter.places
+        }  # fmt: skip
+        try:
+            robot = spec.drawing.robot(given)
+            derived = conditions(robot, spec.task, method="tree", seconds=_SECONDS, points=0, special=False)
+        except RankdropError:  # an arm that cannot be derived exactly has no such entry
+            continue
+        if derived.complete:
+            found.append(_derived(number, derived))
+    tell("exact conditions", len(sets), len(sets))
+    return tuple(found)
+
+
+def _derived(number: int, derived: Conditions) -> dict[str, Any]:
+    return {
+        "variant": number + 1,
+        "letters": {name: float(value) for name, value in derived.letters.items()},
+        "families": [
+            {"id": one.id, "name": one.name, "corank": one.corank, "conditions": list(one.texts), "real": one.reality}
+            for one in derived.families
+        ],
+        "not_real": list(derived.not_real),
+    }  # fmt: skip

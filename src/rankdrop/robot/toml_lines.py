@@ -38,6 +38,10 @@ class TomlLines:
                 self._lines.setdefault((*table, key[1] or key[2] or key[3]), number)
             closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
 
+    def exact(self, table: str, index: int | None, key: str) -> int | None:
+        """Line, from 1, of just this key (of the table for ""); None where it has none of its own."""
+        return self._lines.get((table, index, key))
+
     def find(self, table: str, index: int | None, key: str) -> int:
         """Line, from 1, of `key` in the table (`index` counts [[tables]] from 0); else of the table; else 1."""
         places = ((table, index, key), (table, index, ""), ("", None, table))

@@ -30,7 +30,7 @@ from rankdrop.task import Task
 Record = dict[str, Any]
 STARTS, FRESH = 300, 300
 """Of families that are needed but were not asked for."""
-_TWELFTH = 15.0  # degrees: values at multiples of this are told, others depend on the lengths
+_RIGHT = 90.0  # degrees: values at multiples of this are told, others depend on the lengths
 _ROUND = 1e-6  # degrees
 _ZERO = 1e-9  # [m]
 
@@ -106,7 +106,7 @@ def _family(one: Family, robot: Robot) -> Record:
 def key_of(one: Family, robot: Robot) -> str:
     """What a family is, apart from the arm's lengths: corank, dimension, pinned joints, coupled joints.
 
-    Values that are multiples of 15°, and zero of a slide, belong to it; others move with the lengths, and only their
+    Values that are multiples of 90°, and zero of a slide, belong to it; others move with the lengths, and only their
     number does.
     """
     pins = []
@@ -124,7 +124,7 @@ def _lengths(values: tuple[float, ...]) -> str:
 
 def _values(values: tuple[float, ...]) -> str:
     angles = sorted(round(degrees(x), 6) for x in values)
-    told = [x for x in angles if abs(x / _TWELFTH - round(x / _TWELFTH)) < _ROUND]
+    told = [x for x in angles if abs(x / _RIGHT - round(x / _RIGHT)) < _ROUND]
     other = len(angles) - len(told)
     words = [f"{x + 0.0:g}°".replace("-", "−") for x in told]
     return ", ".join(words + ([f"{other} other"] if other else []))

@@ -10,9 +10,10 @@ from rankdrop.errors import OptionError
 
 NAMES = (
     "analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "path", "paths",
-    "aspects", "through", "path-rows", "cover", "reproduced",
+    "aspects", "through", "path-rows", "cover", "sweep", "side-by-side", "reproduced",
 )  # fmt: skip
-"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
+"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
+`compare` the side-by-side."""
 
 
 def load_schema(name: str) -> dict[str, Any]:
@@ -21,7 +22,8 @@ def load_schema(name: str) -> dict[str, Any]:
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
             "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several
-            files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover" or "reproduced".
+            files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover", "sweep", "side-by-side"
+            (`rankdrop compare`) or "reproduced".
 
     Raises:
         OptionError: there is no such schema.

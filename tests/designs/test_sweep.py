@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cli.test_schema import closed
+from jsonschema import Draft202012Validator
 
 import rankdrop
 from rankdrop.cli import main
@@ -23,8 +25,10 @@ from rankdrop.errors import OptionError
 from rankdrop.families.memory import Memory
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
+from rankdrop.results.codec import json_text
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
+from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
 
 SHIFTS = [0.3, 0.6, 1.2]
@@ -284,6 +288,15 @@ def test_command_page_figure_and_tables(
     assert rows.num_rows == sum(len(one["families"]) for one in found.records)
     assert main.run(["sweep", "--status", str(out)]) == 0
     assert capsys.readouterr()[0] == "finished: 1 of 1 chunks of the sweep (4 items in all)\n"
+
+
+def test_records_satisfy_their_schema_which_describes_all_of_it(
+    planar: tuple[Path, Designs], shifted: Designs
+) -> None:
+    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 100})
+    arms = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=1)
+    for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
+        Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
 
 
 def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,7 +27,7 @@ from rankdrop.families.rows import Cover, find_rows
 from rankdrop.families.sampling import Setting
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
-from rankdrop.families.signature import Inspection
+from rankdrop.families.signature import HIGHER, Inspection
 from rankdrop.families.unseen import Leftover, leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.naming import name_family, told, told_apart
@@ -41,6 +41,7 @@ from rankdrop.family.record import (
     family_out_of_units,
     numbered,
 )
+from rankdrop.local.directions import lost_directions
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
@@ -78,6 +79,7 @@ def families(
         wanted: fresh points of exactly this corank, as far as they can be had.
         near_misses: bring the smallest σ of a nonzero local minimum down; without it the summary has none.
         memory: of a similar arm (`Memory`): forms of conditions that are tried first, and where those found are kept.
+            Names are taken from there too, and no sentences are made of what is lost.
 
     Returns:
         CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
@@ -188,7 +190,8 @@ def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, t
         )  # fmt: skip
         if not part.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
-        found += int(setting.inspect(part.converged).exact.sum())
+        sigma = part.sigma[part.outcome == Outcome.CONVERGED]
+        found += int((sigma[:, setting.rank - 1] > HIGHER).sum()) if setting.rank else len(sigma)
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
@@ -208,7 +211,10 @@ def _family(
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions, sentences = _lost(setting, at, generic)
+    if memory is None:
+        directions, sentences = _lost(setting, at, generic)
+    else:
+        directions, sentences = lost_directions(robot, at, setting.task, setting.corank), ()
 
     def name() -> str:
         numbers = [one.number for one in pinned]

@@ -147,6 +147,10 @@ class System:
 
 def shortest(a: Array, f: Array) -> Array:
     """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
+    if a.shape[1] == 1:  # a row has one singular value, its length
+        square = np.einsum("nj,nj->n", a[:, 0], a[:, 0])
+        keep = square > 1e-28
+        return np.asarray(a[:, 0] * (np.where(keep, f[:, 0], 0.0) / np.where(keep, square, 1.0))[:, None])
     u, s, vt = np.linalg.svd(a, full_matrices=False)
     keep = s > np.maximum(CUT * s[:, :1], 1e-14)
     inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)

@@ -66,7 +66,7 @@ class Folder:
 
     def part(self, chunk: int) -> Path:
         """Where the bytes of a chunk are."""
-        return self.path / PARTS / f"{chunk:05}.json"
+        return self.path / PARTS / f"{chunk:05}{self.job.ending}"
 
     def finished(self) -> set[int]:
         """The chunks that need not be made again: of those in the journal the ones whose bytes are as they were."""

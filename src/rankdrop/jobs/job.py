@@ -32,6 +32,7 @@ class Job:
         plan: all that decides the result, as plain data of JSON.
         chunks: how many there are.
         items: how many things (variants, starts, paths) there are in all chunks; for progress.
+        ending: of the files in which chunks are kept.
     """
 
     kind: str
@@ -39,6 +40,7 @@ class Job:
     plan: Plan
     chunks: int
     items: int
+    ending: str = ".json"
 
     @property
     def line(self) -> str:

@@ -93,7 +93,7 @@ def finish(
                     memory[chunk] = content
                 count += 1
                 tell(count, job.chunks)
-    for chunk in range(job.chunks):
+    for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
         yield chunk, kept.read(chunk) if kept is not None else memory.pop(chunk)
 
 

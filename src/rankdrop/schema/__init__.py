@@ -22,8 +22,8 @@ def load_schema(name: str) -> dict[str, Any]:
     Args:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
             "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several
-            files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover", "sweep", "side-by-side"
-            (`rankdrop compare`) or "reproduced".
+            files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover", "sweep",
+            "side-by-side" (`rankdrop compare`) or "reproduced".
 
     Raises:
         OptionError: there is no such schema.

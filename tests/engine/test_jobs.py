@@ -164,7 +164,6 @@ KILLED = """
 import sys
 from rankdrop.jobs import Engine, finish
 from engine.test_jobs import job
-print("begun", flush=True)
 list(finish(job(sleep=0.3, log=sys.argv[2]), Engine(2), folder=sys.argv[1]))
 """
 
@@ -174,7 +173,7 @@ def test_a_run_that_is_killed_goes_on_and_ends_with_the_same_bytes(
     truth: list[tuple[int, bytes]], tmp_path: Path
 ) -> None:
     log, out = tmp_path / "log", tmp_path / "out"
-    process = subprocess.Popen([sys.executable, "-c", KILLED, str(out), str(log)], stdout=subprocess.PIPE)
+    process = subprocess.Popen([sys.executable, "-c", KILLED, str(out), str(log)])
     journal = out / "journal"
     patience = time.monotonic() + 60
     while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):

@@ -150,13 +150,17 @@ def elsewhere(
     joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
     starts: list[Array] = []
     ways: list[Array] = []
+    free: dict[tuple[int, ...], Array] = {}
     for held in _held(setting, joints, marks, rng):
         numbers = list(held)
         chosen = [combinations[i] for i in rng.integers(len(combinations), size=EACH)]
         q = setting.random(EACH, rng)
         q[:, numbers] = list(held.values())
         q = linear.place(q, np.array(chosen, dtype=np.float64).reshape(EACH, -1), rng)
-        along = _free(linear, numbers, n)
+        key = tuple(sorted(numbers))
+        if key not in free:
+            free[key] = _free(linear, list(key), n)
+        along = free[key]
         if along.shape[1]:
             starts.append(q)
             ways += [along @ along.T] * EACH

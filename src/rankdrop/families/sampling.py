@@ -138,8 +138,12 @@ class Setting:
 
     def random(self, count: int, rng: np.random.Generator) -> Array:
         """(count, n) uniform configurations of the box that the search draws from."""
-        lower, upper = sampling_box(self.robot, self.task, limits=self.limits)
+        lower, upper = self._box
         return rng.uniform(lower, upper, size=(count, self.robot.n))
+
+    @cached_property
+    def _box(self) -> tuple[Array, Array]:
+        return sampling_box(self.robot, self.task, limits=self.limits)
 
     @cached_property
     def irrelevant(self) -> Mask:

@@ -25,8 +25,11 @@ def main() -> None:
     job = json.loads(sys.stdin.buffer.readline())
     for line in sys.stdin.buffer:
         kind, content = _answer(job, int(line))
-        answers.write(f"{kind} {len(content)}\n".encode() + content)
-        answers.flush()
+        try:
+            answers.write(f"{kind} {len(content)}\n".encode() + content)
+            answers.flush()
+        except BrokenPipeError:  # nobody is there any more: the parent was killed
+            os._exit(0)
 
 
 def _answer(job: dict[str, object], chunk: int) -> tuple[str, bytes]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.local.block import sample
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.motion.distance import distances
+from rankdrop.families.measured import distances
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -32,7 +32,7 @@ families = known_analysis(arm, task).families
 seen = rankdrop.Monitor(arm, task, families).look(path)
 for i in range(0, 301, 50):
     name = families[seen.nearest[i]].name
-    print(f"t = {t[i]:.1f} s  σ6 = {seen.sigma[i, -1]:.4f}  about {seen.distance[i]:.2f} rad from: {name}")
+    print(f"t = {t[i]:.1f} s  σ6 = {seen.sigma[i, -1]:.4f}  {seen.distance[i]:.2f} rad from: {name}")
 worst = int(seen.distance.argmin())
 print(f"worst: t = {t[worst]:.2f} s, {seen.distance[worst]:.4f} rad from {families[seen.nearest[worst]].name}")
 

@@ -22,7 +22,7 @@ FLOORS = {
     "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
-    "local": 3,
+    "local": 3, "problem": 3,
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,
     "compare": 6,
@@ -35,8 +35,8 @@ TOP = 10
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "mpl_toolkits", "plotly",
-            "jinja2", "yourdfpy", "trimesh", "websockets", "playwright", "yaml", "rosbags", "pyarrow", "scipy",
-            "distributed", "threadpoolctl"}  # fmt: skip
+            "jinja2", "yourdfpy", "roboticstoolbox", "trimesh", "websockets", "playwright", "yaml",
+            "rosbags", "pyarrow", "scipy", "distributed", "threadpoolctl"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

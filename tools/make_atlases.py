@@ -62,7 +62,8 @@ def write_index() -> None:
         if path.name != INDEX and path.stem not in robot_names():
             path.unlink()
         elif path.name != INDEX:
-            index.setdefault(coarse_fingerprint(open_robot(path.stem)), []).append(path.stem)
+            for tip in (True, False):
+                index.setdefault(coarse_fingerprint(open_robot(path.stem), tip=tip), []).append(path.stem)
     replace_file(FOLDER / INDEX, f"{json.dumps(index, indent=1)}\n".encode())
 
 

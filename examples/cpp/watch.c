@@ -25,7 +25,7 @@ int main(int count, char** words)
         return 2;
     }
     const int n = arm->variables, m = arm->rows;
-    double both[2 * MOST], away[MOST], reach, residual;
+    double both[2 * MOST], away[MOST], distance, residual;
     int got = 0;
     while (scanf("%lf", &both[got]) == 1) {
         if (++got < 2 * n) continue;
@@ -34,12 +34,12 @@ int main(int count, char** words)
         rankdrop_monitor_step(monitor, both, both + n, &seen);
         printf("%s %s %d %d", seen.nearest < 0 ? "none" : arm->ids[seen.nearest],
                seen.family < 0 ? "none" : arm->ids[seen.family], seen.rank, seen.corank);
-        const double numbers[] = {seen.residual, seen.distance, seen.reach,       seen.approach,
+        const double numbers[] = {seen.residual, seen.distance,     seen.approach,
                                   seen.scaling,  seen.rate_scaling, seen.null_rate};
-        print(numbers, 7);
+        print(numbers, 6);
         print(seen.sigma, m < n ? m : n), print(seen.u, m * m), print(seen.null_step, n);
-        for (int f = 0; rankdrop_monitor_family(monitor, f, &reach, &residual, away); ++f)
-            print(&reach, 1), print(&residual, 1), print(away, n);
+        for (int f = 0; rankdrop_monitor_family(monitor, f, &distance, &residual, away); ++f)
+            print(&distance, 1), print(&residual, 1), print(away, n);
         printf("\n");
     }
     rankdrop_monitor_free(monitor);

@@ -53,13 +53,13 @@ int main(int count, char** words) {
         inside += allocations - before;
         std::printf("%s", seen.nearest < 0 ? "none" : monitor.id(seen.nearest).c_str());
         std::printf(" %s %d %d", seen.family < 0 ? "none" : monitor.id(seen.family).c_str(), seen.rank, seen.corank);
-        const double numbers[] = {seen.residual, seen.distance, seen.reach,       seen.approach,
+        const double numbers[] = {seen.residual, seen.distance,     seen.approach,
                                   seen.scaling,  seen.rate_scaling, seen.null_rate};
-        print(numbers, 7);
+        print(numbers, 6);
         print(seen.sigma, m < n ? m : n), print(seen.u, m * m), print(seen.null_step, n);
         for (int f = 0; f < monitor.families(); ++f) {
             const rankdrop::Monitor::Nearness one = monitor.family(f);
-            print(&one.reach, 1), print(&one.residual, 1), print(one.away, n);
+            print(&one.distance, 1), print(&one.residual, 1), print(one.away, n);
         }
         std::printf("\n");
     }

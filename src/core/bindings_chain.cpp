@@ -73,15 +73,42 @@ nb::object jacobian(const Chain& chain, const View& view, const In2& q, const nb
     return out.give();
 }
 
+// The memory of an array while it is looked at. nanobind's own view of an array costs as much as a Jacobian.
+class Borrowed {
+  public:
+    Borrowed(nb::handle array, int flags) { held_ = PyObject_GetBuffer(array.ptr(), &buffer_, flags | PyBUF_FORMAT) == 0; }
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+    ~Borrowed() {
+        if (held_)
+            PyBuffer_Release(&buffer_);
+        else
+            PyErr_Clear();  // not contiguous, or no buffer: whoever asked is told by has()
+    }
+
+    bool has(std::initializer_list<std::size_t> shape) const {
+        return held_ && std::strcmp(buffer_.format, "d") == 0 && static_cast<std::size_t>(buffer_.ndim) == shape.size() &&
+               std::equal(shape.begin(), shape.end(), buffer_.shape,
+                          [](std::size_t wanted, Py_ssize_t there) { return static_cast<Py_ssize_t>(wanted) == there; });
+    }
+
+    double* data() const { return static_cast<double*>(buffer_.buf); }
+
+  private:
+    Py_buffer buffer_;
+    bool held_;
+};
+
 // One configuration into an array that is there already: the shortest way from Python to the kernel and back. The
-// narrowest lanes serve a single row best, and give the same bits. False for a q that is not finite.
-bool jacobian_one(const Chain& chain, const View& view, const In1& q, const Out2& out) {
+// narrowest lanes serve a single row best, and give the same bits. False for a q or an out that is not finite, contiguous,
+// of doubles and of the right shape: the long way says what is wrong.
+bool jacobian_one(const Chain& chain, const View& view, nb::handle q, nb::handle out) {
     fit(chain, view);
     const auto [m, n, s] = Sizes(chain, view);
-    if (q.shape(0) != n || out.shape(0) != m || out.shape(1) != n) throw nb::value_error("q or out has the wrong shape");
-    for (std::size_t j = 0; j < n; ++j)
-        if (!std::isfinite(q.data()[j])) return false;
-    narrowest().jacobian(chain, view, q.data(), 0, 1, out.data());
+    const Borrowed from(q, PyBUF_C_CONTIGUOUS), to(out, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE);
+    if (!from.has({n}) || !to.has({m, n})) return false;
+    if (!std::all_of(from.data(), from.data() + n, [](double value) { return std::isfinite(value); })) return false;
+    narrowest().jacobian(chain, view, from.data(), 0, 1, to.data());
     return true;
 }
 
@@ -135,6 +162,9 @@ nb::object svd(const In3& a, bool vectors, int threads) {
     const std::size_t rows = a.shape(0), m = a.shape(1), n = a.shape(2), s = std::min(m, n);
     if (s == 0 || s > 16) throw nb::value_error("a matrix has 1 to 16 rows or columns on its narrow side");
     if (std::max(m, n) > 4096) throw nb::value_error("a matrix has at most 4096 rows or columns");
+    // comparisons with what is not a number order nothing: the values of such a matrix would look like those of a sound one
+    if (!std::all_of(a.data(), a.data() + a.size(), [](double x) { return std::isfinite(x); }))
+        throw nb::value_error("matrices are finite");
     Result<double> sigma({rows, s}), u({vectors ? rows : 0, m, m}), v({vectors ? rows : 0, n, n});
     each(rows, threads, [&](std::int64_t from, std::int64_t to) {
         kernels().svd(static_cast<int>(m), static_cast<int>(n), a.data(), from, to, sigma.data(),
@@ -170,8 +200,7 @@ void bind_chain(nb::module_& module) {
                nb::arg("threads") = 0);
     module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
                nb::arg("threads") = 0);
-    module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q").noconvert(),
-               nb::arg("out").noconvert());
+    module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out"));
     module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
                nb::arg("threads") = 0);
     module.def("singular_values", &singular_values, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),

@@ -85,28 +85,65 @@ std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, cons
     return std::make_unique<Watcher>(chain, view, families, settings);
 }
 
-// One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step.
+// One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step, q.
 nb::object watch(Watcher& watcher, const In1& q, const std::optional<In1>& velocity) {
     const std::size_t m = static_cast<std::size_t>(watcher.rows()), n = static_cast<std::size_t>(watcher.variables()),
                       s = std::min(m, n);
     if (q.shape(0) != n || (velocity && velocity->shape(0) != n)) throw nb::value_error("q or velocity has the wrong shape");
     rankdrop_step seen;
     if (!watcher.step(q.data(), velocity ? velocity->data() : nullptr, seen)) return nb::none();
-    Result<double> arrays({s + m * m + n});
+    Result<double> arrays({s + m * m + 2 * n});
     double* next = std::copy_n(seen.sigma, s, arrays.data());
     next = std::copy_n(seen.u, m * m, next);
-    std::copy_n(seen.null_step, n, next);
+    next = std::copy_n(seen.null_step, n, next);
+    std::copy_n(q.data(), n, next);
     return nb::make_tuple(arrays.give(), seen.rank, seen.corank, seen.family, seen.nearest, seen.residual, seen.distance,
-                          seen.reach, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate);
+                          seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate);
 }
 
-// Of every family at the last step: reach (F), residual (F), and the gradient of the reach by q (F, n).
+// Of every family at the last step: distance (F), residual (F), and the gradient of the distance by q (F, n).
 nb::object apart(const Watcher& watcher) {
     const std::size_t count = static_cast<std::size_t>(watcher.families()), n = static_cast<std::size_t>(watcher.variables());
-    Result<double> reach({count}), residual({count}), away({count, n});
+    Result<double> distance({count}), residual({count}), away({count, n});
     for (std::size_t f = 0; f < count; ++f)
-        watcher.family(static_cast<int>(f), reach.data() + f, residual.data() + f, away.data() + f * n);
-    return nb::make_tuple(reach.give(), residual.give(), away.give());
+        watcher.family(static_cast<int>(f), distance.data() + f, residual.data() + f, away.data() + f * n);
+    return nb::make_tuple(distance.give(), residual.give(), away.give());
+}
+
+void fit(const Families& table, const In2& q) {
+    if (static_cast<int>(q.shape(1)) != table.variables) throw nb::value_error("q has the wrong number of columns");
+}
+
+// Of all equations, whatever family they are of: f (B, e), and with `slopes` their gradients (B, e, n).
+nb::object equations(const Families& table, const In2& q, bool slopes, int threads) {
+    fit(table, q);
+    const std::size_t rows = q.shape(0), count = table.terms.size() - 1, n = q.shape(1);
+    Result<double> f({rows, count}), gradients({slopes ? rows : 0, count, n});
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) {
+        kernels(rows).equations(table, q.data(), from, to, f.data(), slopes ? gradients.data() : nullptr);
+    });
+    if (!slopes) return f.give();
+    return nb::make_tuple(f.give(), gradients.give());
+}
+
+std::unique_ptr<ZeroSettings> make_zero_settings(int iterations, double step, double still, double enough, double cut,
+                                                 const std::vector<double>& along) {
+    return std::make_unique<ZeroSettings>(ZeroSettings{iterations, step, still, enough, cut, along});
+}
+
+// Common zeros of all equations by Gauss–Newton from starts (B, n): where they ended, and the largest |f| (B) left there.
+nb::object zeros(const Families& table, const In2& q, const ZeroSettings& settings, int threads) {
+    fit(table, q);
+    const std::size_t rows = q.shape(0), n = q.shape(1), count = table.terms.size() - 1;
+    if (settings.along.size() % n != 0 || settings.along.size() > n * n) throw nb::value_error("along has shape (n, d), d <= n");
+    const std::size_t free = settings.along.empty() ? n : settings.along.size() / n;
+    if (count == 0 || std::min(count, free) > kMostEquations) throw nb::value_error("one to 64 equations, or joints that may move");
+    Result<double> ends({rows, n}), worst({rows});
+    std::copy_n(q.data(), q.size(), ends.data());
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) {
+        kernels(rows).zeros(table, settings, ends.data(), from, to, worst.data());
+    });
+    return nb::make_tuple(ends.give(), worst.give());
 }
 
 }  // namespace
@@ -123,6 +160,12 @@ void bind_families(nb::module_& module) {
              nb::arg("loose"), nb::arg("start"), nb::arg("stop"), nb::arg("beyond"), nb::arg("rates"));
     module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("equations", &equations, nb::arg("families"), nb::arg("q"), nb::kw_only(), nb::arg("slopes") = true,
+               nb::arg("threads") = 0);
+    nb::class_<ZeroSettings>(module, "ZeroSettings")
+        .def(nb::new_(&make_zero_settings), nb::kw_only(), nb::arg("iterations"), nb::arg("step"), nb::arg("still"),
+             nb::arg("enough"), nb::arg("cut"), nb::arg("along"));
+    module.def("zeros", &zeros, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<Watcher>(module, "Watcher")
         .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))
         .def("step", &watch, nb::arg("q"), nb::arg("velocity").none())

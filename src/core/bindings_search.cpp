@@ -1,6 +1,8 @@
 // Searches: to singular configurations of one corank, and to the ones nearest to a given configuration.
 #include "bindings.hpp"
 
+#include "mixture.hpp"
+
 namespace rankdrop {
 namespace {
 
@@ -94,6 +96,26 @@ nb::object nearest(const Chain& chain, const View& view, const In2& starts, cons
     return nb::make_tuple(q.give(), distance.give(), stationarity.give(), count.give());
 }
 
+using In4 = nb::ndarray<const double, nb::ndim<4>, nb::c_contig, nb::device::cpu>;
+using In5 = nb::ndarray<const double, nb::ndim<5>, nb::c_contig, nb::device::cpu>;
+
+nb::object promised(const In3& values, const In5& tensor, const In1& tau, const In4& mixed, int rounds, int effort, double exact,
+                    int threads) {
+    const std::size_t rows = values.shape(0), pieces = values.shape(1), k = values.shape(2), n = tensor.shape(4);
+    const auto blocks = [&](const auto& array) {
+        return array.shape(0) == rows && array.shape(1) == pieces && array.shape(2) == k && array.shape(3) == k;
+    };
+    if (!blocks(tensor) || !blocks(mixed) || tau.shape(0) != rows || pieces * k == 0 || n == 0)
+        throw nb::value_error("sizes of values, tensor, tau and mixed do not agree");
+    if (pieces > 4096 || k > 64 || n > 4096) throw nb::value_error("at most 4096 blocks of 64 values of 4096 joints");
+    Result<double> step({rows, n}), fall({rows}), most({rows}), mixture({rows, pieces, k, k});
+    const MixtureInput in{static_cast<int>(pieces), static_cast<int>(k), static_cast<int>(n), values.data(), tensor.data(),
+                          tau.data(), mixed.data(), rounds, effort, exact};
+    const MixtureOutput out{step.data(), fall.data(), most.data(), mixture.data()};
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) { mix(in, from, to, out); });
+    return nb::make_tuple(step.give(), fall.give(), most.give(), mixture.give());
+}
+
 }  // namespace
 
 void bind_search(nb::module_& module) {
@@ -108,6 +130,8 @@ void bind_search(nb::module_& module) {
                nb::arg("first") = 0, nb::arg("history") = false, nb::arg("threads") = 0);
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"),
                nb::kw_only(), nb::arg("threads") = 0);
+    module.def("promised", &promised, nb::arg("values"), nb::arg("tensor"), nb::arg("tau"), nb::arg("mixed"), nb::kw_only(),
+               nb::arg("rounds"), nb::arg("effort"), nb::arg("exact"), nb::arg("threads") = 0);
 }
 
 }  // namespace rankdrop

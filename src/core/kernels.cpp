@@ -8,6 +8,7 @@
 #include "derivative.hpp"
 #include "descent.hpp"
 #include "enclosure.hpp"
+#include "equations.hpp"
 #include "nearest.hpp"
 #include "links.hpp"
 #include "newton.hpp"
@@ -216,6 +217,9 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Pack *sine = take(arena, families.nodes()), *cosine = take(arena, families.nodes());
     Pack* phase = take(arena, 2 * families.phases());
     const Waves<Pack> waves{sine, cosine};
+    const WalkRoom<Pack> walks(families, arena);
+    const int known = (int)families.corank.size();
+    auto* each = arena.take<Apart<Pack>>((std::size_t)known);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
@@ -224,10 +228,14 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
         Pack rank = fill(0.0);
         for (int i = 0; i < settings.generic; ++i)
             rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));
-        const Attribution<Pack> met =
-            attribute<Pack>(families, settings, fill((double)settings.generic) - rank,
-                            [&](int family) { return apart<Pack>(families, family, x, waves, gradient, nullptr); });
-        const Pack distance = first_order_distance(chain, view, families, settings, ws, scratch, gradient);
+        for (int family = 0; family < known; ++family)
+            each[family] = apart<Pack>(families, family, x, waves, gradient, nullptr);
+        walk_all<Pack>(families, settings.start, x, walks, each, nullptr);
+        const Pack lost = fill((double)settings.generic) - rank;
+        const Attribution<Pack> met = attribute<Pack>(families, settings, lost, each);
+        Pack distance = met.distance;
+        if (settings.beyond)
+            distance = min(distance, first_order_distance(chain, view, families, settings, ws, scratch, gradient));
         store(ws.sigma, s, count, out.sigma + row * s, s);
         store_columns(ws.u, m, m, count, out.u + row * m * m, m * m, room);
         if (out.v) store_columns(ws.v, n, n, count, out.v + row * n * n, n * n, room);
@@ -238,6 +246,35 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
             out.residual[row + lane] = get(met.residual, lane);
             out.distance[row + lane] = get(distance, lane);
         }
+    }
+}
+
+void equations(const Families& table, const double* q, std::int64_t begin, std::int64_t end, double* f, double* slopes) {
+    Arena arena;
+    const int n = table.variables;
+    Equations at(table, arena);
+    const int e = at.count();
+    Pack* x = take(arena, n);
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        at.at(x);
+        store(at.f, e, count, f + row * e, e);
+        if (slopes) store(at.slopes, e * n, count, slopes + row * e * n, e * n);
+    }
+}
+
+void zeros(const Families& table, const ZeroSettings& settings, double* q, std::int64_t begin, std::int64_t end, double* worst) {
+    Arena arena;
+    const int n = table.variables;
+    ZeroFinder finder(table, settings, arena);
+    Pack* x = take(arena, n);
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        Pack left = finder.run(x);
+        store(x, n, count, q + row * n, n);
+        store(&left, 1, count, worst + row, 1);
     }
 }
 
@@ -260,6 +297,6 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, cover, judge, shape};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -102,4 +102,16 @@ struct NearestOutput {
     std::int32_t* evaluations;
 };
 
+inline constexpr std::size_t kMostEquations = 64;  // that are solved together, or joints that may move: kMaxColumns of an SVD
+
+// How common zeros of equations are looked for.
+struct ZeroSettings {
+    int iterations = 40;
+    double step = 0.5;                       // longest step [rad, or unit of a slide]
+    double still = 1e-14;                    // a start whose step gets shorter has arrived
+    double enough = 1e-15;                   // as has one where no |f| is larger
+    double cut = 1e-7;                       // singular values below this share of the largest are not inverted
+    std::vector<double> along;               // (n, d) orthonormal basis of the directions that may be used, or empty for all
+};
+
 }  // namespace rankdrop

@@ -13,9 +13,9 @@ bool Watcher::step(const double* q, const double* velocity, rankdrop_step& out) 
     return monitor_->step(q, velocity, out);
 }
 
-void Watcher::family(int number, double* reach, double* residual, double* away) const noexcept {
+void Watcher::family(int number, double* distance, double* residual, double* away) const noexcept {
     const Monitor::Nearness one = monitor_->family(number);
-    *reach = one.reach, *residual = one.residual;
+    *distance = one.distance, *residual = one.residual;
     for (int j = 0; j < variables(); ++j) away[j] = one.away[j];
 }
 

@@ -16,7 +16,7 @@ class Watcher {
     Watcher(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings);
     ~Watcher();
     bool step(const double* q, const double* velocity, rankdrop_step& out) noexcept;
-    void family(int number, double* reach, double* residual, double* away) const noexcept;
+    void family(int number, double* distance, double* residual, double* away) const noexcept;
     int variables() const noexcept;
     int families() const noexcept;
     int rows() const noexcept;

@@ -20,13 +20,12 @@ _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "n", "ranks", "shape", "views", "world")
+    __slots__ = ("chain", "entry", "ranks", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
         self.chain = _make_chain(robot)
-        self.n = robot.n
-        self.shape = (robot.n,)
+        self.entry = (6, robot.n)  # shape of a Jacobian
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
         self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)

@@ -65,7 +65,7 @@ class RankdropError(Exception):
         if self.allowed is not None:
             parts.append(f"allowed: {_shown(self.allowed)}")
         if mend:
-            parts.append(f"mend: {_shown(mend)}")
+            parts.append(f"fix: {_shown(mend)}")
         return " ".join("; ".join(parts).split())
 
 

@@ -94,8 +94,8 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
     """
     handles = handles_of(robot)
     view = handles.world if frame is WORLD_ALIGNED else frame_view(robot, frame)
-    if out is None and type(q) is np.ndarray and q.shape == handles.shape and q.dtype == np.float64:
-        single = np.empty((6, handles.n))
+    if out is None and type(q) is np.ndarray:
+        single = np.empty(handles.entry)
         if jacobian_one(handles.chain, view, q, single):
             return single
     rows, batch = configurations(robot, q)

@@ -20,6 +20,7 @@ class Section:
         texts: indices of the columns that hold words; the others hold numbers.
         after: sentences under the table.
         notes: smaller print below.
+        tone: of the heading, where it is a verdict: "good", "warning" or "bad"; the words say it without a colour too.
     """
 
     title: str
@@ -30,6 +31,7 @@ class Section:
     texts: tuple[int, ...] = (0,)
     after: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    tone: str = ""
 
 
 def text(sections: Iterable[Section]) -> str:

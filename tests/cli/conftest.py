@@ -115,7 +115,7 @@ def shapes() -> Analysis:
     """Every shape a row can have: a long name, exact values, other values, coupled joints, no condition, two words."""
     zero = (0,) * 7
     arm = Equation((Term(0.9087, "cos", (0, 2, 0, 0, 0, 0, 0), zero), Term(1.0, "cos", (0, 2, 2, 0, 0, 0, 0), zero)))
-    sentence = "cannot translate along Z of link 4 while rotating 0.451 rad/m about Y of link 4"
+    sentence = "can only move so that vz + 0.451 m·ωy = 0 in axes of link 4"
     return made_up(
         family(1, "shoulder: axes 1 and 3 aligned, upper arm at right angles", {2: ZERO, 3: HALF}),
         family(2, "elbow", {4: ZERO}, words=(sentence,)),

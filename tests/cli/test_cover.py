@@ -11,8 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
-from rankdrop.compare.covered import Explainer
-from rankdrop.compare.places import FOUND, PROVEN, grouped
+from rankdrop.compare.covered import FOUND, PROVEN, Explainer, grouped
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
@@ -79,7 +78,7 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
             q[:, 1:5] = found.boxes(cells[::7])[0]
             near = q[by == 0]
             # distance from the family by walking, independent of the change of sign
-            from rankdrop.motion.distance import distances
+            from rankdrop.families.measured import distances
 
             far = distances([family], UR5, near[:400], TASK).distance[:, 0]
             assert (far <= explainer.radius * (1 + 1e-6)).mean() > 0.999

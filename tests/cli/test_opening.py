@@ -48,7 +48,7 @@ def test_a_missing_argument_is_named_as_the_option_to_type(run, command: str, ar
     pytest.importorskip("xacrodoc")
     ended = run(command, str(arm), *OPENING[command])
     assert (ended.code, ended.out) == (exits.BAD_INPUT, "")
-    assert ended.err.endswith("got no value of kind; mend: --arg kind:=VALUE\n")
+    assert ended.err.endswith("got no value of kind; fix: --arg kind:=VALUE\n")
 
 
 def test_arguments_reach_the_file(run, arm: Path) -> None:
@@ -69,7 +69,7 @@ def test_a_urdf_with_xacro_elements_is_expanded_with_the_option_alone(run, arm: 
     words = ("find", str(plain), "--task", "planar-position", "--corank", "1", "--starts", "50", "--quiet")
     refused = run(*words)
     assert refused.code == exits.BAD_INPUT
-    assert refused.err.endswith("expanding it can run any command; mend: if you trust it: --xacro\n")
+    assert refused.err.endswith("expanding it can run any command; fix: if you trust it: --xacro\n")
     assert run(*words, "--xacro").code == exits.FINE
 
 

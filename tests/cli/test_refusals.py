@@ -87,9 +87,9 @@ def test_a_full_stdout_is_one_line_and_files_are_written(argv: tuple[str, ...], 
 
 
 def test_the_share_of_a_row_is_rounded_and_completeness_is_not() -> None:
-    assert rounded_share(Share(3000, 2000)) == "0.667"
+    assert rounded_share(Share(3000, 2000)) == "66.7 %"
     assert rounded_share(Share(0, 0)) == "–"
-    assert share_text(9999, 10_000) == "0.999"
+    assert share_text(9999, 10_000) == "99.9 %"
 
 
 def test_a_name_is_not_a_robot() -> None:

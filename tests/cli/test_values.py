@@ -38,6 +38,6 @@ def test_a_prismatic_value_is_in_metres() -> None:
 
 
 def test_only_all_is_one() -> None:
-    assert share_text(1000, 1000) == "1.000"
-    assert share_text(99_999, 100_000) == "0.999"
+    assert share_text(1000, 1000) == "100 %"
+    assert share_text(99_999, 100_000) == "99.9 %"
     assert share_text(0, 0) == "–"

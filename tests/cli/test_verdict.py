@@ -56,7 +56,7 @@ def not_derived(found: Analysis) -> Analysis:
     ("change", "word", "begins"),
     [
         (differs, "contradicted", "Contradicted: the exact derivation and the search differ, exact k1.f1"),
-        (unsound, "unsound", "Not sound: k1.f1 also holds at 35 of 176 solutions that are regular."),
+        (unsound, "unsound", "A test failed: k1.f1 also holds at 35 of 176 solutions that are regular."),
         (unexplained, "incomplete", "Incomplete: corank 1, 222 of 1,150 fresh singular points on no row."),
         (not_derived, "incomplete", "Incomplete: exact conditions were asked for and not derived, no time."),
     ],

@@ -57,8 +57,8 @@ def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]
     seen, at = monitor.step(q, rates), monitor.nearby(q)
     of = {i: family.id for i, family in enumerate(monitor.families)} | {-1: "none"}
     order = [monitor.families.index(family) for family in monitor.watched]
-    each = np.concatenate([at.reach[order, None], at.residual[order, None], at.away[order]], axis=1)
-    numbers = [seen.residual, seen.distance, seen.reach, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate]
+    each = np.concatenate([at.distance[order, None], at.residual[order, None], at.away[order]], axis=1)
+    numbers = [seen.residual, seen.distance, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate]
     words = [of[seen.nearest], of[seen.family], str(seen.rank), str(seen.corank)]
     return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
 
@@ -82,13 +82,37 @@ def test_cpp_and_c_say_what_python_says(built: Path, name: str, program: str) ->
         want, numbers = said_by(monitor, row[:n], row[n:])
         assert words[:4] == want
         np.testing.assert_allclose(np.array(words[4:], dtype=float), numbers, rtol=1e-12, atol=1e-12)
-        slowed += float(words[8]) < 1.0
+        slowed += float(words[7]) < 1.0
+    assert slowed >= 10
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ARMS)
+def test_the_guard_of_the_how_to_scales_as_python_does(built: Path, name: str) -> None:
+    """What a node of one's own puts around it: joints by name, nothing goes on before all of them were heard of."""
+    found = shipped(name)
+    monitor = Monitor(found.robot, found.task, found.families)
+    rows, n, slowed = rows_of(monitor), monitor.robot.n, 0
+    rows[-1, n] = np.nan
+    text = "\n".join(" ".join(repr(float(value)) for value in row) for row in rows)
+    done = subprocess.run([built / "guard", name], input=text, capture_output=True, text=True)
+    first, *lines = done.stdout.splitlines()
+    assert float(first) == 0.0
+    assert len(lines) == 100
+    assert [float(word) for word in lines[-1].split()[: n + 1]] == [0.0] * (n + 1)
+    for row, line in zip(rows[:-1], lines, strict=False):
+        seen, words = monitor.step(row[:n], row[n:]), line.split(maxsplit=n + 2)
+        scale = min(seen.scaling, seen.rate_scaling)
+        np.testing.assert_allclose([float(word) for word in words[: n + 2]], [scale, *scale * row[n:], seen.distance],
+                                   rtol=1e-12, atol=1e-12)  # fmt: skip
+        assert words[n + 2] == monitor.families[seen.nearest].name
+        slowed += scale < 1.0
     assert slowed >= 10
 
 
 @needs_compiler
 def test_an_unknown_arm_ends_with_2(built: Path) -> None:
-    for program in ("watch", "watch_c"):
+    for program in ("watch", "watch_c", "guard"):
         assert subprocess.run([built / program, "nobody"], input="", capture_output=True, text=True).returncode == 2
 
 
@@ -99,7 +123,7 @@ def test_a_number_that_is_not_finite_stops_the_motion(built: Path) -> None:
             done = subprocess.run([built / program, "open_manipulator"], input=row, capture_output=True, text=True)
             words = done.stdout.split()
             assert words[:4] == ["none", "none", "-1", "-1"]
-            assert float(words[8]) == float(words[9]) == 0.0  # scaling, rate_scaling
+            assert float(words[7]) == float(words[8]) == 0.0  # scaling, rate_scaling
 
 
 def test_the_header_says_which_format_it_is_of() -> None:

@@ -131,3 +131,14 @@ def test_a_matrix_does_not_mind_its_neighbours(rng: np.random.Generator) -> None
     alone = _core.svd(batch, False)
     mixed = np.concatenate([batch, batch * 1e200, batch * 1e-200])[np.arange(24).reshape(3, 8).T.reshape(-1)]
     np.testing.assert_array_equal(_core.svd(mixed, False)[::3], alone)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("vectors", [True, False])
+def test_a_matrix_that_is_not_finite_has_no_singular_values(bad: float, vectors: bool) -> None:
+    """Five of six values came out as numbers, smaller than they could be."""
+    batch = np.ones((9, 6, 7))
+    _core.svd(batch, vectors)
+    batch[8, 5, 6] = bad
+    with pytest.raises(ValueError, match="finite"):
+        _core.svd(batch, vectors)

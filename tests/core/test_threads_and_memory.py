@@ -79,6 +79,30 @@ def test_a_search_goes_on_where_no_thread_can_be_started() -> None:
 
 
 @linux
+def test_a_search_goes_on_under_a_limit_on_processes() -> None:
+    """`ulimit -u`, as containers have it; the superuser is bound by none, so that he becomes another user first."""
+    assert (
+        answered("""
+        import resource
+        from rankdrop import search
+        robot = arms.pa10()
+        want = search(robot, 2, starts=300, seed=3, threads=1)
+        resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
+        if os.geteuid() == 0:
+            os.setuid(65534)
+        try:
+            threading.Thread(target=int).start()
+            print("a thread could be started", end=" ")
+        except RuntimeError:
+            pass
+        found = search(robot, 2, starts=300, seed=3, threads=8)
+        print(_core.threads_kept(), np.array_equal(found.q, want.q), np.array_equal(found.outcome, want.outcome))
+    """)
+        == "0 True True"
+    )
+
+
+@linux
 def test_no_memory_for_a_result_is_a_memory_error() -> None:
     assert (
         answered("""

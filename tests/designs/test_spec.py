@@ -49,7 +49,7 @@ BAD = {
         ('"9.a"', "line 5, parameters.upper_arm: there is no such number; got '9.a'"),
         ('"tool.w"', "line 5, parameters.upper_arm: there is no such number; got 'tool.w'; allowed: tool.x, tool.y"),
         ('"wrist_2_joint.d"',
-         "parameters.offset: two parameters set the same number; got wrist_2_joint.d; mend: leave"),
+         "parameters.offset: two parameters set the same number; got wrist_2_joint.d; fix: leave"),
         ('["2.a", "2.alpha"]', "line 5, parameters.upper_arm: a parameter is a length or an angle"),
     ],
     "values = [0.05, 0.1]": [
@@ -115,7 +115,7 @@ def test_the_good_one_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("line", "message"), [
     ("sweep nothing.toml", "nothing.toml: "),
     ("sweep", "SPEC: no specification is named; allowed: a .toml file, or --status FOLDER"),
-    ("sweep x.toml --parquet", "--parquet: the tables need a folder; mend: name one with --out"),
+    ("sweep x.toml --parquet", "--parquet: the tables need a folder; fix: name one with --out"),
     ("sweep x.toml --figure x.gif", "--figure: the ending names no format; got x.gif; allowed: .svg, .png, .pdf"),
     ("sweep --status nowhere", "nowhere: there is no job in the folder"),
     ("compare ur5", "arms are compared side by side; got 1; allowed: 2 … 10 arms"),

@@ -45,7 +45,7 @@ def test_the_command_stores_and_refuses(tmp_path: Path, capsys: pytest.CaptureFi
     assert main.run(line) == 0
     assert capsys.readouterr()[0] == f"500 of 500 starts ended at corank 1 or more: {out}/parts/*.parquet\n"
     assert main.run([*line, "--json", "-"]) == 2
-    assert "--json: it does not go with --store; got -; mend: leave one of them out" in capsys.readouterr()[1]
+    assert "--json: it does not go with --store; got -; fix: leave one of them out" in capsys.readouterr()[1]
     assert main.run([*line[:-4], "--store", out, "--seed", "1"]) == 2
     assert "the folder holds another job" in capsys.readouterr()[1]
     with pytest.raises(OptionError, match="there is no such corank"):

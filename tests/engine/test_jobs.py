@@ -105,7 +105,7 @@ def test_a_folder_takes_up_where_it_was(truth: list[tuple[int, bytes]], tmp_path
 
 def test_a_folder_of_another_job_is_refused(tmp_path: Path) -> None:
     made(job(chunks=1), folder=tmp_path)
-    with pytest.raises(ResultFileError, match=r"the folder holds another job; got test .*mend: name another folder"):
+    with pytest.raises(ResultFileError, match=r"the folder holds another job; got test .*fix: name another folder"):
         made(job(chunks=1, other=1), folder=tmp_path)
     with pytest.raises(ResultFileError, match="there is no job in the folder"):
         progress_of(tmp_path / "nothing")
@@ -124,7 +124,7 @@ def test_a_full_disk_loses_nothing_that_was_finished(
         keep(path, content)
 
     monkeypatch.setattr("rankdrop.jobs.folder.replace_file", full)
-    with pytest.raises(ResultFileError, match="No space left on device; mend: what is finished is kept"):
+    with pytest.raises(ResultFileError, match="No space left on device; fix: what is finished is kept"):
         made(job(), folder=tmp_path)
     assert len(Folder(tmp_path, job()).finished()) == 3
     monkeypatch.undo()

@@ -14,13 +14,12 @@ from rankdrop.compare.match import Agreement, match
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import vanishing_on
 from rankdrop.families.row import soundness
-from rankdrop.families.sampling import Setting
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.system import System
+from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.tolerances import DEFAULT
 from rankdrop.verbs.conditions import conditions
 
 ARMS = ("pa10", "puma560", "stanford", "scara", "anthropomorphic", "planar3r")
@@ -44,12 +43,13 @@ def derived(name: str) -> tuple[ExactFamily, ...]:
 
 
 def held(
-    name: str, rows: Sequence[Any] | None = None, families: Sequence[Any] | None = None, **options: Any
+    name: str, rows: Sequence[Any] | None = None, families: Sequence[Any] | None = None, *, limits: bool = False,
+    seed: int = 0,
 ) -> Agreement:
     found = shipped(name)
     rows = found.families if rows is None else rows
     families = derived(name) if families is None else families
-    return match(found.robot, found.task, found.generic_rank, rows, families, **options)
+    return match(Problem(found.robot, found.task, limits=limits), rows, families, seed=seed)
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -167,8 +167,8 @@ def test_what_is_all_but_a_zero_is_no_regular_solution() -> None:
     system = System(both)
     places = np.array([[0.3, 1.0, 0.4], [0.3, 0.0, 0.4]])
     assert system.zero(places).tolist() == [False, True]
-    setting = Setting(open_robot("planar3r"), resolve_task(None, open_robot("planar3r")), 1, 2, DEFAULT)
-    found, strangers = soundness(setting, system, 1, np.random.default_rng(0))
+    problem = Problem(open_robot("planar3r"), resolve_task(None, open_robot("planar3r")))
+    found, strangers = soundness(problem, system, 1, np.random.default_rng(0))
     assert found.tested == found.singular > 20
     assert not len(strangers)
 

@@ -11,8 +11,8 @@ from reference import regional as oracle
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.postures import decide
-from rankdrop.exact.postures.common_zeros import Unbounded, common_zeros
 from rankdrop.exact.postures.decide import CUSPS, NO_CUSP, OPEN, SIGNS, decide_postures
+from rankdrop.exact.postures.regional import Unbounded, common_zeros
 from rankdrop.kinematics import task_jacobian
 from rankdrop.motion.postures.search import aspects_of
 from rankdrop.robot.dh import from_dh

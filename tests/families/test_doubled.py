@@ -9,22 +9,21 @@ import numpy as np
 import pytest
 
 from rankdrop.families.irregular import inspect_doubled
-from rankdrop.families.sampling import Setting, Twin, gathered, gathered_tangent, spread
+from rankdrop.families.linear import gathered, gathered_tangent, spread
 from rankdrop.family.equation import Equation, Term
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.problem import Problem, Twin
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.tolerances import DEFAULT
 
 Q = pi / 2
 
 
-def setting(robot: Robot, corank: int = 1) -> Setting:
+def problem(robot: Robot, corank: int = 1) -> Problem:
     task = resolve_task(None, robot)
     task = replace(task, length_scale=task.scale(robot))
-    return Setting(robot, task, corank, generic_rank(robot, task) - corank, DEFAULT)
+    return Problem(robot, task, corank)
 
 
 def squared() -> Robot:
@@ -35,7 +34,7 @@ def squared() -> Robot:
 
 @pytest.mark.parametrize(("robot", "joint", "value"), [(squared(), 2, -atan(0.2)), (open_robot("stanford"), 2, 0.0)])
 def test_points_come_to_rounding_and_the_joint_is_pinned(robot: Robot, joint: int, value: float, rng) -> None:
-    at = setting(robot)
+    at = problem(robot)
     q = at.random(40, rng)
     q[:, joint] = value + 3e-7 * rng.standard_normal(40)
     found, good = inspect_doubled(at, q)
@@ -47,7 +46,7 @@ def test_points_come_to_rounding_and_the_joint_is_pinned(robot: Robot, joint: in
 
 
 def test_a_simple_family_and_regular_configurations_are_left_alone(rng) -> None:
-    at = setting(open_robot("puma560"))
+    at = problem(open_robot("puma560"))
     q = at.random(20, rng)
     found, good = inspect_doubled(at, q)
     assert not found.regular.any()
@@ -63,16 +62,16 @@ def test_joints_on_one_axis_are_known_with_their_sense(alpha: float, sign: int, 
     rows = [(0.3, Q, 0.2), (0.5, 0.3, 0.1), (0.0, alpha, 0.4), (0.2, -Q, 0.3), (0.1, Q, 0.5), (0.3, 1.0, 0.2),
             (0.1, 0.4, 0.1)]  # fmt: skip
     robot = from_dh([(a, twist, d, 0.0) for a, twist, d in rows], convention="standard", name="twins")
-    at = setting(robot)
+    at = problem(robot)
     assert at.twins == (Twin(2, 3, sign),)
     q = at.random(5, rng)
     together = gathered(q, at.twins)
     assert not together[:, 3].any()
-    sigma = [singular_values(robot, one, at.task) for one in (q, together)]
+    sigma = [at.sigma(one) for one in (q, together)]
     np.testing.assert_allclose(sigma[0], sigma[1], atol=1e-12)
     f = Equation((Term(1.0, "sin", (0, 2, 2, 0, 0, 0, 0), (0,) * 7), Term(0.5, "cos", (0,) * 7, (0,) * 7)))
     np.testing.assert_allclose(spread(f, at.twins)(q), f(together) / 1.0, atol=1e-14)
-    assert setting(open_robot("ur5")).twins == ()
+    assert problem(open_robot("ur5")).twins == ()
 
 
 def test_the_tangent_of_the_part_with_a_twin_at_zero() -> None:

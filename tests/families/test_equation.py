@@ -7,9 +7,11 @@ from math import pi
 import numpy as np
 import pytest
 
+from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term, normalised, pretty_angle
+from rankdrop.family.system import System
 
 N = 4
 
@@ -37,6 +39,21 @@ def test_gradient_agrees_with_central_differences(rng, powers):
         step = 1e-6 * np.eye(N)
         numeric = np.stack([(equation(q + s) - equation(q - s)) / 2e-6 for s in step], axis=-1)
         np.testing.assert_allclose(equation.gradient(q), numeric, atol=2e-6)
+
+
+@pytest.mark.parametrize("powers", [False, True])
+def test_every_instruction_set_gives_the_same_bits(rng, powers):
+    equations = tuple(random_equation(rng, powers=powers) for _ in range(5))
+    q, before, seen = rng.uniform(-3, 3, (37, N)), _core.instruction_set(), []
+    try:
+        for name in _core.instruction_sets():
+            _core.choose_instruction_set(name)
+            seen.append((*System(equations).linear(q), System(equations[:2]).solve(q)[0]))
+    finally:
+        _core.choose_instruction_set(before)
+    for arrays in seen[1:]:
+        for got, want in zip(arrays, seen[0], strict=True):
+            np.testing.assert_array_equal(got, want)
 
 
 @pytest.mark.parametrize("powers", [False, True])

@@ -11,17 +11,16 @@ from known.truths import PA10_TABLES
 
 from rankdrop.families import rows as rows_module
 from rankdrop.families.row import soundness
-from rankdrop.families.sampling import Setting
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Family, Soundness
 from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.tolerances import DEFAULT
 
 STRAIGHT, SQUARE = {0.0, pi}, {pi / 2, -pi / 2}
 
@@ -190,7 +189,7 @@ def test_a_broken_coefficient_is_unsound(name, rng):
     robot = open_robot(name)
     task = resolve_task(None, robot)
     found = table(name, 1)
-    setting = Setting(robot, task, 1, found.summary.rank, DEFAULT)
+    problem = Problem(robot, task)
     broken = 0
     for family in found.families:
         for i, equation in enumerate(family.equations):
@@ -199,7 +198,7 @@ def test_a_broken_coefficient_is_unsound(name, rng):
             first, *rest = equation.terms
             wrong = Equation((replace(first, coefficient=1.01 * first.coefficient), *rest))
             equations = (*family.equations[:i], wrong, *family.equations[i + 1 :])
-            verdict, strangers = soundness(setting, System(equations), robot.n - family.dimension, rng)
+            verdict, strangers = soundness(problem, System(equations), robot.n - family.dimension, rng)
             assert not verdict.holds
             assert len(strangers) == verdict.tested - verdict.singular
             broken += 1
@@ -208,7 +207,7 @@ def test_a_broken_coefficient_is_unsound(name, rng):
 
 def test_a_row_without_solutions_is_not_sound(rng):
     robot = open_robot("scara")
-    setting = Setting(robot, resolve_task(None, robot), 1, 3, DEFAULT)
+    problem = Problem(robot, resolve_task(None, robot))
     never = Equation.from_dict(
         {
             "terms": [
@@ -217,7 +216,7 @@ def test_a_row_without_solutions_is_not_sound(rng):
             ]
         }
     )
-    verdict, _ = soundness(setting, System((never,)), 1, rng)
+    verdict, _ = soundness(problem, System((never,)), 1, rng)
     assert verdict == Soundness(0, 0)
     assert not verdict.holds
 

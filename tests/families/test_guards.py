@@ -10,35 +10,33 @@ import pytest
 
 from rankdrop.families import rows as merge_module
 from rankdrop.families import table as families_module
-from rankdrop.families.linear import Linear
+from rankdrop.families.linear import Linear, polished
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, verified
 from rankdrop.families.rows import Cover, on_row
-from rankdrop.families.sampling import Setting
 from rankdrop.families.searching import search
-from rankdrop.families.signature import Signature
+from rankdrop.families.signature import Signature, inspect
 from rankdrop.families.unseen import unseen
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.tolerances import DEFAULT
 
 STRAIGHT = (0.0, pi)
 
 
-def setting(name: str, corank: int) -> Setting:
+def problem(name: str, corank: int) -> Problem:
     robot = open_robot(name)
     task = resolve_task(None, robot)
-    return Setting(robot, replace(task, length_scale=task.scale(robot)), corank, generic_rank(robot, task) - corank,
-                   DEFAULT)  # fmt: skip
+    return Problem(robot, replace(task, length_scale=task.scale(robot)), corank)
 
 
-def pinned(setting: Setting, *joints: int, values: tuple[float, ...] = STRAIGHT) -> Row:
+def pinned(problem: Problem, *joints: int, values: tuple[float, ...] = STRAIGHT) -> Row:
     """The row on which joints (from 0) stand at the values."""
-    n = setting.robot.n
-    linear = Linear.of(setting.robot, [tuple(int(i == j) for i in range(n)) for j in joints])
+    n = problem.robot.n
+    linear = Linear.of(problem.robot, [tuple(int(i == j) for i in range(n)) for j in joints])
     free = tuple(j for j in range(n) if j not in joints)
     return Row(linear, (values,) * len(joints), (), Signature(len(joints), joints, free, (), (), ()), "planted")
 
@@ -47,13 +45,13 @@ def test_what_loses_more_everywhere_is_no_row_of_this_corank(rng) -> None:
     """PUMA, shoulder and elbow at once: every point is singular, and of corank 2; no family of corank 1."""
     values = [(pi / 2, float(np.arctan2(-0.4318, 0.0203)))]  # θ2; a3 s3 + d4 c3 = 0
     for corank, holds in ((1, False), (2, True)):
-        at = setting("puma560", corank)
+        at = problem("puma560", corank)
         assert verified(at, pinned(at, 1, 2).linear, (), 0, values, rng) == [holds]
 
 
 def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_row() -> None:
     """Stanford arm: σ ~ q3² near q3 = 0. 50 µm off, σ is small and far above rounding."""
-    at = setting("stanford", 1)
+    at = problem("stanford", 1)
     row = pinned(at, 2, values=(0.0,))
     q = np.array([[0.3, 1.0, 5e-5, 0.4, 1.1, 0.2]])
     sigma = singular_values(at.robot, q, at.task)[0, at.rank]
@@ -62,7 +60,7 @@ def test_a_point_near_a_square_that_is_not_singular_to_rounding_is_not_on_the_ro
     assert on_row(at, row, q * [1, 1, 0, 1, 1, 1]).all()
 
 
-def halves(at: Setting) -> list[Row]:
+def halves(at: Problem) -> list[Row]:
     """(a2 ± a3)c2 ± d5 s24 = 0 at θ3 = 0 and π: a2 c2 + a3 c23 + d5 s234 = 0 at both."""
     zero = (0,) * 6
     signature = Signature(2, (2,), (0, 4, 5), (1, 3), (), ())
@@ -79,15 +77,15 @@ def halves(at: Setting) -> list[Row]:
 def test_two_rows_become_one_only_where_it_holds_on_both(
     rng, monkeypatch: pytest.MonkeyPatch, found: list[bool], count: int
 ) -> None:
-    at = setting("ur5", 2)
+    at = problem("ur5", 2)
     monkeypatch.setattr(merge_module, "verified", lambda *arguments: found)
     assert len(merge_module.merged(at, halves(at), rng)) == count
 
 
 def test_a_point_on_two_rows_is_one_point(rng) -> None:
     """PA-10, corank 1: the elbow twice over. Counted twice, single points would look like pieces met twice."""
-    at = setting("pa10", 1)
-    inspection = at.inspect(at.polished(search(at.robot, 1, task=at.task, starts=60).converged))
+    at = problem("pa10", 1)
+    inspection = inspect(at, polished(at, search(at.robot, 1, task=at.task, starts=60).converged))
     cover = Cover(at, inspection.q)
     elbow, again = pinned(at, 3), pinned(at, 3)
     once = families_module._pieces(cover, [elbow], inspection)
@@ -99,7 +97,7 @@ def test_a_point_on_two_rows_is_one_point(rng) -> None:
 def test_equations_are_solved_where_only_held_joints_reach() -> None:
     """PUMA's wrist, sin θ5 = 0, times 3 + cos 2θ2 + cos 2θ4 + cos 2θ6: that is zero at θ2, θ4, θ6 = ±π/2 alone, where
     no random start arrives, and where θ5 is anything the arm is regular."""
-    at, zero = setting("puma560", 1), (0,) * 6
+    at, zero = problem("puma560", 1), (0,) * 6
     wrist, linear = (0, 0, 0, 0, 2, 0), Linear.of(open_robot("puma560"), [])
     terms = [Term(3.0, "sin", wrist, zero)]
     for joint in (1, 3, 5):  # sin a cos b = (sin(a + b) + sin(a − b))/2

@@ -7,8 +7,9 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.linear import Linear, boxes, canonical, grow, wrap
+from rankdrop.families.linear import Linear, boxes, canonical, grow
 from rankdrop.families.signature import candidates, independent
+from rankdrop.problem import wrap
 from rankdrop.robot.open import open_robot
 
 

@@ -41,11 +41,11 @@ def by_hand(monitor: Monitor, q: Array, velocity: Array) -> float:
     """The least s of all families, 1/s = 1 − c + c/k."""
     at, least = monitor.nearby(q), 1.0
     length = float(np.linalg.norm(velocity / joint_scale(monitor.robot, monitor.task)))
-    for reach, away in zip(at.reach, at.away, strict=True):
+    for far, away in zip(at.distance, at.away, strict=True):
         c = max(0.0, -float(away @ velocity) / length)
-        if np.isnan(reach) or reach <= 1e-5 or c <= 1e-9:
+        if np.isnan(far) or far <= 1e-5 or c <= 1e-9:
             continue
-        k = min(1.0, max(0.0, (reach - monitor.stop) / (monitor.start - monitor.stop)))
+        k = min(1.0, max(0.0, (far - monitor.stop) / (monitor.start - monitor.stop)))
         least = min(least, 1.0 / (1.0 - c + c / k) if k > 0.0 else 0.0)
     return least
 
@@ -63,16 +63,16 @@ def test_the_scaling_is_that_of_its_equation(name: str, rng: np.random.Generator
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_the_reach_grows_along_its_gradient(name: str, rng: np.random.Generator) -> None:
+def test_the_distance_grows_along_its_gradient(name: str, rng: np.random.Generator) -> None:
     monitor, tried = monitor_of(name), 0
     for q in places(name, rng)[::3]:
         at, x = monitor.nearby(q), rng.normal(size=monitor.robot.n)
         ahead, behind = monitor.nearby(q + 1e-7 * x), monitor.nearby(q - 1e-7 * x)
-        slope = (ahead.reach - behind.reach) / 2e-7
+        slope = (ahead.distance - behind.distance) / 2e-7
         for f, family in enumerate(monitor.families):
-            if family.coupled or at.reach[f] < 1e-3 or not family.pinned:
+            if family.coupled or at.distance[f] < 1e-3 or not family.pinned:
                 continue  # of coupled joints `away` is that of the tangent plane
-            if abs(slope[f]) < 5.0 and abs(ahead.reach[f] + behind.reach[f] - 2 * at.reach[f]) < 1e-9:
+            if abs(slope[f]) < 5.0 and abs(ahead.distance[f] + behind.distance[f] - 2 * at.distance[f]) < 1e-9:
                 assert slope[f] == pytest.approx(at.away[f] @ x, abs=1e-5)
                 tried += 1
     assert tried or all(family.coupled for family in monitor.families)
@@ -88,9 +88,9 @@ def test_near_a_coupled_family_its_gradient_is_that_of_the_distance(name: str, r
         for _ in range(12):
             q = np.array(family.witness) + rng.normal(size=monitor.robot.n) * 1e-3
             at, x = monitor.nearby(q), rng.normal(size=monitor.robot.n)
-            if at.reach[f] < 1e-4:
+            if at.distance[f] < 1e-4:
                 continue
-            slope = (monitor.nearby(q + 1e-7 * x).reach[f] - monitor.nearby(q - 1e-7 * x).reach[f]) / 2e-7
+            slope = (monitor.nearby(q + 1e-7 * x).distance[f] - monitor.nearby(q - 1e-7 * x).distance[f]) / 2e-7
             assert slope == pytest.approx(at.away[f] @ x, abs=0.02 * float(np.linalg.norm(x)))
             tried += 1
     assert tried >= 4
@@ -102,12 +102,12 @@ def test_motion_away_from_all_families_is_never_slowed(name: str, rng: np.random
     monitor, inside = monitor_of(name), 0
     for q in places(name, rng):
         at = monitor.nearby(q)
-        near = np.flatnonzero(at.reach < monitor.start)
+        near = np.flatnonzero(at.distance < monitor.start)
         velocity = at.away[near].sum(axis=0) if len(near) else rng.normal(size=monitor.robot.n)
         if not len(near) or (at.away[near] @ velocity < 0).any():
             continue
         assert monitor.step(q, velocity).scaling == 1.0
-        inside += int((at.reach[near] < monitor.stop).any())
+        inside += int((at.distance[near] < monitor.stop).any())
     assert inside >= 1
 
 
@@ -131,16 +131,16 @@ def test_motion_straight_towards_a_family_comes_to_rest_at_the_second_threshold(
     q = np.array(monitor.families[f].witness)
     q[monitor.families[f].pinned[0].number - 1] += 0.4
     alone = Monitor(monitor.robot, monitor.task, [monitor.families[f]], start=0.3, stop=0.05)
-    reach = []
+    far = []
     for _ in range(1500):
         velocity = -alone.nearby(q).away[0]
         seen = alone.step(q, velocity)
         assert seen.approach == pytest.approx(1.0)
-        reach.append(seen.reach)
+        far.append(seen.distance)
         q = q + 0.01 * seen.scaling * velocity
-    assert reach[0] == pytest.approx(0.4)
-    assert min(reach) >= 0.05
-    assert reach[-1] == pytest.approx(0.05, abs=1e-6)
+    assert far[0] == pytest.approx(0.4)
+    assert min(far) >= 0.05
+    assert far[-1] == pytest.approx(0.05, abs=1e-6)
 
 
 def test_the_scaling_has_no_jump_where_the_motion_turns() -> None:
@@ -170,7 +170,7 @@ def test_the_internal_step_moves_away_with_the_end_effector_at_rest(name: str, r
         assert np.linalg.norm(seen.null_step / scale) == pytest.approx(1.0)
         assert np.abs(rankdrop.jacobian(monitor.robot, q, monitor.task.frame)[rows] @ seen.null_step).max() < 1e-9
         at = monitor.nearby(q)
-        near = (at.reach < monitor.start) & (at.reach > 1e-5)
+        near = (at.distance < monitor.start) & (at.distance > 1e-5)
         assert (at.away[near] @ seen.null_step >= -1e-5).all()
         assert at.away[seen.nearest] @ seen.null_step == pytest.approx(seen.null_rate, abs=1e-9)
         assert monitor.step(q, seen.null_step).scaling > 0.999
@@ -190,8 +190,8 @@ def test_internal_steps_one_after_the_other_leave_the_neighbourhood(name: str, r
         for _ in range(60):
             q = q + 0.005 * seen.null_step
             seen = monitor.step(q)
-        assert seen.reach >= first.reach - 1e-4
-        left += seen.reach > first.reach + 0.02
+        assert seen.distance >= first.distance - 1e-4
+        left += seen.distance > first.distance + 0.02
     assert left >= 15
 
 
@@ -225,7 +225,7 @@ def test_of_internal_motions_the_steepest_that_approaches_nothing_is_taken(rng: 
         seen, at = monitor.step(q), monitor.nearby(q)
         null = np.linalg.svd(rankdrop.jacobian(found.robot, q)[:3])[2][3:].T
         inside = at.away @ null @ null.T
-        near = np.flatnonzero((at.reach < 1.0) | (np.arange(len(at.reach)) == seen.nearest))
+        near = np.flatnonzero((at.distance < 1.0) | (np.arange(len(at.distance)) == seen.nearest))
         want = steepest(inside[seen.nearest], inside[near])
         length = np.linalg.norm(want)
         if length < 1e-4:
@@ -265,8 +265,8 @@ def test_without_conditions_the_slope_of_sigma_slows() -> None:
         monitor = Monitor(found.robot, found.task, families)
         assert monitor.beyond
         towards, along = monitor.step(q, -np.eye(6)[4]), monitor.step(q, np.eye(6)[4])
-        assert towards.reach == towards.distance == pytest.approx(0.1, rel=0.2)
-        assert towards.scaling == pytest.approx((towards.reach - 0.02) / 0.18, rel=0.2)
+        assert towards.distance == pytest.approx(0.1, rel=0.2)
+        assert towards.scaling == pytest.approx((towards.distance - 0.02) / 0.18, rel=0.2)
         assert along.scaling == 1.0
     assert not Monitor(found.robot, found.task, found.families).beyond
 
@@ -282,7 +282,7 @@ def recorded(name: str, seed: int, least: float, size: float = 0.25, samples: in
         centre, wide = rng.uniform(-2.5, 2.5, monitor.robot.n), rng.uniform(0.2 * size, size, monitor.robot.n)
         speed, phase = rng.uniform(0.4, 1.6, monitor.robot.n), rng.uniform(0.0, 6.0, monitor.robot.n)
         q, rates = centre + wide * np.sin(speed * t + phase), wide * speed * np.cos(speed * t + phase)
-        if min(monitor.step(row).reach for row in q[::8]) >= least + 0.05:
+        if min(monitor.step(row).distance for row in q[::8]) >= least + 0.05:
             return q, rates
     raise AssertionError(f"{name}: no motion that far from every singularity")
 

@@ -13,6 +13,7 @@ from rankdrop.families.searching import search
 from rankdrop.family.naming import name_family
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 H = pi / 2
@@ -172,7 +173,23 @@ def test_no_part_of_the_arm_is_blamed_where_the_geometry_names_none(robot: Robot
 def test_a_family_that_needs_more_than_its_facts_says_so() -> None:
     found = search(canadarm(), 1, task=resolve_task(None, canadarm()), starts=60, seed=0).converged
     stretched = found[np.abs(np.sin(found[:, 3])) < 1e-9]
-    assert name(canadarm(), stretched) == "elbow: axes 3, 4, 5 coplanar, others coupled"
+    task = resolve_task(None, canadarm())
+    told = name_family(canadarm(), task, stretched, [4], coupled=[2, 3, 5, 6])
+    assert told == "elbow: axes 3, 4, 5 coplanar, with a condition on θ2, θ3, θ5, θ6"
+    assert name(canadarm(), stretched) == "elbow: axes 3, 4, 5 coplanar"
+
+
+def test_values_that_are_no_simple_angles_tell_the_posture() -> None:
+    panda = open_robot("panda")
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-3, 3, (24, 7))
+    stretched = np.arctan2(0.0825 * (0.316 + 0.384), 0.0825**2 - 0.316 * 0.384)
+    q[:, 3] = np.where(np.arange(24) % 2, stretched, stretched - np.pi)
+    q[:, 4] = np.where(np.arange(24) % 3, 0.0, np.pi)
+    told = name_family(panda, resolve_task(None, panda), q, [4, 5], coupled=[])
+    assert told == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8° or 153.2°)"
+    alone = name_family(panda, resolve_task(None, panda), q[::2], [4, 5], coupled=[])
+    assert alone == "elbow: arm nearly stretched or folded, 4 ∥ 6 (θ4 = −26.8°)"
 
 
 def test_the_name_does_not_depend_on_what_the_arm_is_called() -> None:

@@ -11,11 +11,11 @@ from known.arms import KINDS
 from known.members import members
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.families.linear import wrap
 from rankdrop.families.on_the_spot import LocalFamily, name_on_the_spot
 from rankdrop.family.record import Family
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import singular_values
+from rankdrop.problem import wrap
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
 from rankdrop.robot.open import open_robot

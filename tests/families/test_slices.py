@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from rankdrop.families.curves import sweeps
-from rankdrop.families.linear import wrap
-from rankdrop.families.members import general_member, members
 from rankdrop.families.slices import Slice, curves, slice_through, surface, telling_joints, telling_slices
 from rankdrop.families.solid import closed, solids
+from rankdrop.families.walk import general_member, members
 from rankdrop.families.workspaces import workspace
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample, singular_values
+from rankdrop.problem import wrap
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped
 

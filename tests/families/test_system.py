@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+import pytest
 
 from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import System
+from rankdrop.family.system import SOLVED, System
 from rankdrop.results.known import shipped
 
 ZERO = (0, 0, 0)
@@ -64,3 +65,64 @@ def test_nothing_to_solve_is_solved(rng):
     assert System(()).solve(q)[1].all()
     assert (System(()).nearest(q)[0] == 0).all()
     assert len(System((CURVED,)).solve(q[:0])[0]) == 0
+
+
+def gauss_newton(system: System, q: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """The same steps as the core's, one configuration at a time, with NumPy's pseudo-inverse."""
+    ends = np.array(q)
+    for end in ends:
+        for _ in range(40):
+            f, a = (array[0] for array in system.linear(end[None]))
+            if np.abs(f).max() <= 1e-15:
+                break
+            delta = along @ (np.linalg.pinv(a @ along, rcond=1e-7) @ f)
+            end -= delta * min(1.0, 0.5 / max(np.linalg.norm(delta), 1e-300))
+            if np.linalg.norm(delta) <= 1e-14:
+                break
+    return ends
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("free", [1, 2, 3, 4])
+def test_the_way_to_a_solution_is_gauss_newtons(rng, count, free):
+    """Fewer equations than directions and more; the bits do not depend on neighbours in the batch."""
+    equations = tuple(
+        Equation(
+            tuple(
+                Term(
+                    float(rng.normal()),
+                    kind,
+                    tuple(rng.integers(-2, 3, 4).tolist()),
+                    (0, 0, 0, int(rng.integers(0, 2))),
+                )
+                for kind in ("sin", "cos", "cos")
+            )
+        )
+        for _ in range(count)
+    )
+    system, along = System(equations), np.linalg.qr(rng.normal(size=(4, 4)))[0][:, :free]
+    q = rng.uniform(-2, 2, (40, 4))
+    ends, solved = system.solve(q, along=along)
+    reference = gauss_newton(system, q, along)
+    alike = np.linalg.norm(ends - reference, axis=1) < 1e-6
+    assert alike[solved].mean() > 0.9 if solved.any() else count > free  # chaotic starts may part
+    assert solved.any() or count > free
+    np.testing.assert_allclose((ends - q) @ (np.eye(4) - along @ along.T), 0.0, atol=1e-12)
+    np.testing.assert_array_equal(solved, np.abs(system.values(ends)).max(axis=1) <= SOLVED)
+    one_by_one = np.concatenate([system.solve(row[None], along=along)[0] for row in q])
+    np.testing.assert_array_equal(one_by_one, ends)
+
+
+def test_no_direction_to_go_is_no_motion(rng):
+    q = rng.uniform(-1, 1, (5, 3))
+    ends, solved = System((CURVED,)).solve(q, along=np.zeros((3, 0)))
+    np.testing.assert_array_equal(ends, q)
+    assert not solved.any()
+
+
+def test_many_pinned_joints_are_solved_together(rng):
+    """A long arm's family has an equation for each of its joints."""
+    pins = tuple(vanishing_on(tuple(np.eye(30, dtype=int)[j]), (0.0, pi), periodic=True) for j in range(29))
+    ends, solved = System(pins).solve(rng.uniform(-0.9, 0.9, (20, 30)))
+    assert solved.all()
+    np.testing.assert_allclose(ends[:, :29], 0.0, atol=1e-12)

@@ -9,6 +9,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.walk import Walk, in_slice, onto
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.problem import Problem
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -118,7 +119,7 @@ def test_onto_moves_only_along_the_span() -> None:
     arm = open_robot("puma560")
     task = resolve_task(None, arm)
     start = np.array([[0.3, 0.5, 0.4, 0.2, 0.5, 0.6]])
-    end, arrived = onto(arm, task, start, 5, np.eye(6)[:, [4]])
+    end, arrived = onto(Problem(arm, task), start, np.eye(6)[:, [4]])
     assert arrived.all()
     assert np.abs(end[0, 4]) < 1e-9
     assert (np.delete(end - start, 4, axis=1) == 0).all()

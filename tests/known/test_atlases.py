@@ -16,10 +16,10 @@ from known.arms import KINDS, structures
 from rankdrop.errors import ResultFileError
 from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
-from rankdrop.families.sampling import Setting
 from rankdrop.families.searching import search
 from rankdrop.family.system import System
 from rankdrop.frames import BODY
+from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import SEED, STARTS, known_analysis, known_names, shipped
 from rankdrop.robot.fingerprint import coarse_fingerprint
@@ -59,10 +59,9 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
 def test_every_family_is_sound_at_fresh_points(name):
     found = shipped(name)
     for number, family in enumerate(found.families):
-        setting = Setting(found.robot, found.task, family.corank, found.generic_rank - family.corank,
-                          found.settings.tolerances)  # fmt: skip
+        problem = Problem(found.robot, found.task, family.corank, found.settings.tolerances)
         rng = np.random.default_rng([4711, number])
-        fresh, strangers = soundness(setting, System(family.equations), found.robot.n - family.dimension, rng)
+        fresh, strangers = soundness(problem, System(family.equations), found.robot.n - family.dimension, rng)
         assert fresh.holds, (family.id, fresh)
         assert not len(strangers)
 

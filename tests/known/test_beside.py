@@ -9,7 +9,7 @@ import pytest
 from reference.kinematics import jacobian
 from robot.test_structure import noisy
 
-from rankdrop.families.members import members
+from rankdrop.families.walk import members
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.known import known_conditions
 from rankdrop.results.known import known_analysis, shipped

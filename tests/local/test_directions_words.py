@@ -18,9 +18,9 @@ from rankdrop.local.screws import Screw, blocked_words, rewrite_wrench, screw_of
         ([0, -1, 0, 0, 0, 0], "the end effector", "cannot translate along Y of the end effector"),
         ([0.7071, 0, 0.7071, 0, 0, 0], "the base", "cannot translate along (0.707, 0, 0.707) of the base"),
         ([0, 0, 0, 0, 0.6, -0.8], "link 4", "cannot rotate about (0, −0.6, 0.8) of link 4"),
-        ([0, -0.91, 0, 0, 0, -0.41], "link 1", "cannot translate along Y while rotating 0.451 rad/m about Z of link 1"),
-        ([0, 0, 0.91, 0, -0.41, 0], "link 1", "cannot translate along Z while rotating −0.451 rad/m about Y of link 1"),
-        ([0, 0.3, 0, 0.6, 0, 0], "link 1", "cannot rotate about X while translating 0.5 m/rad along Y of link 1"),
+        ([0, -0.91, 0, 0, 0, -0.41], "link 1", "can only move so that vy + 0.451 m·ωz = 0 in axes of link 1"),
+        ([0, 0, 0.91, 0, -0.41, 0], "link 1", "can only move so that vz − 0.451 m·ωy = 0 in axes of link 1"),
+        ([0, 0.3, 0, 0.6, 0, 0], "link 1", "can only move so that ωx + 0.5 rad/m·vy = 0 in axes of link 1"),
     ],
 )
 def test_known_directions_in_words(direction: list[float], frame: str, expected: str) -> None:

@@ -12,7 +12,7 @@ from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import Displacement, told_by_pose
 from rankdrop.local.place import place_at
-from rankdrop.local.second_order import definite, forms, null_basis, trace, vanishing
+from rankdrop.local.second_order import definite, forms, null_basis, proof_of, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -57,8 +57,9 @@ def test_puma_types_and_boundary() -> None:
     assert [found.boundary for found in (wrist, shoulder, elbow)] == [None, True, True]
     assert [found.avoidable for found in (wrist, shoulder, elbow)] == [False, False, False]
     assert "traced, not proven" in wrist.avoidable_words
-    assert "second order" in elbow.avoidable_words
-    assert "undecided" in wrist.boundary_words
+    assert elbow.avoidable_words == "you cannot leave it with the tool held still"
+    assert "is definite" in proof_of(elbow.avoidable_words)
+    assert "not decided" in wrist.boundary_words
 
 
 def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
@@ -75,7 +76,7 @@ def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
     assert found.types[0].type == 2
     assert found.boundary is None
     assert found.avoidable is False
-    assert "undecided" in found.boundary_words
+    assert "not decided" in found.boundary_words
     assert "traced, not proven" in found.avoidable_words
 
 

@@ -9,7 +9,8 @@ from reference import arms
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
-from rankdrop.local.nearest import idle_joints, nearest_singularity
+from rankdrop.local.nearest import nearest_singularity
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -99,7 +100,7 @@ def test_at_an_exact_singularity_it_is_exactly_zero() -> None:
 @pytest.mark.parametrize("name", ["pa10", "ur5", "panda", "gen3", "fetch8"])
 def test_joints_that_do_not_matter_stay(name: str, rng: np.random.Generator) -> None:
     robot = open_robot(name)
-    idle = idle_joints(robot, resolve_task(None, robot))
+    idle = Problem(robot, resolve_task(None, robot)).idle
     assert idle[0]
     for q in rng.uniform(-3, 3, (5, robot.n)):
         found = nearest_singularity(robot, q)

@@ -9,7 +9,8 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.local import minimax
 from rankdrop.local.block import sample, singular_values
-from rankdrop.local.tied import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
+from rankdrop.local.minimax import brought_down, gradient_tensor, plane_rotation, spread, stays_up, tied_gradients
+from rankdrop.problem import Problem
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -59,11 +60,11 @@ def test_many_configurations_at_once_are_each_on_its_own(pa10):
 def test_almarkhi4_second_singular_value_is_least_at_0_70833(rng):
     robot = open_robot("almarkhi4")
     task = resolve_task("position", robot, length_scale=1.0)
-    found = brought_down(robot, task, 1, sample(robot, task, 40, 1), limits=False)
+    found = brought_down(Problem(robot, task, 2), sample(robot, task, 40, 1))
     best = int(np.argmin(found.value))
     assert found.value[best] == pytest.approx(0.7083299566, abs=1e-8)
     assert found.slope[best] < 1e-5
-    assert stays_up(robot, task, 1, found.q[best : best + 1], limits=False)[0]
+    assert stays_up(Problem(robot, task, 2), found.q[best : best + 1])[0]
     around = found.q[best] + 1e-3 * rng.normal(size=(2000, 4))
     assert singular_values(robot, around, task)[:, 1].min() >= found.value[best] - 1e-9
     printed = [found.q[best, 0], 3.04691, 2.28528, -2.57122]
@@ -74,7 +75,7 @@ def test_a_descent_never_rises_and_stays_in_its_limits():
     robot = open_robot("panda")
     task = resolve_task(None, robot)
     start = sample(robot, task, 30, 5, limits=True)
-    found = brought_down(robot, task, 4, start, limits=True, iterations=60)
+    found = brought_down(Problem(robot, task, 2, limits=True), start, iterations=60)
     assert (found.q >= robot.lower).all()
     assert (found.q <= robot.upper).all()
     assert (found.value <= singular_values(robot, start, task)[:, 4]).all()
@@ -123,5 +124,5 @@ def test_where_a_plain_descent_stops_on_a_tie_is_no_minimum(pa10):
     stuck = refine(robot, q, 2, task=task, method="gradient")
     assert stuck.outcome[0] == Outcome.CREASE
     assert stuck.sigma[0, 4] == pytest.approx(5.1e-4, rel=0.02)
-    assert not stays_up(robot, task, 4, stuck.q, limits=False)[0]
-    assert brought_down(robot, task, 4, stuck.q, limits=False).value[0] < 1e-6
+    assert not stays_up(Problem(robot, task, 2), stuck.q)[0]
+    assert brought_down(Problem(robot, task, 2), stuck.q).value[0] < 1e-6

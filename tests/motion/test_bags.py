@@ -254,7 +254,7 @@ def test_the_command_reads_bags_and_folders_of_them(
     assert told.out.startswith("Free: proven")
     assert "run1: not used: finger" in told.err
     assert main.run(["path", "planar3r", str(tmp_path / "run2"), "--quiet"]) == 2
-    assert "mend: --topic /joint_states" in capsys.readouterr().err
+    assert "fix: --topic /joint_states" in capsys.readouterr().err
     assert main.run(["path", "planar3r", str(tmp_path / "run2"), "--topic", "/other", "--quiet"]) == 0
     assert main.run(["path", "planar3r", str(tmp_path), "--quiet"]) == 2
     assert "2 of 3 paths proven free" in capsys.readouterr().out

@@ -11,7 +11,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import pose
-from rankdrop.motion.cartesian import check_poses, solutions
+from rankdrop.motion.cartesian import check_poses, within_limits
 from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
@@ -123,7 +123,7 @@ def test_the_tip_goes_straight_through_every_pose() -> None:
 
 def test_without_a_start_the_solution_nearest_to_zero_is_taken() -> None:
     task = resolve_task(None, ARM)
-    known = solutions(ARM, POSES[0], task)
+    known = within_limits(ARM, POSES[0], task)
     assert len(known) == 8
     assert np.abs(pose(ARM, known) - POSES[0]).max() < 1e-9
     far = np.linalg.norm(known, axis=1)

@@ -12,10 +12,12 @@ from reference import region
 
 import rankdrop
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.local.block import singular_values
 from rankdrop.motion.check import check_path
 from rankdrop.results.codec import json_text
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
 from rankdrop.units import scaled
 from rankdrop.verbs.analyze import analyze
 
@@ -275,3 +277,20 @@ def test_a_path_that_crosses_is_never_free_on_the_whole_of_its_length() -> None:
     assert found.free_words == "more than 99.9999 %"
     free = check_path(open_robot("planar3r"), [[0.3, 0.5, 0.4], [0.3, 0.6, 0.4]])
     assert (free.verdict, free.free_words) == ("free", "100 %")
+
+
+def test_a_planned_path_that_halts_a_motoman_is_known_before_it_is_driven() -> None:
+    """ros-industrial/motoman 556: the controller halts at singularities that a planner in joint space goes through.
+
+    Twelve rows, as a planner gives them: each of them is regular, and a singularity is crossed between two.
+    """
+    arm = open_robot("hc10")
+    start, end = np.array([0.3, 0.4, -0.5, 0.2, 0.7, 0.1]), np.array([-0.4, 0.1, -0.2, 0.3, -0.55, -0.6])
+    q = start + np.linspace(0, 1, 12)[:, None] * (end - start)
+    assert (singular_values(arm, q, resolve_task(None, arm))[:, -1] > 1e-4).all()
+    found = check_path(arm, q, np.linspace(0, 2, 12))
+    assert found.verdict == "crossing"
+    (crossed,) = found.crossings
+    assert (crossed.bracket[0].row, crossed.family) == (7, "k1.f1")
+    assert crossed.closest.sigma < 1e-9
+    np.testing.assert_allclose(crossed.closest.q, q[6] + crossed.bracket[0].share * (q[7] - q[6]), atol=1e-9)

@@ -15,7 +15,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.postures.decide import OPEN, Decision
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.motion.check import check_path
-from rankdrop.motion.inverse import error, solutions
+from rankdrop.motion.inverse import Aim, solutions
 from rankdrop.motion.postures import search
 from rankdrop.motion.postures.record import CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND, Postures
 from rankdrop.motion.postures.search import aspects_of
@@ -48,7 +48,7 @@ def holds(found: Postures) -> None:
     assert found.change is not None
     q = found.change.q
     task = resolve_task(found.task, found.robot)
-    assert np.abs(error(found.robot, task, q[-1:], pose(found.robot, q[0]))).max() < 1e-9
+    assert np.abs(Aim(found.robot, task).error(pose(found.robot, q[0]), q[-1:])).max() < 1e-9
     gap = q[-1] - q[0]
     assert np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi))).max() > 0.01
     assert check_path(found.robot, q, task=found.task).verdict == "free"
@@ -141,7 +141,7 @@ def test_solutions_are_solutions_and_all_of_a_puma_are_found() -> None:
     target = pose(robot, [0.3, 0.5, 0.4, 0.6, 0.8, 0.2])
     found = solutions(robot, task, target, starts=300, seed=1)
     assert len(found) == 8
-    assert np.abs(error(robot, task, found, target)).max() < 1e-10
+    assert np.abs(Aim(robot, task).error(target, found)).max() < 1e-10
     assert np.abs(np.linalg.det(task_jacobian(robot, found, task))).min() > 0
 
 

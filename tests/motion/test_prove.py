@@ -13,6 +13,7 @@ from rankdrop.certify.ball import settings_of
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import search
 from rankdrop.family.equation import Equation, Term
+from rankdrop.family.system import System
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
@@ -146,6 +147,25 @@ def test_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
             assert set((np.flatnonzero(np.diff(sign)) + 1).tolist()) <= set(rows.tolist())
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "count"), [("ur5", 100), ("puma560", 100), ("gp7", 100), ("pa10", 50), ("panda", 50)]
+)
+def test_hundreds_of_random_paths_end_with_nothing_undecided(name: str, count: int) -> None:
+    """300 paths of 5 s of 6R arms and 100 of 7R arms, what `check_path` proves without what it tells."""
+    robot = open_robot(name)
+    task = resolve_task(None, robot)
+    families = known_analysis(robot, task).families
+    rng, kinds = np.random.default_rng(26), []
+    for _ in range(count):
+        path = curve(smooth(rng, robot.n, 500), np.linspace(0, 5, 500))
+        proof = proven(robot, task, path)
+        assert proof.complete
+        kinds += [one.kind for one in meetings(robot, task, path, proof.slivers, families, DEFAULT)]
+    assert set(kinds) <= {"crossing"}
+    assert robot.n > 6 or len(kinds) > 5 * count
+
+
 def test_free_is_told_from_an_independent_look() -> None:
     """σ of dense samples of the free parts stays above zero: at 40 points a stretch, 1e-9 away from the slivers."""
     robot = open_robot("ur5")
@@ -194,6 +214,29 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
     found = check_path(robot, q, t, velocities=v, interpolate="cubic")
     assert found.verdict == "free"
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("name", "number"), [("ur5", "k1.f1"), ("ur5", "k1.f3"), ("pa10", "k1.f1"), ("panda", "k1.f1")]
+)
+def test_a_path_tangent_to_a_family_is_told_to_touch_or_undecided_and_never_free(name: str, number: str) -> None:
+    """q* + t s + w s², t in the tangent space of the family: its condition has a double zero at s = 0."""
+    robot = open_robot(name)
+    family = next(one for one in known_analysis(robot, resolve_task(None, robot)).families if one.id == number)
+    rng, q0 = np.random.default_rng(27), np.array(family.witness)
+    _, slopes = System(family.equations).linear(q0[None])
+    _, size, rows = np.linalg.svd(slopes[0])
+    normal = rows[: int((size > 1e-9).sum())]
+    for s in (-0.37, -0.5):
+        t, w = rng.normal(size=(2, robot.n)) * 0.2
+        t = t - normal.T @ (normal @ t)
+        ends = np.array([s, s + 1.0])
+        q = q0 + ends[:, None] * t + ends[:, None] ** 2 * w
+        found = check_path(robot, q, [0.0, 1.0], velocities=t + 2 * ends[:, None] * w, interpolate="cubic")
+        met = [one for one in found.stretches if one.verdict != "free"]
+        assert found.verdict in ("touching", "undecided")
+        assert not found.holds
+        assert any(one.start.time <= -s <= one.end.time for one in met)
 
 
 def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:

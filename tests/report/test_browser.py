@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from browser.axe import violations
 from browser.chromium import Browser, find_chromium
 
 from rankdrop.kinematics import pose
 from rankdrop.local.block import sample, singular_values
-from rankdrop.report.content import arrows, content
+from rankdrop.report.content import Content, arrows, content
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
 
@@ -21,6 +24,7 @@ pytestmark = [
 ]
 ARMS = ["stanford", "pa10", "almarkhi4"]
 LAPTOP, PHONE = (1280, 900), (390, 844)
+WIDTHS = (390, 1024, 1440)
 
 
 @pytest.fixture(scope="module")
@@ -31,13 +35,19 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def contents() -> dict[str, Content]:
+    """What the pages show."""
+    return {name: content(shipped(name), exact=name == "stanford") for name in ARMS}
+
+
+@pytest.fixture(scope="module")
+def pages(contents: dict[str, Content], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """The reports of some arms, written once."""
     folder = tmp_path_factory.mktemp("pages")
     paths = {}
     for name in ARMS:
         paths[name] = folder / f"{name}.html"
-        paths[name].write_text(page(content(shipped(name), exact=name == "stanford")), encoding="utf-8")
+        paths[name].write_text(page(contents[name]), encoding="utf-8")
     return paths
 
 
@@ -72,8 +82,8 @@ def test_a_slider_moves_the_arm(name: str, browser: Browser) -> None:
     assert "40.1°" in browser.run("document.getElementById('value2').textContent")
 
 
-def test_arrows_point_where_the_numbers_say(name: str, browser: Browser) -> None:
-    analysis = shipped(name)
+def test_arrows_point_where_the_numbers_say(name: str, browser: Browser, contents: dict[str, Content]) -> None:
+    analysis = contents[name].analysis
     for family in analysis.families:
         browser.run(f"rankdropReport.goTo('{family.id}', false)")
         drawn = browser.run("rankdropReport.state.arrows.map((one) => [...one.v, ...one.w])")
@@ -81,17 +91,18 @@ def test_arrows_point_where_the_numbers_say(name: str, browser: Browser) -> None
         assert browser.run("document.getElementById('verdict').textContent").startswith("Singular")
 
 
-def test_arrows_follow_the_arm_along_its_family(name: str, browser: Browser) -> None:
+def test_arrows_follow_the_arm_along_its_family(name: str, browser: Browser, contents: dict[str, Content]) -> None:
     """Turning joint 1 keeps the arm on its family and carries the arrows round with it."""
-    family = shipped(name).families[0]
+    analysis = contents[name].analysis
+    family = analysis.families[0]
     turned = [0.8, *family.witness[1:]]
     browser.run(f"rankdropReport.goTo('{family.id}', false)")
     lost = browser.run(f"(rankdropReport.setQ({turned}), rankdropReport.state.arrows.map((a) => [...a.v, ...a.w]))")
-    robot, angle = shipped(name).robot, 0.8 - family.witness[0]
+    robot, angle = analysis.robot, 0.8 - family.witness[0]
     axis = robot.joints[0].screw[3:]
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
     rotation = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    expected = (arrows(shipped(name), family)[1].reshape(-1, 2, 3) @ rotation.T).reshape(-1, 6)
+    expected = (arrows(analysis, family)[1].reshape(-1, 2, 3) @ rotation.T).reshape(-1, 6)
     same = np.array(lost) @ expected.T
     assert np.abs(np.abs(same) - np.eye(family.corank)).max() < 1e-6
 
@@ -142,3 +153,84 @@ def test_the_page_prints(browser: Browser, pages: dict[str, Path], tmp_path: Pat
     browser.open(pages["stanford"])
     browser.pdf(tmp_path / "page.pdf")
     assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF")
+    assert len(re.findall(rb"/Type\s*/Page[^s]", (tmp_path / "page.pdf").read_bytes())) <= 12
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.slow
+def test_axe_finds_nothing(width: int, dark: bool, browser: Browser, pages: dict[str, Path]) -> None:
+    browser.window(width, 900, dark=dark, phone=width < 500)
+    browser.open(pages["stanford"])
+    assert violations(browser) == []
+    assert browser.run("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.slow
+def test_axe_would_find_a_picture_without_words(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.open(pages["stanford"])
+    browser.run("document.getElementById('arm').removeAttribute('aria-label')")
+    assert any("role-img-alt" in one for one in violations(browser))
+
+
+@pytest.mark.slow
+def test_only_tables_that_are_too_wide_say_so(browser: Browser, pages: dict[str, Path]) -> None:
+    seen = "[...document.querySelectorAll('.swipe')].filter((one) => one.offsetHeight > 0).length"
+    for (width, height), many in ((PHONE, True), ((1440, 900), False)):
+        browser.window(width, height, phone=many)
+        browser.open(pages["stanford"])
+        assert (browser.run(seen) > 0) is many
+
+
+@pytest.mark.slow
+def test_sliders_end_at_the_joint_limits_until_told_otherwise(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.window(*LAPTOP)
+    browser.open(pages["stanford"])
+    joint = shipped("stanford").robot.variables[1]
+    ends = "[Number(slider2.min), Number(slider2.max)]"
+    assert browser.run(ends) == pytest.approx([joint.lower, joint.upper])
+    browser.run("document.getElementById('limits').click()")
+    assert browser.run(ends) == pytest.approx([-np.pi, np.pi], abs=1e-5)
+
+
+@pytest.mark.slow
+def test_a_button_leads_out(name: str, browser: Browser, contents: dict[str, Content]) -> None:
+    shown = contents[name]
+    index = next(i for i, ways in enumerate(shown.ways) if ways)
+    browser.run(f"rankdropReport.goTo('{shown.analysis.families[index].id}', false)")
+    browser.run("document.querySelector('#ways button').click()")
+    assert browser.run("rankdropReport.state.q") == pytest.approx(list(shown.ways[index][0].q))
+    assert "Regular" in browser.run("document.getElementById('verdict').textContent")
+    assert browser.run("document.querySelectorAll('#ways button').length") == 0
+
+
+@pytest.mark.slow
+def test_what_is_downloaded_is_what_the_page_holds(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.window(*LAPTOP)
+    browser.open(pages["stanford"])
+    browser.run(
+        "(() => { window.kept = []; const made = URL.createObjectURL;"
+        "URL.createObjectURL = (blob) => { window.kept.push(blob); return made(blob); };"
+        "HTMLAnchorElement.prototype.click = () => {};"
+        "for (const id of ['save-csv', 'save-json']) document.getElementById(id).click();"
+        "document.querySelector('.figure-save').click(); })()"
+    )
+    csv, record, figure = browser.run("Promise.all(window.kept.map((blob) => blob.text()))")
+    assert csv.lstrip("\ufeff").startswith("id,family,corank,dimension,")
+    assert json.loads(record)["families"][0]["id"] == "k1.f1"
+    assert figure.startswith("<svg")
+    assert "var(--" not in figure
+
+
+@pytest.mark.slow
+def test_print_keeps_ids_legends_and_bars(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.window(*LAPTOP)
+    browser.open(pages["stanford"])
+    browser.send("Emulation.setEmulatedMedia", media="print")
+    seen = "(s) => [...document.querySelectorAll(s)].filter((one) => one.getClientRects().length > 0).length"
+    for kept in (".scroll button", ".stage .key", "#sigma i", ".card h4"):
+        assert browser.run(f"({seen})('{kept}')") > 0, kept
+    for gone in (".screen", "#ways", ".sliders", "nav", ".card button"):
+        assert browser.run(f"({seen})('{gone}')") == 0, gone
+    assert "Drag" not in browser.run("document.body.innerText")
+    browser.send("Emulation.setEmulatedMedia", media="")

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from dataclasses import replace
 from functools import cache
+from io import StringIO
 
 import numpy as np
 import pytest
 
+from rankdrop.exact.writing.mathml import typeset
 from rankdrop.family.record import Share, Soundness
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import skeleton
-from rankdrop.report.content import Content, arrows, content
+from rankdrop.report.content import Content, arrows, content, standing
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page
-from rankdrop.report.typeset import typeset
 from rankdrop.results.known import shipped
 
 LARGEST = 15_000_000
@@ -44,7 +46,7 @@ def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
 @pytest.mark.parametrize("name", ["scara", "stanford"])
 def test_the_page_names_every_family_with_its_joints_and_losses(name: str) -> None:
     text = text_of(name)
-    for family in shipped(name).families:
+    for family in shown(name).analysis.families:
         assert f'data-go="{family.id}"' in text
         assert family.name in text
         assert all(words in text for words in family.lost_words)
@@ -60,8 +62,8 @@ def test_the_page_says_how_it_was_verified() -> None:
 def test_what_is_not_verified_is_said() -> None:
     found = shown("scara")
     wrong = replace(found.analysis.families[0], soundness=Soundness(100, 99), explained=Share(10, 9))
-    text = page(replace(found, analysis=replace(found.analysis, families=(wrong,))))
-    assert text.count("Not sound: k1.f1 also holds at 1 of 100 solutions") == 2
+    text = page(replace(found, analysis=replace(found.analysis, families=(wrong,)))).split("<script")[0]
+    assert text.count("A test failed: k1.f1 also holds at 1 of 100 solutions") == 2
     assert "erified" not in text
     assert "0.990" in text
 
@@ -142,6 +144,57 @@ def test_conditions_are_typeset(latex: str, parts: list[str]) -> None:
     for tag in ("mrow", "msub", "msup", "mfrac", "mi", "mn", "mo", "math"):
         assert len(re.findall(f"<{tag}[ >]", found)) == found.count(f"</{tag}>")
     assert "\\" not in found
+
+
+def test_every_turn_is_told_in_degrees() -> None:
+    text = text_of("stanford")
+    assert "rad, m]" not in text
+    assert re.search(r"Through a point of <b>k1\.f\d</b>: θ\d = −?[\d.]+°", text)
+
+
+def test_what_is_taken_away_is_the_analysis() -> None:
+    found = shown("stanford")
+    record = page_data(found)["downloads"]
+    rows = list(csv.DictReader(StringIO(record["csv"])))
+    assert [row["id"] for row in rows] == [family.id for family in found.analysis.families]
+    for row, family in zip(rows, found.analysis.families, strict=True):
+        assert float(row["witness θ2 [deg]"]) == pytest.approx(np.degrees(family.witness[1]), abs=1e-3)
+        assert float(row["witness q3 [m]"]) == pytest.approx(family.witness[2], abs=1e-5)
+    assert json.loads(json.dumps(record["record"], allow_nan=False)) == found.analysis.to_dict()
+
+
+def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
+    found = shown("ur5")
+    for family in found.analysis.families:
+        inside = (np.abs(family.witness) <= found.analysis.robot.upper + 1e-9).all()
+        assert standing(found.analysis, family) == ("inside" if inside else "none found")
+    robot = found.analysis.robot
+    tight = replace(robot, joints=tuple(replace(one, lower=-0.5, upper=0.5) for one in robot.joints))
+    wrist = found.analysis.families[2]
+    turned = (replace(wrist.pinned[0], values=(np.pi,)),)
+    wrist_at_pi = replace(wrist, pinned=turned, witness=(0.0, 0.0, 0.0, 0.0, np.pi, 0.0))
+    assert standing(replace(found.analysis, robot=tight), wrist_at_pi) == "outside"
+
+
+def test_every_way_out_that_is_offered_leads_out() -> None:
+    from rankdrop.local import singular_values
+
+    found = shown("ur5")
+    rank = found.analysis.generic_rank
+    offered = [way for ways in found.ways for way in ways]
+    assert len(offered) >= len(found.analysis.families)
+    for way in offered:
+        assert singular_values(found.analysis.robot, way.q, found.analysis.task)[rank - 1] > 1e-4
+        assert (np.abs(way.q) <= found.analysis.robot.upper + 1e-9).all()
+
+
+def test_pictures_say_what_is_to_be_seen() -> None:
+    text = text_of("ur5")
+    for tag in re.findall(r"<(?:canvas|svg)[^>]*>", text):
+        assert 'role="img"' in tag
+        assert len(re.findall(r'aria-label="([^"]+)"', tag)[0]) >= len("The arm")
+    for family in shown("ur5").analysis.families:
+        assert f'aria-label="The arm in {family.id}, {family.name}. Lost: {family.lost_words[0]}' in text
 
 
 def test_an_analysis_shows_itself_in_a_notebook() -> None:

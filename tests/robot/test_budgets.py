@@ -18,16 +18,16 @@ from rankdrop.motion import message_file
 from rankdrop.motion.csv_file import parse_trajectory
 from rankdrop.motion.message_file import parse_message
 from rankdrop.motion.read import read_trajectory
-from rankdrop.robot import budgets, quantities, urdf_numbers
+from rankdrop.robot import budgets, quantities
 from rankdrop.robot import open as opening
+from rankdrop.robot import urdf as urdf_reader
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.ideal import read_tolerance
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.quantities import quantity
 from rankdrop.robot.toml_file import robot_from_toml
-from rankdrop.robot.urdf import from_urdf
-from rankdrop.robot.urdf_numbers import number
+from rankdrop.robot.urdf import from_urdf, number
 from rankdrop.viewer.meshes import LARGEST_MESH
 from robot.urdf_text import chain, joint, robot
 
@@ -54,7 +54,7 @@ HOSTILE = ("1" + " " * 16_000 + "!", "9" * 16_000 + "x", "a" * 16_000, "1" * 500
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_long_text_is_refused_before_any_expression_sees_it(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """16 kB took 27 s."""
-    for module, name in ((quantities, "_WITH_UNIT"), (quantities, "_ARITHMETIC"), (urdf_numbers, "_NUMBER")):
+    for module, name in ((quantities, "_WITH_UNIT"), (quantities, "_ARITHMETIC"), (urdf_reader, "_NUMBER")):
         monkeypatch.setattr(module, name, Guard(getattr(module, name)))
     with pytest.raises(RobotError, match=r"place: the text is too long for a quantity; got \d+ characters"):
         quantity(text, "angle", where="place")

@@ -14,12 +14,10 @@ from reference.kinematics import pose
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.robot.changes import Change
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import Tolerance, ideal, near_ideal, read_tolerance, structure_words
 from rankdrop.robot.model import Robot
-from rankdrop.robot.normals import extent
-from rankdrop.robot.numbers import numbers_of
+from rankdrop.robot.numbers import Change, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.tolerances import SQUARE
 from robot.test_structure import noisy

@@ -152,7 +152,7 @@ def test_a_floating_body_is_the_base_and_no_chain_passes_it(tmp_path: Path) -> N
     assert "body 'pelvis' floats freely: its own motion is not counted" in arm.notes
     with pytest.raises(RobotError, match="the chain would pass a free joint, which has several freedoms") as caught:
         open_robot(path, base="world", tip="foot")
-    assert caught.value.on_command_line().endswith("mend: --base pelvis")
+    assert caught.value.on_command_line().endswith("fix: --base pelvis")
 
 
 def test_a_ball_joint_is_refused_with_the_base_below_it(tmp_path: Path) -> None:

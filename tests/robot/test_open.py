@@ -52,7 +52,7 @@ def test_latin_1_is_read_where_it_is_declared(tmp_path: Path) -> None:
 
 
 def test_unknown_names_bring_close_ones_and_the_list() -> None:
-    with pytest.raises(UnknownRobotError, match=r"got 'puma56'; allowed: .*; mend: did you mean puma560") as caught:
+    with pytest.raises(UnknownRobotError, match=r"got 'puma56'; allowed: .*; fix: did you mean puma560") as caught:
         open_robot("puma56")
     assert f"{len(robot_names())} names: rankdrop robots lists them" in str(caught.value)
     for name in ("", "nothing like it", "x" * 10_000, "a\0b"):
@@ -82,16 +82,16 @@ def test_a_file_of_that_very_name_comes_before_another_spelling(
 
 
 def test_what_the_catalogue_says_of_an_arm_is_searched_for_suggestions() -> None:
-    with pytest.raises(UnknownRobotError, match=r"mend: did you mean pa10\?"):
+    with pytest.raises(UnknownRobotError, match=r"fix: did you mean pa10\?"):
         open_robot("Mitsubishi PA")
-    with pytest.raises(UnknownRobotError, match=r"mend: 1\d arms fit: rankdrop robots 'ABB IRB' lists them"):
+    with pytest.raises(UnknownRobotError, match=r"fix: 1\d arms fit: rankdrop robots 'ABB IRB' lists them"):
         open_robot("ABB IRB")
 
 
 def test_sdf_is_named_with_the_way_to_convert(tmp_path: Path) -> None:
     path = tmp_path / "arm.sdf"
     path.write_text('<?xml version="1.0"?><!-- <robot> --><sdf version="1.9"><model name="a"/></sdf>', encoding="utf-8")
-    with pytest.raises(RobotError, match=r"SDF is not read; got <sdf>; .*mend: convert it to MJCF with sdf2mjcf"):
+    with pytest.raises(RobotError, match=r"SDF is not read; got <sdf>; .*fix: convert it to MJCF with sdf2mjcf"):
         open_robot(path)
 
 

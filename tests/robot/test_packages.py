@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rankdrop.robot import packages
-from rankdrop.robot.packages import find_package
+from rankdrop.robot import xacro as packages
+from rankdrop.robot.xacro import find_package
 
 
 def package(folder: Path, name: str) -> Path:

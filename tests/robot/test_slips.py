@@ -82,7 +82,7 @@ def test_an_empty_file_is_called_empty(tmp_path: Path) -> None:
 
 
 def test_a_tip_above_the_base_is_told_so() -> None:
-    words = "allowed: another tip: 'base' is a root, no joint carries it; mend: exchange base and tip"
+    words = "allowed: another tip: 'base' is a root, no joint carries it; fix: exchange base and tip"
     with pytest.raises(RobotError, match=words):
         from_urdf(TREE, base="tool", tip="base")
 

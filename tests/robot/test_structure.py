@@ -13,11 +13,10 @@ from reference.kinematics import exponential, pose
 from rankdrop.exact.arm.geometry import sections
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.dh import from_dh
+from rankdrop.robot.meant import meeting, squared
 from rankdrop.robot.model import Array, Mimic, Robot
-from rankdrop.robot.normals import axis_lines, extent
-from rankdrop.robot.numbers import Numbers, numbers_of
+from rankdrop.robot.numbers import Numbers, axis_lines, extent, numbers_of
 from rankdrop.robot.open import open_robot, robot_names
-from rankdrop.robot.structure import meeting, squared
 from rankdrop.robot.transform import frame_on_axis
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.task import resolve_task

@@ -75,10 +75,10 @@ def test_a_short_side_branch_does_not_stop_the_chain() -> None:
 
 def test_equal_chains_are_refused_with_the_candidates() -> None:
     arms = [*chain(1), *chain(6, "left_", "l1"), *chain(6, "right_", "l1")]
-    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; mend: name the tip: tip='left_l6'"
+    words = "7 moving joints start at 'base'; got tips left_l6, right_l6; fix: name the tip: tip='left_l6'"
     with pytest.raises(RobotError, match=words) as caught:
         from_urdf(robot(arms), file="two.urdf")
-    assert caught.value.on_command_line().endswith("mend: name the tip: --tip left_l6")
+    assert caught.value.on_command_line().endswith("fix: name the tip: --tip left_l6")
     assert from_urdf(robot(arms), tip="left_l6").n == 7
 
 
@@ -111,7 +111,7 @@ def test_a_chain_of_thousands_of_joints_and_branches_is_walked() -> None:
 
 
 def test_several_roots_are_refused_with_the_candidates() -> None:
-    with pytest.raises(RobotError, match="several root links; got base, elsewhere; mend: name the base: base='base'"):
+    with pytest.raises(RobotError, match="several root links; got base, elsewhere; fix: name the base: base='base'"):
         from_urdf(robot([*ARM, *chain(2, "other_", "elsewhere")]))
     assert from_urdf(robot(ARM, links=["world"])).base == "base"
 

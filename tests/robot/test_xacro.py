@@ -60,9 +60,9 @@ def test_packages_are_found_by_the_map(tmp_path: Path, macros: Path) -> None:
     before = xacrodoc.packages._finder
     path = write(tmp_path, "$(find given_pack)/urdf/macro.xacro")
     assert open_robot(path, packages={"given_pack": macros}).n == 2
-    with pytest.raises(RobotError, match=r"not found; got 'given_pack'; .*mend: give its folder: packages=") as caught:
+    with pytest.raises(RobotError, match=r"not found; got 'given_pack'; .*fix: give its folder: packages=") as caught:
         open_robot(path)  # the map of the first call is not kept
-    assert caught.value.on_command_line().endswith("mend: give its folder: --package given_pack=FOLDER")
+    assert caught.value.on_command_line().endswith("fix: give its folder: --package given_pack=FOLDER")
     assert xacrodoc.packages._finder is before
     with pytest.raises(RobotError, match="package 'pack': the folder of a package is not there"):
         open_robot(path, packages={"pack": tmp_path / "nowhere"})
@@ -123,7 +123,7 @@ def test_an_argument_without_a_default_is_named_with_the_mend(tmp_path: Path) ->
     with pytest.raises(RobotError, match="are not given; got no value of kind") as caught:
         open_robot(path, args={"with": 1})
     assert caught.value.mend == "args={'kind': …}"
-    assert caught.value.on_command_line().endswith("mend: --arg kind:=VALUE")
+    assert caught.value.on_command_line().endswith("fix: --arg kind:=VALUE")
     assert open_robot(path, args={"kind": "continuous"}).n == 1
 
 
@@ -158,7 +158,7 @@ def test_a_robot_named_by_an_argument_has_its_default_or_the_name_given(tmp_path
 def test_arguments_belong_to_xacro_files(tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text('convention = "standard"\n[[joints]]\na = 1\n', encoding="utf-8")
-    with pytest.raises(RobotError, match="only a xacro file has arguments; got name; mend: leave args out"):
+    with pytest.raises(RobotError, match="only a xacro file has arguments; got name; fix: leave args out"):
         open_robot(path, args={"name": "x"})
     with pytest.raises(RobotError, match="only a xacro file has arguments"):
         open_robot("pa10", args={"name": "x"})
@@ -177,7 +177,7 @@ def test_what_does_not_end_in_xacro_is_expanded_on_request_only(
     path = write(tmp_path, "pack/urdf/macro.xacro", name)
     with monkeypatch.context() as without:
         without.setattr(xacro, "_expand", lambda *_: pytest.fail("expanded"))
-        with pytest.raises(RobotError, match=r"expanding it can run any command; mend: .*xacro=True") as caught:
+        with pytest.raises(RobotError, match=r"expanding it can run any command; fix: .*xacro=True") as caught:
             open_robot(path)
     assert caught.value.on_command_line().endswith("--xacro")
     pytest.importorskip("xacrodoc")

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rankdrop.errors import RobotError
-from rankdrop.robot import xml_file
+from rankdrop.robot import files
+from rankdrop.robot.files import read_xml
 from rankdrop.robot.urdf import from_urdf
-from rankdrop.robot.xml_file import read_xml
 
 BILLION_LAUGHS = """<?xml version="1.0"?>
 <!DOCTYPE robot [
@@ -68,10 +68,10 @@ def test_depth_is_limited_inside_what_is_left_out() -> None:
 
 
 def test_number_of_elements_and_size_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(xml_file, "MOST_ELEMENTS", 50)
+    monkeypatch.setattr(files, "MOST_ELEMENTS", 50)
     with pytest.raises(RobotError, match="too many elements"):
         read_xml("<r>" + "<a/>" * 50 + "</r>", "x")
-    monkeypatch.setattr(xml_file, "LARGEST_FILE", 1000)
+    monkeypatch.setattr(files, "LARGEST_FILE", 1000)
     with pytest.raises(RobotError, match="too large"):
         read_xml("<r>" + " " * 1000 + "</r>", "x")
 

@@ -14,8 +14,7 @@ from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.viewer.tab_path import thinned
-from rankdrop.viewer.trajectory import Track, track_of
+from rankdrop.viewer.trajectory import thinned, track_of
 
 ARM = open_robot("scara")  # three joints that turn and, third, one that slides
 NAMES = [joint.name for joint in ARM.variables]
@@ -85,8 +84,7 @@ def test_the_track_finds_the_singular_row() -> None:
 def test_a_thinned_track_keeps_a_dip_of_one_row() -> None:
     sigma = np.ones(100_000)
     sigma[54_321] = 0.0
-    track = Track(np.arange(100_000.0), sigma, sigma, 54_321, 1)
-    keep = thinned(track)
+    keep = thinned(sigma)
     assert 54_321 in keep
     assert len(keep) <= 602
     assert (np.diff(keep) > 0).all()

@@ -30,7 +30,8 @@ _JOURNAL = b"RANKDROP COVER JOURNAL 1\n"
 _RECORD = struct.Struct("<4sqqqqqI")  # mark, first box, boxes, masks, tested, freed, CRC of what follows
 _MARK = b"PART"
 _LONGEST = 1 << 20  # bytes of the line of JSON
-_LARGEST = 1 << 34  # bytes of a payload
+_LARGEST = 1 << 31  # bytes of a payload
+_DEEPEST, _MOST_VARIABLES = 40, 6  # halvings of a range, and how many ranges
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,16 +123,28 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
         record = json.loads(line)
         plan = _plan(record["plan"])
         stream = zlib.decompressobj()
+        _check_shape(plan)
         payload = stream.decompress(packed, min(int(record["bytes"]), _LARGEST) + 1)
         if not stream.eof or stream.unused_data:
             raise ValueError("it ends too soon, or too late")
+        if plan.shape.trees > 8 * len(payload):
+            raise ValueError("too few bytes")
         tree = from_payload(plan.shape, payload)
         found, told = (int(record["tested"]), int(record["freed"])), record["sha256"]
-    except (ValueError, KeyError, TypeError, zlib.error) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError, zlib.error) as error:
         raise ResultFileError("the covering is damaged", where=where, got=str(error)) from error
     if digest(plan, payload) != told:
         raise ResultFileError("the covering was changed: its hash is another", where=where, got=told)
     return plan, tree, *found
+
+
+def _check_shape(plan: Plan) -> None:
+    """Refuse, before anything is made of them, numbers of boxes that no covering has."""
+    depth = plan.depth
+    if not isinstance(depth, tuple) or not 1 <= len(depth) <= _MOST_VARIABLES:
+        raise ValueError(f"depth has one to {_MOST_VARIABLES} entries")
+    if not all(type(x) is int and 0 <= x <= _DEEPEST for x in (*depth, plan.top)) or plan.top >= plan.shape.levels:
+        raise ValueError(f"halvings are 0 … {_DEEPEST}, and top is above the leaves")
 
 
 def _plan(record: dict[str, Any]) -> Plan:

@@ -36,6 +36,7 @@ def analyze(
     threads: Whole = 0,
     all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    latex: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Find every family of singular configurations of an arm, of every corank.
@@ -48,6 +49,7 @@ def analyze(
     For example:
         rankdrop analyze pa10
         rankdrop analyze arm.urdf --tip flange --json arm.json
+        rankdrop analyze pa10 --latex pa10.tex
 
     Exit code 3: something found is not explained or not sound, or exact
     conditions say otherwise; all codes are in `rankdrop --help`.
@@ -66,15 +68,19 @@ def analyze(
         threads: Processors to use; 0 means all. The result does not depend on it.
         all: Show every row. Otherwise of more than 24 of one corank, those of calibrated arms, a few stand for all.
         json: Write the analysis to this file as well; - writes it to stdout in place of the tables.
+        latex: Write the tables as LaTeX to this file as well (needs amsmath); - writes them to stdout in place of the
+            tables.
         quiet: No progress.
     """
     from rankdrop import analyze as run
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
     from rankdrop.cli.ideal import of_ideal, open_ideal
     from rankdrop.cli.progress import reporter
     from rankdrop.verbs import nearby
 
-    check_target(json, "--json")
+    for option, target in {"--json": json, "--latex": latex}.items():
+        check_target(target, option)
+    check_different({"--json": json, "--latex": latex})
     begun = monotonic()
     model, task, made = open_ideal(robot, arm, ideal)
     with reporter(quiet=quiet) as report:
@@ -88,10 +94,12 @@ def analyze(
     if made is not None:
         record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
     steps: list[Callable[[], None]] = []
-    if json != STDOUT:
+    if STDOUT not in (json, latex):
         steps.append(lambda: _print(analysis, task, made, there, seconds=seconds, every=all))
     if json is not None:
         steps.append(lambda: write_json(record, json))
+    if latex is not None:
+        steps.append(lambda: write_text(analysis.latex(), latex))
     do_all(steps)
     return _exit_code(analysis)
 
@@ -125,7 +133,7 @@ def _print(
         show(console, corank_section(console, analysis, summary, every=every))
     if there:
         print_sections([there_section(there)], first=False)
-    key = [Text(f"\n{legend(analysis.robot)}", style="dim")] if analysis.families else []
+    key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
     told = list(exact_section(analysis))
     if analysis.near is not None and analysis.families:
         print_sections([near_overview(analysis.near, analysis.families)], first=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -46,22 +46,48 @@ class ArmOptions:
 
 
 NO_OPTIONS = ArmOptions()
+FRAME = Literal["base", "tool", "link"] | None
+TCP = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
 
-def open_arm(name: str, options: ArmOptions) -> tuple[Robot, Task]:
+def open_arm(name: str, options: ArmOptions, tcp: str | None = None, *, deg: bool = False) -> tuple[Robot, Task]:
     """Open the arm and resolve its task.
 
+    Args:
+        name: in the catalogue, or a file.
+        options: which part of it, for which task.
+        tcp: the tool point, as typed; None for the arm's own tip.
+        deg: its angles without a unit are in degrees.
+
     Raises:
-        RankdropError: the arm or the task does not exist, a package is not NAME=PATH, an argument not NAME:=VALUE.
+        RankdropError: the arm or the task does not exist, a package is not NAME=PATH, an argument not NAME:=VALUE, the
+            tool point not three or six quantities.
     """
-    from rankdrop.robot import open_robot
+    from rankdrop.robot import open_robot, with_tool
     from rankdrop.task import resolve_task
 
     robot = open_robot(
         name, tip=options.tip, base=options.base, packages=_packages(options.package), args=_arguments(options.arg),
         xacro=options.xacro, as_written=options.as_written,
     )  # fmt: skip
+    if tcp is not None:
+        robot = with_tool(robot, *_tool(tcp, deg=deg))
     return robot, resolve_task(options.task, robot, length_scale=options.length_scale)
+
+
+def _tool(text: str, *, deg: bool) -> tuple[list[float], list[float]]:
+    """x, y, z [m] and roll, pitch, yaw [rad] of a tool point."""
+    from rankdrop.cli.configuration import split_values, value_of
+
+    words = split_values(text)
+    if len(words) not in (3, 6):
+        raise OptionError("a tool point is three lengths, then three angles if the tool is turned", where="--tcp",
+                          got=f"{len(words)} numbers in {text!r}", allowed="x,y,z or x,y,z,roll,pitch,yaw [m, rad]",
+                          mend='write it as --tcp="0,0,120mm"')  # fmt: skip
+    return (
+        [value_of(word, "m", "--tcp", deg=deg) for word in words[:3]],
+        [value_of(word, "rad", "--tcp", deg=deg) for word in words[3:]] or [0.0, 0.0, 0.0],
+    )
 
 
 def packages_of(options: ArmOptions) -> dict[str, Path]:

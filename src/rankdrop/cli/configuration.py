@@ -25,8 +25,7 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool, option: str = "--
     Raises:
         ConfigurationError: not one number for each joint, or a word that is no number.
     """
-    body = _without_brackets(text.translate(_AS_TYPED).strip()).strip().rstrip(",;")
-    words = _SEPARATOR.split(body) if body else []
+    words = split_values(text)
     joints = robot.variables
     if len(words) != len(joints):
         raise ConfigurationError(
@@ -34,7 +33,16 @@ def parse_configuration(text: str, robot: Robot, *, deg: bool, option: str = "--
             allowed=", ".join(f"{joint.name} [{_unit(joint.unit, deg=deg)}]" for joint in joints),
             mend=f'write them as {option}="0,0.5,…"',
         )  # fmt: skip
-    return [_value(word, joint.name, joint.unit, option, deg=deg) for word, joint in zip(words, joints, strict=True)]
+    return [
+        value_of(word, joint.unit, f"{option}, joint {joint.name}", deg=deg)
+        for word, joint in zip(words, joints, strict=True)
+    ]
+
+
+def split_values(text: str) -> list[str]:
+    """The words of a list of quantities, however it is bracketed and separated."""
+    body = _without_brackets(text.translate(_AS_TYPED).strip()).strip().rstrip(",;")
+    return _SEPARATOR.split(body) if body else []
 
 
 def _without_brackets(text: str) -> str:
@@ -55,11 +63,16 @@ def _unit(unit: str, *, deg: bool) -> str:
     return "deg" if deg and unit == "rad" else unit
 
 
-def _value(word: str, name: str, unit: str, option: str, *, deg: bool) -> float:
+def value_of(word: str, unit: str, where: str, *, deg: bool) -> float:
+    """One quantity in rad or m; an angle without a unit is in degrees with `deg`.
+
+    Raises:
+        ConfigurationError: it is none.
+    """
     from rankdrop.robot import quantity
 
     try:
-        value = quantity(word, "length" if unit == "m" else "angle", where=f"{option}, joint {name}")
+        value = quantity(word, "length" if unit == "m" else "angle", where=where)
     except RobotError as error:
         raise ConfigurationError(
             error.what, where=error.where, got=error.got, allowed=error.allowed, mend=error.mend,

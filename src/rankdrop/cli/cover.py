@@ -28,6 +28,7 @@ def cover(
     budget: Whole = 100_000_000,
     threads: Whole = 0,
     out: str | None = None,
+    certificate: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -58,6 +59,8 @@ def cover(
         budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none.
         threads: 0: one for every processor. The result does not depend on it.
         out: Keep the boxes in this file; what is finished is in FILE.journal meanwhile.
+        certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must
+            be in the same folder.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
@@ -69,7 +72,9 @@ def cover(
 
     check_target(json, "--json")
     check_target(out, "--out")
-    check_different({"--out": out, "--json": json})
+    check_target(certificate, "--certificate")
+    check_different({"--out": out, "--json": json, "--certificate": certificate})
+    _check_certificate(certificate, out)
     _check_out(out)
     model, task = open_arm(robot, arm)
     families = None if analysis is None else Analysis.load(analysis)
@@ -83,6 +88,8 @@ def cover(
         steps.append(lambda: _print(result))
     if json is not None:
         steps.append(lambda: write_json(result.to_dict(), json))
+    if certificate is not None and out is not None and result.complete:
+        steps.append(_saving(result, out, certificate))
     do_all(steps)
     return _code(result, out)
 
@@ -93,6 +100,28 @@ def _check_out(out: str | None) -> None:
 
     if out == STDOUT:
         raise OptionError("a covering is not printed", where="--out", got=out, allowed="a file name")
+
+
+def _check_certificate(certificate: str | None, out: str | None) -> None:
+    from pathlib import Path
+
+    from rankdrop.errors import OptionError
+
+    if certificate is None:
+        return
+    if out is None or Path(out).resolve().parent != Path(certificate).resolve().parent:
+        raise OptionError("a certificate of a covering refers to its file", where="--certificate", got=certificate,
+                          mend="name the covering with --out, in the same folder")  # fmt: skip
+
+
+def _saving(result: Covered, out: str, certificate: str) -> Callable[[], None]:
+    from pathlib import Path
+
+    from rankdrop.certify import covering_certificate
+    from rankdrop.cli.certificates import saving
+
+    plan = result.covering.plan
+    return saving(covering_certificate(result.robot, plan, result.sha256, Path(out).name, result.task), certificate)
 
 
 def _angle(text: str) -> float:

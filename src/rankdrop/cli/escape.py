@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions
 from rankdrop.cli.whole import Whole
 
 
@@ -19,6 +19,8 @@ def escape(
     q: Annotated[str, Parameter(allow_leading_hyphen=True)],
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
+    frame: FRAME = None,
+    tcp: TCP = None,
     step: float = 0.1,
     seed: Whole = 0,
     lie: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -42,6 +44,8 @@ def escape(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
         deg: Angles without a unit are in degrees.
+        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
+        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         step: Length of the motions that are tried [rad; slides in length scales].
         seed: Of every random choice.
         lie: Print Gallardo-Alvarado and Rico-Martinez's procedure step by step, and where it goes wrong.
@@ -58,12 +62,13 @@ def escape(
     from rankdrop.results import way_out_to_dict
 
     check_target(json, "--json")
-    model, task = open_arm(robot, arm)
-    found = explain(model, parse_configuration(q, model, deg=deg), task, evaluations=0, seed=seed, step=step)
+    model, task = open_arm(robot, arm, tcp, deg=deg)
+    given = parse_configuration(q, model, deg=deg)
+    found = explain(model, given, task, evaluations=0, seed=seed, step=step, frame=frame)
     procedure = report(OrderedScrewSet.of(model, found.q), seed) if lie else None
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: print_sections(found.sections(parts=("verdict", "blame", "escape"), full=True)))
+        steps.append(lambda: print_sections(found.sections(parts=("verdict", "lost", "blame", "escape"), full=True)))
         if procedure is not None:
             steps.append(lambda: show(results(), ["", render(procedure)]))
     if json is not None:

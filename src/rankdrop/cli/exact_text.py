@@ -32,8 +32,9 @@ def exact_section(analysis: Analysis) -> Iterator[Text]:
         f"{joined.numeric.agree:,} of {joined.numeric.tested:,} points of the rows lie on exact families, "
         f"{joined.exact.agree:,} of {joined.exact.tested:,} points of these on the rows"
     )
+    points = f"{points[0].upper()}{points[1:]}"
     shown = any(exact_conditions(row, joined)[0] for row in analysis.families)
-    yield Text(f"Exact conditions, derived apart from the search, {verdict}: {points}.{_symbols(analysis) * shown}")
+    yield Text(f"Exact conditions, derived apart from the search, {verdict}. {points}.{_symbols(analysis) * shown}")
     for one in joined.wider:
         yield Text(
             f"The conditions of the exact family {one.family} also hold where less is lost ({one.elsewhere} of "

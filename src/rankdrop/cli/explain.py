@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions
 from rankdrop.cli.ideal import IDEAL
 from rankdrop.cli.whole import Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
@@ -25,6 +25,8 @@ def explain(
     q: Annotated[str, Parameter(allow_leading_hyphen=True)],
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
+    frame: FRAME = None,
+    tcp: TCP = None,
     ideal: IDEAL = None,
     analysis: str | None = None,
     near: float = NEAR,
@@ -32,6 +34,7 @@ def explain(
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = EVALUATIONS,
     seed: Whole = 0,
+    certificate: str | None = None,
     full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -40,7 +43,7 @@ def explain(
 
     For example:
         rankdrop explain pa10 --q 0,0,0,0,0,0,0
-        rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
+        rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0 --frame base --tcp 0,0,120mm
         rankdrop explain arm.urdf --tip flange --q "0.1 0.5 -1.2 0 pi/2 0" --json here.json
 
     Exit code 0: regular; 3: near a singularity; 4: singular, or the arm is
@@ -50,6 +53,8 @@ def explain(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         q: One number per joint, separated by commas or blanks [rad, m]; pi/2, 30deg, 120mm are understood.
         deg: Angles without a unit are in degrees.
+        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
+        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         ideal: The nearest arm whose axes are exactly parallel, square and meeting, to a tolerance such as 1mm,0.5deg.
             What the arm itself does where the ideal one is singular is told.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found on the spot.
@@ -58,6 +63,8 @@ def explain(
         limits: The nearest singularity within the joint limits.
         evaluations: Budget of the certified radius; 0 for the quick one.
         seed: Of every random choice.
+        certificate: Write what is proven to this file, for `rankdrop verify`: at a singular configuration that one
+            exists there, else a ball without any.
         full: Print all sections: every circuit, ellipsoids, joint rates, redundancy, representation.
         json: Write the explanation to this file as well; - writes it to stdout in place of the text.
         quiet: No progress; results and errors only.
@@ -65,8 +72,9 @@ def explain(
     from dataclasses import replace
 
     from rankdrop import explain as run
+    from rankdrop.cli.certificates import of_place, saving
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.ideal import open_ideal
     from rankdrop.cli.sections import interrupted
     from rankdrop.results import Analysis, plain
@@ -74,11 +82,13 @@ def explain(
     from rankdrop.verbs import here
 
     check_target(json, "--json")
-    model, task, made = open_ideal(robot, arm, ideal)
+    check_target(certificate, "--certificate")
+    check_different({"--json": json, "--certificate": certificate})
+    model, task, made = open_ideal(robot, arm, ideal, tcp, deg=deg)
     given = parse_configuration(q, model, deg=deg)
     found = run(
         model, given, task, analysis=None if analysis is None else Analysis.load(analysis), near=near, limits=limits,
-        evaluations=evaluations, seed=seed,
+        evaluations=evaluations, seed=seed, frame=frame,
         tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
@@ -90,6 +100,8 @@ def explain(
         steps.append(lambda: _print(found, made, beside, full=full))
     if json is not None:
         steps.append(lambda: write_json(record, json))
+    if certificate is not None:
+        steps.append(saving(of_place(found, None, evaluations), certificate))
     do_all(steps)
     return interrupted(found) or EXIT[found.verdict]
 

@@ -50,7 +50,7 @@ def find(
     scheduler: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
-    """Find configurations in which an arm loses a given number of task freedoms.
+    """Find configurations in which the tool loses a given number of directions.
 
     For example:
         rankdrop find pa10 --corank 3
@@ -61,7 +61,7 @@ def find(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        corank: Number of task freedoms to lose: generic rank minus rank.
+        corank: How many directions the tool loses: generic rank minus rank.
         method: Levenberg-Marquardt on the block; for comparison, steepest descent, or Almarkhi and Maciejewski's own.
         limits: Look within the joint limits only; otherwise in the whole joint space.
         starts: Random starts.

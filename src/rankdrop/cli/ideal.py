@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 IDEAL = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
 
-def open_ideal(name: str, options: ArmOptions, tolerance: str | None) -> tuple[Robot, Task, Idealised | None]:
+def open_ideal(
+    name: str, options: ArmOptions, tolerance: str | None, tcp: str | None = None, *, deg: bool = False
+) -> tuple[Robot, Task, Idealised | None]:
     """The arm to look at, its task, and how it was made where it is an ideal one.
 
     Raises:
@@ -27,7 +29,7 @@ def open_ideal(name: str, options: ArmOptions, tolerance: str | None) -> tuple[R
     from rankdrop.verbs import idealised
 
     given = None if tolerance is None else read_tolerance(tolerance)
-    robot, task = open_arm(name, options)
+    robot, task = open_arm(name, options, tcp, deg=deg)
     if given is None:
         return robot, task, None
     found = idealised(robot, given)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import signal
 import sys
 
@@ -29,7 +30,7 @@ try:
     from types import FrameType
     from typing import Literal
 
-    from cyclopts import App, CycloptsError, UnknownOptionError, UnusedCliTokensError
+    from cyclopts import App, CycloptsError, MissingArgumentError, UnknownOptionError, UnusedCliTokensError
 
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
@@ -51,6 +52,7 @@ try:
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.through import through
     from rankdrop.cli.tolerant import tolerant
+    from rankdrop.cli.verify import verify
     from rankdrop.cli.view import view
     from rankdrop.errors import RankdropError
     from rankdrop.version import VERSION
@@ -99,6 +101,7 @@ app.command(monitor)
 app.command(cover)
 app.command(sweep)
 app.command(compare)
+app.command(verify)
 app.command(view)
 app.command(reproduce)
 app.command(report)
@@ -199,10 +202,22 @@ def _in_our_words(error: CycloptsError) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, UnusedCliTokensError):
         text = f"there is no place for {', '.join(error.unused_tokens or [])} on the command line."
+    if isinstance(error, MissingArgumentError) and error.argument is not None:
+        text = _missing(error)
     command = error.command_chain[0] if error.command_chain else ""
     if isinstance(error, UnknownOptionError) and command in app:
         text += f" Allowed: {', '.join(_options(command))}."
     return f"{text} See `{' '.join(['rankdrop', command]).strip()} --help`."
+
+
+def _missing(error: MissingArgumentError) -> str:
+    """Which option or argument is not there, or has no value, and what it is for."""
+    argument = error.argument
+    assert argument is not None
+    what = f"{argument.name} is missing" if error.keyword is None else f"{error.keyword} needs a value"
+    told = getattr(app[error.command_chain[0]].default_command, "__doc__", None) if error.command_chain else None
+    about = re.search(rf"^ +{argument.field_info.name}: (.+?)(?:\. |;|\.?$)", told or "", re.MULTILINE)
+    return f"{what}: {about[1][0].lower()}{about[1][1:]}." if about else f"{what}."
 
 
 def _options(command: str) -> list[str]:

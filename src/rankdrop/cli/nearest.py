@@ -23,6 +23,8 @@ def nearest(
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 100_000,
     seed: Whole = 0,
+    certificate: str | None = None,
+    model_tolerance: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -35,6 +37,7 @@ def nearest(
     For example:
         rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0
         rankdrop nearest pa10 --q 0,0.5,0.3,1.2,0,0.7,0 --json far.json
+        rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0 --certificate here.json --model-tolerance 0.3mm,1mrad
 
     Exit code 0: one was found; 3: none was found; 2: bad input.
 
@@ -46,25 +49,40 @@ def nearest(
         limits: Within the joint limits.
         evaluations: Budget of the certified radius; about 2 microseconds each.
         seed: Of every random choice.
+        certificate: Write what is proven to this file, for `rankdrop verify`: a ball of nearly the certified radius,
+            cut into boxes that are quickly checked; at a singular configuration that one exists there.
+        model_tolerance: Prove a ball for every arm so near to this one, joint by joint: 0.3mm,1mrad.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress; results and errors only.
     """
     from rankdrop import explain
     from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.certificates import in_words, of_place, saving
+    from rankdrop.cli.certificates import model_tolerance as tolerance_of
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.sections import interrupted, print_sections
     from rankdrop.results import Analysis, far_to_dict
+    from rankdrop.sections import Section
 
     check_target(json, "--json")
+    check_target(certificate, "--certificate")
+    check_different({"--json": json, "--certificate": certificate})
+    near = tolerance_of(model_tolerance)
     model, task = open_arm(robot, arm)
     found = explain(
         model, parse_configuration(q, model, deg=deg), task, limits=limits, evaluations=evaluations, seed=seed,
         coranks=6, analysis=None if analysis is None else Analysis.load(analysis),
     )  # fmt: skip
+    proven = of_place(found, near, evaluations) if certificate is not None or near is not None else None
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
         steps.append(lambda: print_sections(found.sections(parts=("verdict", "far"), full=True)))
+        if proven is not None:
+            said = Section("certificate", in_words(proven))
+            steps.append(lambda: print_sections([said], first=False))
+    if proven is not None and certificate is not None:
+        steps.append(saving(proven, certificate))
     if json is not None:
         steps.append(lambda: write_json(far_to_dict(found), json))
     do_all(steps)

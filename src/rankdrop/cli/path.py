@@ -8,20 +8,24 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions
 from rankdrop.cli.mend import NO_MENDING, MendOptions, check_options, mended, write_fixed
 from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rankdrop.certify import ModelTolerance
     from rankdrop.cli.progress import Report
     from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.task import Task
 
-_OF_ONE = {"--figure": "a figure is", "--html": "a page is", "--rows": "rows are"}
+_OF_ONE = {
+    "--figure": "a figure is", "--html": "a page is", "--rows": "rows are", "--certificate": "a certificate is",
+    "--model-tolerance": "a tolerance of the model is",
+}  # fmt: skip
 
 
 def path(
@@ -32,6 +36,8 @@ def path(
     interpolate: Literal["linear", "cubic", "quintic"] = "linear",
     min_distance: str = "0",
     arm: ArmOptions = NO_OPTIONS,
+    frame: Literal["base", "tool", "link"] = "base",
+    tcp: TCP = None,
     analysis: str | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     evaluations: Whole = 2_000_000,
@@ -43,6 +49,8 @@ def path(
     mend: MendOptions = NO_MENDING,
     html: str | None = None,
     rows: str | None = None,
+    certificate: str | None = None,
+    model_tolerance: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -75,6 +83,8 @@ def path(
         min_distance: Distance in joint space to be kept from every singularity [rad; slides divided by the length
             scale]; 5deg is understood.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
+        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
+        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         limits: Distances to singularities within the joint limits only.
         evaluations: Enclosures that one path may cost; about 10 microseconds each.
         topic: Of a bag in which several have joint values (JointState, JointTrajectory).
@@ -85,37 +95,65 @@ def path(
         figure: Draw distance, singular value and joint rates along the path: .svg, .png or .pdf.
         html: Write a page that stands alone, with the arm playing the path: .html.
         rows: Write a table, one line for each row: .parquet, .json or .csv. Units are in the names of the columns.
+        certificate: Write what is proven to this file, for `rankdrop verify`: the path, its free spans and crossings.
+        model_tolerance: Prove the path free for every arm so near to this one, joint by joint: 0.3mm,1mrad.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.certificates import model_tolerance as tolerance_of
+    from rankdrop.cli.certificates import saving
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
     from rankdrop.cli.progress import reporter
-    from rankdrop.motion import FORMATS, check_format, judged, paths_to_dict
+    from rankdrop.motion import (
+        FORMATS,
+        FREE,
+        check_format,
+        judged,
+        path_certificate,
+        paths_to_dict,
+        proven_for_near_arms,
+    )
     from rankdrop.results import Analysis
 
     check_target(json, "--json")
     check_target(figure, "--figure", (".svg", ".png", ".pdf"))
     check_target(html, "--html", (".html", ".htm"))
     check_target(rows, "--rows", FORMATS)
-    check_different({"--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed})
+    check_target(certificate, "--certificate")
+    check_different({
+        "--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed,
+        "--certificate": certificate,
+    })  # fmt: skip
+    near = tolerance_of(model_tolerance)
     if rows is not None:
         check_format(rows)
     found = _files(files)
     bounds = check_options(mend, len(found))
-    model, task = open_arm(robot, arm)
-    least = _distance(min_distance, len(found), {"--figure": figure, "--html": html, "--rows": rows})
+    model, task = open_arm(robot, arm, tcp, deg=deg)
+    least = _distance(min_distance, len(found), {
+        "--figure": figure, "--html": html, "--rows": rows, "--certificate": certificate,
+        "--model-tolerance": model_tolerance,
+    })  # fmt: skip
     families = None if analysis is None else Analysis.load(analysis)
 
     def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, report)
+        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, frame,
+                      report)  # fmt: skip
 
     if len(found) == 1:
         with reporter(quiet=quiet) as report:
             result = one(found[0], report)
             remedies = mended(result, bounds, families, report) if mend.asked and result.complete else None
+        kept = None if near is None else bool(result.complete and result.verdict == FREE) and proven_for_near_arms(
+            result, near
+        )
         steps: list[Callable[[], None]] = []
         if json != STDOUT:
             steps.append(lambda: _print(result, remedies, full=full))
+            if near is not None:
+                steps.append(lambda: _print_near(near, bool(kept)))
+        if certificate is not None and result.complete:
+            steps.append(saving(path_certificate(result, near if kept else None), certificate))
         if json is not None:
             steps.append(lambda: write_json(_record(result, remedies), json))
         if remedies is not None and mend.fixed is not None:
@@ -127,7 +165,7 @@ def path(
         if rows is not None:
             steps.append(lambda: _rows(result, families, rows))
         do_all(steps)
-        return _code(result, remedies)
+        return _code(result, remedies) or (exits.UNEXPLAINED if kept is False else exits.FINE)
     with reporter(quiet=quiet) as report:
         many = judged(found, lambda file: one(file, report))
     steps = []
@@ -184,13 +222,14 @@ def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
 
 def _check(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None, report: Report,
+    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None,
+    frame: str, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.errors import OptionError
     from rankdrop.motion import check_path, holds_poses, read_trajectory
 
     if topic is None and holds_poses(file, robot):
-        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, report)
+        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, frame, report)
     if start is not None:
         raise OptionError("a start is for poses of the tip, these are joint values", where="--start", got=start)
     read = read_trajectory(file, robot, deg=deg, topic=topic)
@@ -198,14 +237,14 @@ def _check(
     return check_path(
         robot, read.q, read.times if read.timed else None, velocities=read.velocities,
         accelerations=read.accelerations, interpolate=interpolate, task=task, min_distance=min_distance, limits=limits,
-        analysis=analysis, evaluations=evaluations,
+        analysis=analysis, evaluations=evaluations, frame=frame,
         progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
     )  # fmt: skip
 
 
 def _check_poses(
     file: Path, robot: Robot, task: Task, analysis: Analysis | None, min_distance: float, limits: bool,
-    evaluations: int, deg: bool, start: str | None, report: Report,
+    evaluations: int, deg: bool, start: str | None, frame: str, report: Report,
 ) -> PathCheck:  # fmt: skip
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.terminal import say
@@ -226,7 +265,7 @@ def _check_poses(
     try:
         return check_poses(
             robot, read.matrices, read.times, start=first, task=task, min_distance=min_distance, limits=limits,
-            analysis=analysis, evaluations=evaluations,
+            analysis=analysis, evaluations=evaluations, frame=frame,
             progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
         )  # fmt: skip
     except ConfigurationError as error:
@@ -253,6 +292,14 @@ def _print(result: PathCheck, remedies: Mending | None, *, full: bool) -> None:
 
     *first, last = result.sections(full=full)
     print_sections([*first, *(() if remedies is None else remedies.sections()), last])
+
+
+def _print_near(near: ModelTolerance, kept: bool) -> None:
+    from rankdrop.cli.sections import print_sections
+    from rankdrop.sections import Section
+
+    arms = f"for every arm within {near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad of this one, joint by joint"
+    print_sections([Section("model", f"free {arms}: {'proven' if kept else 'not proven'}")], first=False)
 
 
 def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:

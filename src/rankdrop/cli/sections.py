@@ -42,10 +42,12 @@ def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableT
     from rich.padding import Padding
     from rich.text import Text
 
+    from rankdrop.cli.terminal import TONES
+
     if not first:
         yield ""
     if section.title or section.summary:
-        yield Text.assemble((section.title, "bold"), f"  {section.summary}" if section.summary else "")
+        yield Text.assemble((section.title, TONES[section.tone]), f"  {section.summary}" if section.summary else "")
     for line in section.lines:
         yield _indented(line)
     for columns in _pieces(section, width - INDENT):

@@ -17,6 +17,8 @@ from rich.text import Text
 
 from rankdrop.compare import conditions_of
 from rankdrop.families import (
+    MET,
+    TESTED,
     inside_limits,
     joint_cell,
     joint_symbol,
@@ -83,9 +85,9 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
         return title.append("; absence of a find is not a proof")
     share = summary.completeness
     title.append(f"{_count(rows, 'family', 'families')}, ")
-    counts = f"({share.explained:,} of {share.tested:,} fresh points)"
+    counts = f"{share.explained:,} of {share.tested:,} fresh points explained"
     style = "" if share.explained == share.tested else _BAD
-    return title.append(f"completeness {share_text(share.explained, share.tested)} {counts}", style)
+    return title.append(f"{counts} ({share_text(share.explained, share.tested)})", style)
 
 
 def _examples(rows: tuple[Family, ...]) -> dict[int, Family]:
@@ -104,7 +106,7 @@ def _folded(robot: Robot, rows: list[Family]) -> str:
     rest = sum(count for _, count in kinds[_KINDS:])
     parts += [f"{rest:,} of other kinds"] * (rest > 0)
     unsound = sum(map(_unsound, rows))
-    sound = f"{unsound:,} of them not sound" if unsound else "none unsound"
+    sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
     return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them with --all."
 
 
@@ -148,8 +150,8 @@ def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: 
     table.add_column("dim", justify="right", no_wrap=True, min_width=3)
     if lost:
         table.add_column("lost direction" if rows[0].corank == 1 else "lost directions", ratio=1)
-    table.add_column("sound", justify="right", no_wrap=True, min_width=5)
-    table.add_column("share", justify="right", no_wrap=True, min_width=5)
+    table.add_column(TESTED, justify="right", no_wrap=True, min_width=5)
+    table.add_column(MET, justify="right", no_wrap=True, min_width=5)
     for index, row in shown.items():
         joints = [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
         words = ["\n".join(row.lost_words)] if lost else []
@@ -173,8 +175,8 @@ def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
             if numbers:
                 parts.append(f"{', '.join(joint_symbol(number, kinds[number - 1]) for number in numbers)} {word}")
         share = rounded_share(row.explained)
-        text = Text.assemble(_name(row), f": {'; '.join(parts)}; dim {row.dimension}, sound ", _sound(row))
-        grid.add_row(str(index), text.append(f", share {share}"))
+        text = Text.assemble(_name(row), f": {'; '.join(parts)}; dim {row.dimension}, {TESTED} ", _sound(row))
+        grid.add_row(str(index), text.append(f", {MET} {share}"))
     return grid
 
 

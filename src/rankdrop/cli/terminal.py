@@ -70,11 +70,15 @@ def show(console: Console, parts: Iterable[RenderableType]) -> None:
     sys.stdout.write("".join(f"{line.rstrip()}\n" for line in capture.get().splitlines()))
 
 
+TONES = {"": "bold", "good": "bold green", "warning": "bold yellow", "bad": "bold red"}
+"""Style of a heading or a verdict; Rich leaves the colour out where NO_COLOR is set, and all of it off a terminal."""
+
+
 def verdict_line(verdict: Verdict) -> Text:
     """The sentence that stands first and last."""
     from rich.text import Text
 
-    return Text(verdict.sentence, style="bold" if verdict.holds else "bold red")
+    return Text(verdict.sentence, style=TONES["good" if verdict.holds else "bad"])
 
 
 def status() -> Console:

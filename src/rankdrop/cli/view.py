@@ -7,7 +7,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions
 
 
 def view(
@@ -17,6 +17,8 @@ def view(
     q: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     arm: ArmOptions = NO_OPTIONS,
+    frame: FRAME = None,
+    tcp: TCP = None,
     analysis: str | None = None,
     trajectory: str | None = None,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -45,6 +47,8 @@ def view(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml); only a .urdf has meshes.
         q: Where to begin: one number per joint, separated by commas or blanks [rad, m].
         deg: Angles without a unit are in degrees, in --q and in the trajectory.
+        frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
+        tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue.
         trajectory: CSV file to play: columns named after the joints or q1 … qn, and a time [s] if there is one.
         limits: The nearest singularity, the points of families and the slices within the joint limits.
@@ -63,7 +67,7 @@ def view(
     from rankdrop.viewer.server import Viewer, Wishes
 
     _check_host(host, expose=expose)
-    model, task = open_arm(robot, arm)
+    model, task = open_arm(robot, arm, tcp, deg=deg)
     import numpy as np
 
     wishes = Wishes(
@@ -71,6 +75,7 @@ def view(
         analysis=None if analysis is None else Analysis.load(analysis),
         packages=packages_of(arm),
         limits=limits,
+        frame=frame,
         trajectory=None if trajectory is None else read_trajectory(trajectory, model, deg=deg),
         deg=deg,
         dark=dark,

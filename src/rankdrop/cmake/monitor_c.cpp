@@ -24,10 +24,10 @@ int rankdrop_monitor_step(rankdrop_monitor* monitor, const double* q, const doub
     return monitor->monitor.step(q, velocity, *out) ? 1 : 0;
 }
 
-int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* reach, double* residual, double* away) {
+int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* distance, double* residual, double* away) {
     if (family < 0 || family >= monitor->monitor.families()) return 0;
     const rankdrop::Monitor::Nearness one = monitor->monitor.family(family);
-    *reach = one.reach, *residual = one.residual;
+    *distance = one.distance, *residual = one.residual;
     for (int j = 0; j < monitor->monitor.variables(); ++j) away[j] = one.away[j];
     return 1;
 }

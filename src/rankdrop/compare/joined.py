@@ -1,20 +1,32 @@
-"""The exact conditions beside an analysis: what was derived, and whether it is what was found. A record for JSON.
+"""The exact conditions beside an analysis: what was derived, whether it is what was found, and one partition for both.
 
-The conditions of a row for people: the exact ones where they are known, the fitted ones otherwise.
+`Joined` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the fitted
+ones otherwise.
+
+Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
+puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
+What has been matched with exact families takes their partition, so that a family has one id and one name in every
+output; its evidence stays numerical.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from rankdrop.compare.match import Match, Wider
+from rankdrop.compare.cloud import Cloud, explained
+from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.exact.arm.verify import Check
+from rankdrop.exact.family import ExactFamily
 from rankdrop.families.cells import COUPLED, coupled_conditions
-from rankdrop.family.record import Family, Pinned
+from rankdrop.family.naming import told
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
+from rankdrop.problem import Problem, wrap
+from rankdrop.robot.model import Array
 
 AGREES, DIFFERS, NOT_DERIVED = "agrees", "differs", "not derived"
 INTERRUPTED = "interrupted"
@@ -186,3 +198,134 @@ def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
         if pinned.number == number and len(pinned.values) == len(values):
             return bool(np.abs(np.sort(pinned.values) - np.sort(values)).max() <= _SAME)
     return False
+
+
+_POINTS = 24  # random points of a family that its lost motions are told from
+
+
+def in_exact_terms(
+    problem: Problem, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
+) -> tuple[CorankFamilies, tuple[Match, ...], dict[str, str]]:
+    """The rows of one corank, one for each exact family that was met; rows that match none keep what they have.
+
+    Args:
+        problem: the arm in its own unit of length, and the corank.
+        found: its rows, and the fresh points that were tried on them.
+        families: the exact ones of this corank, in the same unit.
+        agreement: which row consists of which families.
+        seed: of random points.
+
+    Returns:
+        Rows with the ids and names of the exact families, in their order, then the others with further numbers, the
+        fresh points counted anew where a row has other equations now; which exact families each row consists of; and
+        for the id of each row given what it is called now.
+    """
+    by_row = {match.row: match for match in agreement.matches}
+    loose = {one.family: one for one in agreement.loose}
+    rows, matches, now = [], [], dict[str, str]()
+    for number, family in enumerate(families):
+        over = [row for row in found.families if family.id in (*by_row[row.id].families, *by_row[row.id].parts)]
+        if not over:
+            continue
+        one = by_row[over[0].id]
+        sound = one.row not in loose and over[0].soundness.holds
+        alone = len(over) == 1 and one.families == (family.id,) and not one.parts and sound
+        rng = np.random.default_rng([seed, number, 9])
+        made = over[0] if alone else _measured(problem, found, family, over, rng)
+        if made is None:
+            continue
+        now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
+        rows.append(replace(made, id=family.id, name=family.name))
+        matches.append(Match(family.id, (family.id,)))
+    strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
+    named = numbered(strangers, problem.corank, after=len(families))  # in the order they have already
+    matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
+    now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
+    together = (*rows, *named)
+    given = {(row.equations, row.witness) for row in found.families}
+    same = {(row.equations, row.witness) for row in together} == given
+    summary = found.summary if same else _recounted(problem, found, together)
+    return replace(found, summary=summary, families=together), tuple(matches), now
+
+
+def _recounted(problem: Problem, found: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
+    """The summary with the fresh points that the rows explain as they are now."""
+    if not len(found.fresh):
+        return found.summary
+    fresh = Cloud(problem.robot, problem.task, found.fresh, np.full(len(found.fresh), problem.corank))
+    check, _ = explained(fresh, [row.equations for row in rows if row.equations], problem.tolerances)
+    return replace(found.summary, completeness=Share(check.tested, check.agree))
+
+
+def _judged(row: Family, loose: Wider | None) -> Family:
+    """A row with the regular solutions of its equations that were met since counted in its soundness."""
+    if loose is None:
+        return row
+    tested, singular = row.soundness.tested, row.soundness.singular
+    return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
+
+
+def _measured(
+    problem: Problem, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
+) -> Family | None:
+    """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
+    equations = family.equations
+    points = solutions(problem, family, rng)
+    if points.elsewhere and len(over) == 1:  # where each side's conditions hold too widely, both together may not
+        both = replace(over[0], equations=(*equations, *over[0].equations))
+        together = solutions(problem, both, rng)
+        if together.solved > together.elsewhere == 0:
+            equations, points = both.equations, together
+    inside = points.q[problem.allowed(points.q)]
+    if not len(inside):
+        return None
+    share = int(lies_on(family, found.fresh, problem.tolerances).sum()) if len(found.fresh) else 0
+    pinned = _pinned(problem, family, over, inside)
+    at = inside[0]
+    directions, sentences = told(problem.robot, at, inside[:_POINTS], problem.task, problem.corank)
+    held = {one.number for one in pinned}
+    return Family(
+        id=family.id,
+        name=family.name,
+        corank=family.corank,
+        dimension=family.dimension,
+        pinned=pinned,
+        free=family.free,
+        coupled=tuple(joint for joint in family.coupled if joint not in held),
+        equations=equations,
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        soundness=Soundness(points.solved, points.solved - points.elsewhere),
+        explained=Share(found.summary.completeness.tested, share),
+        evidence=f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence for row in over))}",
+    )
+
+
+def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
+    """Joints that stand at one of a few values at all points, where every combination of their values is met."""
+    values: dict[int, list[float]] = {}
+    for joint in {one.number for row in over for one in row.pinned}:
+        options: list[float] = []
+        for value in (value for row in over for one in row.pinned if one.number == joint for value in one.values):
+            if not any(abs(_apart(problem, joint, value, other)) <= _SAME for other in options):
+                options.append(value)
+        away = np.array([np.abs(_apart(problem, joint, points[:, joint - 1], value)) for value in options])
+        met = [value for value, near in zip(options, away, strict=True) if near.min() <= _SAME]
+        if (away.min(axis=0) <= _SAME).all():
+            values[joint] = sorted(met)
+    joints = sorted(values)
+    labels = np.array([
+        np.abs([_apart(problem, joint, points[:, joint - 1], value) for value in values[joint]]).argmin(axis=0)
+        for joint in joints
+    ]).reshape(len(joints), len(points))  # fmt: skip
+    if len({tuple(column) for column in labels.T}) < len(list(product(*values.values()))):
+        return tuple(one for one in family.pinned(problem.robot) if one.number in values)
+    names = problem.robot.variables
+    return tuple(Pinned(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
+
+
+def _apart(problem: Problem, joint: int, one: Array | float, other: float) -> Array:
+    """The difference of values of a joint, turns left out where it turns."""
+    off = np.asarray(one - other, dtype=np.float64)
+    return wrap(off) if problem.robot.periodic[joint - 1] else off

@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from rankdrop.compare.cloud import WITHIN, Cloud, explained
 from rankdrop.exact.arm.verify import Check
-from rankdrop.families.sampling import Setting
 from rankdrop.families.signature import HIGHER
 from rankdrop.family.equation import normalised
 from rankdrop.family.system import REACHED, Mask, System
 from rankdrop.family.which import Condition
-from rankdrop.local.block import singular_values
-from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
-from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.problem import Problem
+from rankdrop.robot.model import Array
+from rankdrop.tolerances import Tolerances
 from rankdrop.units import as_given
 
 STARTS = 256
@@ -120,15 +118,7 @@ class Agreement:
 
 
 def match(
-    robot: Robot,
-    task: Task,
-    generic_rank: int,
-    rows: Sequence[Side],
-    families: Sequence[Side],
-    *,
-    limits: bool = False,
-    seed: int = 0,
-    tolerances: Tolerances = DEFAULT,
+    problem: Problem, rows: Sequence[Side], families: Sequence[Side], *, seed: int = 0
 ) -> Agreement:
     """Try random points of each family on the families of the other side.
 
@@ -136,12 +126,11 @@ def match(
     points of an irreducible set lie on another set only if all of it does.
 
     Args:
-        robot, task, generic_rank: of both sides.
+        problem: the arm of both sides, of whatever corank. Where it asks for limits only points within them count, and
+            a family without any is left out; `explained` is the longest way from a point to a family that holds there.
         rows: found numerically. One without equations is known by its witness alone, its dimension not at all.
         families: derived exactly, of the same coranks.
-        limits: only points within the joint limits count; a family without any is left out.
         seed: of the starts.
-        tolerances: `explained`, the longest way from a point to a family that holds there.
 
     Returns:
         Agreement.
@@ -149,11 +138,12 @@ def match(
     Example:
         >>> from rankdrop.families.table import families
         >>> from rankdrop.families.searching import search
+        >>> from rankdrop.problem import Problem
         >>> from rankdrop.robot.open import open_robot
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("scara")
         >>> rows = families(search(arm, 1, starts=100)).families
-        >>> match(arm, resolve_task(None, arm), 4, rows, rows).matches
+        >>> match(Problem(arm, resolve_task(None, arm)), rows, rows).matches
         (Match(row='k1.f1', families=('k1.f1',), parts=()),)
     """
     kin: set[tuple[str, str]] = set()
@@ -162,15 +152,15 @@ def match(
     said: list[Difference] = []
     wider: dict[bool, list[Wider]] = {True: [], False: []}
     for corank in sorted({one.corank for one in (*rows, *families)}):
-        setting = Setting(robot, task, corank, generic_rank - corank, tolerances, limits)
+        here = problem.at(corank)
         mine = [row for row in rows if row.corank == corank]
         other = [family for family in families if family.corank == corank]
-        for numeric, here, there in ((True, mine, other), (False, other, mine)):
+        for numeric, tried, there in ((True, mine, other), (False, other, mine)):
             rng = np.random.default_rng([seed, corank, numeric])
             own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
-            for one in here:
-                points = solutions(setting, one, rng)
-                met = _tried(setting, one, points, there)
+            for one in tried:
+                points = solutions(here, one, rng)
+                met = _tried(here, one, points, there)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
                 said += [Difference(own, one.id, one.name, text) for text in met.wrong(others)]
                 kin |= {(one.id, name) if numeric else (name, one.id) for name in met.kin}
@@ -240,15 +230,15 @@ class _Tried:
         return found
 
 
-def _tried(setting: Setting, one: Side, points: Points, others: Sequence[Side]) -> _Tried:
+def _tried(problem: Problem, one: Side, points: Points, others: Sequence[Side]) -> _Tried:
     q = points.q
     if not len(q):
-        return _Tried(0, 0, (), empty=not setting.limits)
-    on = np.array([lies_on(other, q, setting.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
+        return _Tried(0, 0, (), empty=not problem.limits)
+    on = np.array([lies_on(other, q, problem.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
     left = np.flatnonzero(~on.any(axis=0))
     if len(left):  # where sheets cross, the way to a family is not told from its square
-        cloud = Cloud(setting.robot, setting.task, q[left], np.full(len(left), setting.corank))
-        _, over = explained(cloud, [other.equations for other in others if other.equations], setting.tolerances)
+        cloud = Cloud(problem.robot, problem.task, q[left], np.full(len(left), problem.corank))
+        _, over = explained(cloud, [other.equations for other in others if other.equations], problem.tolerances)
         left = left[over]
     generic = on[:, points.special :] if len(q) > points.special else on
     met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
@@ -259,18 +249,18 @@ def _tried(setting: Setting, one: Side, points: Points, others: Sequence[Side]) 
         agree=len(q) - len(left),
         kin=tuple(others[k].id for k in kin),
         around=tuple(others[k].id for k in kin if generic[k].all()),
-        over=as_given(setting.robot, q[left[0]]) if len(left) else None,
+        over=as_given(problem.robot, q[left[0]]) if len(left) else None,
         dimensions=None if kin or not met else (one.dimension, tuple(sorted({others[k].dimension for k in met}))),
     )
 
 
-def solutions(setting: Setting, one: Side, rng: np.random.Generator) -> Points:
+def solutions(problem: Problem, one: Side, rng: np.random.Generator) -> Points:
     """Solutions of a family's equations from random starts, where these are well conditioned.
 
     Those of a lower corank are left out, and counted.
 
     Args:
-        setting: the arm and the corank.
+        problem: the arm and the corank.
         one: the family.
         rng: of the starts.
     """
@@ -278,17 +268,17 @@ def solutions(setting: Setting, one: Side, rng: np.random.Generator) -> Points:
     if not one.equations:
         return Points(witness, 1)
     system = _system(one)
-    witness = witness[np.abs(system.values(witness)).max(axis=1) <= setting.tolerances.explained]
-    q, _ = system.solve(setting.random(STARTS, rng), iterations=60)
+    witness = witness[np.abs(system.values(witness)).max(axis=1) <= problem.tolerances.explained]
+    q, _ = system.solve(problem.random(STARTS, rng), iterations=60)
     q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
     slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
-    q = q[slopes[:, min(setting.robot.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
-    singular = singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER
+    q = q[slopes[:, min(problem.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
+    singular = problem.sigma(q)[:, problem.rank] <= HIGHER
     q = q[singular | system.zero(q)]  # what is regular and all but a zero is neither here nor there
-    singular = singular_values(setting.robot, q, setting.task)[:, setting.rank] <= HIGHER
+    singular = problem.sigma(q)[:, problem.rank] <= HIGHER
     solved, q = len(q), q[singular]
     elsewhere = solved - len(q)
-    witness, q = witness[setting.allowed(witness)], q[setting.allowed(q)]
+    witness, q = witness[problem.allowed(witness)], q[problem.allowed(q)]
     return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
 
 

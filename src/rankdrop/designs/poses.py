@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import joint_scale, sample, singular_values
-from rankdrop.motion.inverse import error
+from rankdrop.motion.inverse import Aim
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import Task
@@ -98,23 +97,21 @@ def reached(
 
 
 def _solve(robot: Robot, task: Task, targets: Array, q: Array) -> NDArray[np.bool_]:
-    """Newton's method from q (N, n), in place, each to its own target (N, 4, 4): (N,) which arrived."""
-    scale, damping = joint_scale(robot, task), np.eye(task.m)
+    """Damped steps from q (N, n), in place, each to its own target (N, 4, 4): (N,) which arrived."""
+    aim, scale = Aim(robot, task), joint_scale(robot, task)
     good = np.zeros(len(q), dtype=np.bool_)
     going = np.arange(len(q))
     for _ in range(_ITERATIONS):
-        e = error(robot, task, q[going], targets[going])
+        e = aim.error(targets[going], q[going])
         size = np.linalg.norm(e, axis=1)
         done = size <= _CLOSE
         good[going[done]] = True
         going, e, size = going[~done], e[~done], size[~done]
         if not len(going):
             break
-        j = task_jacobian(robot, q[going], task) * scale
-        normal = j @ j.transpose(0, 2, 1) + (np.minimum(size**2, 1.0)[:, None, None] + 1e-14) * damping
-        step = (j.transpose(0, 2, 1) @ np.linalg.solve(normal, e[:, :, None]))[:, :, 0]
-        length = np.linalg.norm(step, axis=1)
-        q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None] * scale
+        step = aim.step(q[going], e, np.minimum(size**2, 1.0))
+        length = np.linalg.norm(step / scale, axis=1)
+        q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
     return good
 
 

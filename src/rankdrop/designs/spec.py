@@ -19,8 +19,7 @@ from rankdrop.motion.pose_file import read_poses
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.robot.files import read_text
 from rankdrop.robot.quantities import quantity
-from rankdrop.robot.toml_file import parsed_toml
-from rankdrop.robot.toml_lines import TomlLines
+from rankdrop.robot.toml_file import TomlLines, parsed_toml
 from rankdrop.task import Task, resolve_task
 
 KINDS = ("grid", "latin-hypercube", "sobol", "list")

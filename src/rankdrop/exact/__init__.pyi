@@ -15,7 +15,8 @@ from .postures.decide import decide_postures as decide_postures
 from .reading.grammar import Node as Node
 from .reading.grammar import read as read
 from .reading.meaning import parse_conditions as parse_conditions
-from .suppression.basic_screws import parse_joints as parse_joints
+from .suppression.factors import parse_joints as parse_joints
 from .suppression.steps import Suppression as Suppression
 from .suppression.steps import conditions_text as conditions_text
 from .suppression.suppress import suppress as suppress
+from .writing.mathml import typeset as typeset

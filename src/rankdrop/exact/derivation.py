@@ -19,7 +19,7 @@ from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.derivation import Words
 from rankdrop.exact.real import real_points
-from rankdrop.exact.suppression.basic_screws import check_basic
+from rankdrop.exact.suppression.factors import check_basic
 from rankdrop.exact.suppression.steps import Suppression
 from rankdrop.exact.suppression.suppress import suppress
 from rankdrop.exact.tree import Tree

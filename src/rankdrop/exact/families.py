@@ -31,6 +31,7 @@ from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.naming import name_family, told, told_apart
 from rankdrop.local.block import singular_values
+from rankdrop.problem import wrapped
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import out_of_units
@@ -204,7 +205,7 @@ def families(
     sets: Sequence[RealSet],
     generic_rank: int,
     work: Work,
-    describe: Callable[[int, Array, Pins, bool], tuple[str, tuple[str, ...], tuple[float, ...]]],
+    describe: Callable[[int, Array, Pins, Sequence[int]], tuple[str, tuple[str, ...], tuple[float, ...]]],
 ) -> list[ExactFamily]:
     """Merge sets that differ in the simple angle of a joint only, and describe each family.
 
@@ -213,7 +214,7 @@ def families(
         sets: from `real_sets`.
         generic_rank: of the task Jacobian.
         work: random points.
-        describe: (corank, points, pins, whether there are other conditions) -> (name, sentences on lost motions,
+        describe: (corank, points, pins, joints that other conditions bind) -> (name, sentences on lost motions,
             witness).
 
     Returns:
@@ -233,7 +234,8 @@ def families(
             work.show("families described", len(result) + len(here), len(result) + len(rows))
             realities = [seen[id(piece)] for piece in row.pieces]
             points = np.concatenate([one.points for one in realities])
-            told = describe(corank, points, row.pins, bool(row.equations))
+            bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
+            told = describe(corank, points, row.pins, bound)
             check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
@@ -280,7 +282,12 @@ _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
 def described(
-    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Mapping[int, tuple[str, ...]], coupled: bool
+    chain: Chain,
+    generic_rank: int,
+    corank: int,
+    points: Array,
+    pins: Mapping[int, tuple[str, ...]],
+    coupled: Sequence[int],
 ) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
     """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
 
@@ -290,7 +297,7 @@ def described(
         corank: of the family.
         points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
         pins: its pinned joints.
-        coupled: whether it has other conditions.
+        coupled: joints that its other conditions bind.
     """
     robot, task = chain.own, chain.own_task
     at = _witness(chain, generic_rank - corank, points, pins)
@@ -301,7 +308,7 @@ def described(
 
 def _witness(chain: Chain, rank: int, points: Array, pins: Mapping[int, tuple[str, ...]]) -> Array:
     """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
-    q = np.where(chain.own.periodic, np.pi - np.mod(np.pi - points, 2 * np.pi), points)
+    q = wrapped(chain.own, points)
     rounded = q.copy()
     for joint in range(chain.n):
         tried = rounded.copy()

@@ -1,6 +1,8 @@
 from .cells import COUPLED as COUPLED
 from .cells import FREE as FREE
+from .cells import MET as MET
 from .cells import NOTHING as NOTHING
+from .cells import TESTED as TESTED
 from .cells import Inside as Inside
 from .cells import inside_limits as inside_limits
 from .cells import joint_cell as joint_cell
@@ -15,9 +17,11 @@ from .curves import Sweep as Sweep
 from .curves import singular_curves as singular_curves
 from .curves import sweeps as sweeps
 from .distance import family_distances as family_distances
-from .linear import wrap as wrap
+from .measured import Distances as Distances
+from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
+from .posture import posed as posed
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
 from .searching import MOST_STARTS as MOST_STARTS

@@ -18,20 +18,25 @@ from rankdrop.robot.model import Robot
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
+TESTED, MET = "tested", "met"
+"""Headings of two columns: `share_text` of the soundness, `rounded_share` of the fresh points."""
 _LEGEND = (
-    "× any value; c coupled: see the condition under the table; dim: dimension of the family in joint space; "
-    "sound: share of points solved from the row's conditions that are singular; share: share of fresh singular points "
-    "that satisfy the row; lost: the motion taken away, anywhere on the family unless it says otherwise, "
-    "{length} m counted as 1 rad."
+    "× any value, c coupled: see the condition under the table; dim: dimension of the family in joint space. "
+    f"{TESTED}: of points solved from the row's conditions, how many are singular. "
+    f"{MET}: how often the search meets the row, in percent of fresh singular points. "
+    "lost: the motion taken away, anywhere on the family unless it says otherwise. "
+    "Turning by 1 rad counts as much as moving by {length} m."
 )
+_TWIST = " v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]."
 _SAME = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
 _FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
 
 
-def legend(robot: Robot) -> str:
-    """What the marks and columns of a table of families mean."""
-    return _LEGEND.format(length=f"{counted_length(robot):g}")
+def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
+    """What the marks and columns of a table of families mean, and the letters in what is lost on them."""
+    letters = any(" = 0 " in words for one in families for words in one.lost_words)
+    return _LEGEND.format(length=f"{counted_length(robot):g}") + _TWIST * letters
 
 
 def joint_symbol(number: int, kind: str) -> str:
@@ -71,13 +76,13 @@ def joint_cell(family: Family, number: int, kind: str) -> str:
 
 
 def share_text(part: int, whole: int) -> str:
-    """A share with three decimals, rounded down so that 1.000 means all; – for a share of nothing."""
-    return f"{floor(1000 * part / whole) / 1000:.3f}" if whole else NOTHING
+    """A share in percent, rounded down so that 100 % means all; – for a share of nothing."""
+    return f"{floor(1000 * part / whole) / 10:g} %" if whole else NOTHING
 
 
 def rounded_share(share: Share) -> str:
-    """A share with three decimals; – for a share of nothing."""
-    return f"{share.explained / share.tested:.3f}" if share.tested else NOTHING
+    """A share in percent with one decimal; – for a share of nothing."""
+    return f"{100 * share.explained / share.tested:.1f} %" if share.tested else NOTHING
 
 
 def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:

@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike
 
 from rankdrop.family.record import Family, Pinned, family_in_metres
 from rankdrop.family.system import REACHED, System
-from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -42,7 +42,8 @@ _FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 class Coupled:
     """The nearest points of one family with coupled joints; the joints it does not depend on stay where they are."""
 
-    def __init__(self, family: Family, robot: Robot, centre: Array, scale: Array, box: Array, seed: int) -> None:
+    def __init__(self, family: Family, problem: Problem, centre: Array, box: Array, seed: int) -> None:
+        robot = problem.robot
         self.family, self.robot, self.box = family, robot, box
         self.centre = np.clip(centre, box[0], box[1])  # free joints of a q outside the limits go to the limit
         self.system = System(family.equations)
@@ -54,7 +55,7 @@ class Coupled:
         for equation in family.equations:
             self.moves[[number - 1 for number in equation.joints]] = True
         self.columns = np.flatnonzero(self.moves)
-        self.scale = scale
+        self.scale = problem.scale
         self.target = centre
         self.rng = np.random.default_rng(seed)
 
@@ -103,8 +104,7 @@ class Coupled:
         return q
 
     def _brought_near(self, q: Array) -> Array:
-        turns = np.where(self.robot.periodic, np.round((q - self.target) / (2 * np.pi)), 0.0)
-        near = q - 2 * np.pi * turns
+        near = q - whole_turns(self.robot, q - self.target)
         return np.where((near < self.box[0]) | (near > self.box[1]), q, near)
 
     def _step(self, q: Array, system: System) -> Array:
@@ -261,9 +261,8 @@ def family_distances(
         )
         given = dict(zip(map(id, there), families, strict=True))
         return tuple(_out_of_metres(one, given[id(one.family)], robot) for one in made)
-    scale = joint_scale(robot, task)
+    problem = Problem(robot, task, tolerances=tolerances, limits=limits)
     box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
-    full = generic_rank(robot, task)
     records = []
     for family in families:
         exact = family.named and bool(family.pinned) and not family.coupled
@@ -271,8 +270,8 @@ def family_distances(
         if exact:
             points = _pinned_point(family.pinned, robot, centre, box)
         elif family.named and family.equations:
-            points = Coupled(family, robot, centre, scale, box, seed).points()
-        records.append(_record(family, points, robot, task, full - family.corank, centre, scale, exact, tolerances))
+            points = Coupled(family, problem, centre, box, seed).points()
+        records.append(_record(problem.at(family.corank), family, points, centre, exact=exact))
     return tuple(sorted(records, key=lambda record: record.distance))
 
 
@@ -314,25 +313,15 @@ def _more(unnamed: int) -> str:
     return f" ({unnamed} families have no conditions and were not asked)" if unnamed else ""
 
 
-def _record(
-    family: Family,
-    points: Array,
-    robot: Robot,
-    task: Task,
-    rank: int,
-    centre: Array,
-    scale: Array,
-    exact: bool,
-    tolerances: Tolerances,
-) -> FamilyDistance:
+def _record(problem: Problem, family: Family, points: Array, centre: Array, *, exact: bool) -> FamilyDistance:
     """The nearest of the points that solve the equations and are singular."""
     nothing = FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
     if not len(points):
         return nothing
     residual = np.abs(System(family.equations).values(points)).max(axis=1)
-    sigma = singular_values(robot, points, task)[:, rank]
-    distance = np.linalg.norm((points - centre) / scale, axis=1)
-    good = (residual <= REACHED) & (sigma <= tolerances.singular)
+    sigma = problem.sigma(points)[:, problem.rank]
+    distance = problem.length(points - centre)
+    good = (residual <= REACHED) & (sigma <= problem.tolerances.singular)
     if not good.any():
         return nothing
     best = int(np.where(good, distance, np.inf).argmin())

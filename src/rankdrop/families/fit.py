@@ -29,8 +29,9 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.sampling import Twin, gathered, spread
+from rankdrop.families.linear import gathered, spread
 from rankdrop.family.equation import Equation, Term, normalised
+from rankdrop.problem import Twin
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 

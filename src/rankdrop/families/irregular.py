@@ -32,11 +32,11 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import SIMPLE, Linear, Values, boxes, canonical, grow
 from rankdrop.families.row import Row, verified
-from rankdrop.families.sampling import Setting
 from rankdrop.families.signature import APART, Covector, Inspection, Signature, candidates, independent, signatures_of
 from rankdrop.family.system import Mask
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
-from rankdrop.local.block import block, decompose, joint_scale, singular_values
+from rankdrop.local.block import decompose
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
 
 WIDTH = 3e-5  # values closer than this are shared [rad or length scales]
@@ -44,41 +44,41 @@ SHARED = 5  # points that must share a value
 TRIES = 8  # groups of points that are tried, large ones first
 
 
-def recognised(setting: Setting, q: Array, rng: np.random.Generator) -> list[Row]:
+def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row]:
     """Rows with linear conditions only, from the values that points share.
 
     Args:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         q: (N, n) singular points that no row explains.
         rng: for the direct tests.
     """
     if len(q) < SHARED:
         return []
-    n = setting.robot.n
-    moving = [int(j) for j in np.flatnonzero(~setting.irrelevant)]
+    n = problem.n
+    moving = [int(j) for j in np.flatnonzero(~problem.idle)]
     units = np.eye(n, dtype=np.int64)[moving]
-    angles = [j for j in moving if setting.robot.periodic[j]]
+    angles = [j for j in moving if problem.robot.periodic[j]]
     covectors = np.concatenate([units, candidates(angles, n)])
-    shared = np.stack([_shared(Linear.of(setting.robot, [tuple(m)]).values(q)[:, 0]) for m in covectors], axis=1)
+    shared = np.stack([_shared(Linear.of(problem.robot, [tuple(m)]).values(q)[:, 0]) for m in covectors], axis=1)
     patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
     rows: list[Row] = []
     for label in np.argsort(-counts, kind="stable")[:TRIES]:
         conditions = independent(covectors[patterns[label]])
         if conditions and counts[label] >= SHARED:
-            rows += _rows(setting, conditions, q[inverse.reshape(-1) == label], rng)
+            rows += _rows(problem, conditions, q[inverse.reshape(-1) == label], rng)
     return rows
 
 
-def _rows(setting: Setting, conditions: tuple[Covector, ...], q: Array, rng: np.random.Generator) -> list[Row]:
-    linear = Linear.of(setting.robot, conditions)
+def _rows(problem: Problem, conditions: tuple[Covector, ...], q: Array, rng: np.random.Generator) -> list[Row]:
+    linear = Linear.of(problem.robot, conditions)
     met = linear.combinations(q, np.ones(len(q)), WIDTH)
-    sharp = [_sharpened(setting, linear, values, q[members]) for values, members in met.items()]
-    found = grow(sharp, linear, partial(verified, setting, linear, (), 0, rng=rng))
+    sharp = [_sharpened(problem, linear, values, q[members]) for values, members in met.items()]
+    found = grow(sharp, linear, partial(verified, problem, linear, (), 0, rng=rng))
     signature = _signature(linear)
     return [Row(linear, sets, (), signature, "shared values, verified") for sets in boxes(found)]
 
 
-def _sharpened(setting: Setting, linear: Linear, values: Values, q: Array) -> Values:
+def _sharpened(problem: Problem, linear: Linear, values: Values, q: Array) -> Values:
     """The values that are not simple, right to rounding: solved for with the simple ones put at their places.
 
     Where D is not zero but of too low a rank, σ is of first order in some combination of the errors.
@@ -89,12 +89,12 @@ def _sharpened(setting: Setting, linear: Linear, values: Values, q: Array) -> Va
     rng = np.random.default_rng(0)
     at = linear.place(q[:16].copy(), np.repeat(np.array([values]), len(q[:16]), axis=0), rng)
     pivots = [linear.pivots[i] for i in range(len(linear))]
-    moves = np.zeros((setting.robot.n, len(vague)))  # what one value drags along
+    moves = np.zeros((problem.n, len(vague)))  # what one value drags along
     moves[pivots] = np.linalg.inv(linear.covectors[:, pivots].astype(np.float64))[:, vague]
     for _ in range(4):
-        local = block(setting.robot, at, setting.task, setting.rank)
+        local = problem.block(at)
         f = np.asarray(local.f).reshape(-1)
-        slope = np.asarray(local.d).reshape(len(f), setting.robot.n) @ moves
+        slope = np.asarray(local.d).reshape(len(f), problem.n) @ moves
         at = at - np.linalg.lstsq(slope, f, rcond=1e-6)[0] @ moves.T
     sharp = linear.values(at[:1])[0]
     return tuple(canonical(float(sharp[i])) if i in vague else v for i, v in enumerate(values))
@@ -152,39 +152,39 @@ class _Second:
     clear: Mask
 
 
-def inspect_doubled(setting: Setting, q: Array) -> tuple[Inspection, Mask]:
+def inspect_doubled(problem: Problem, q: Array) -> tuple[Inspection, Mask]:
     """Points moved onto families where the rank drops twice over, and what kind of family each lies on.
 
     Args:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         q: (N, n) singular points, within 1e-6 of the family.
 
     Returns:
         Inspection, at the points where Newton's method ended; regular where second derivatives were needed and settle
         the tangent space. And (N,) which of `q` have come to rest near where they were.
     """
-    scale = joint_scale(setting.robot, setting.task)
+    scale = problem.scale
     at, step = np.array(q, dtype=np.float64), np.zeros(len(q))
     for _ in range(ROUNDS if len(q) else 0):
-        local = _second(setting, at, scale)
+        local = _second(problem, at, scale)
         slopes, values = _equations(local)
         delta = -(np.linalg.pinv(slopes, rcond=CLEAR) @ values[..., None])[..., 0]
         step = np.linalg.norm(delta, axis=1)
         at += delta * np.minimum(1.0, FAR / np.maximum(step, 1e-300))[:, None] * scale
-    sigma = singular_values(setting.robot, at, setting.task)
+    sigma = problem.sigma(at)
     good = (step < SETTLED) & (np.linalg.norm((at - q) / scale, axis=1) < FAR)
-    good &= sigma[:, setting.rank] <= setting.tolerances.singular
+    good &= sigma[:, problem.rank] <= problem.tolerances.singular
     at = np.where(good[:, None], at, q)
-    sigma = np.where(good[:, None], sigma, singular_values(setting.robot, q, setting.task))
-    return _inspection(setting, at, sigma, good, scale), good
+    sigma = np.where(good[:, None], sigma, problem.sigma(q))
+    return _inspection(problem, at, sigma, good, scale), good
 
 
-def _inspection(setting: Setting, q: Array, sigma: Array, good: Mask, scale: Array) -> Inspection:
+def _inspection(problem: Problem, q: Array, sigma: Array, good: Mask, scale: Array) -> Inspection:
     count, n = q.shape
-    exact = sigma[:, setting.rank - 1] > APART if setting.rank else np.ones(count, dtype=np.bool_)
+    exact = sigma[:, problem.rank - 1] > APART if problem.rank else np.ones(count, dtype=np.bool_)
     if not count:
         return Inspection(q, sigma, exact, good, np.zeros(0), (), np.zeros((0, n, n)))
-    local = _second(setting, q, scale)
+    local = _second(problem, q, scale)
     ranks_first = (~local.tangent).sum(axis=1)
     slopes, _ = _equations(local)
     _, s, vt = np.linalg.svd(slopes / scale, full_matrices=True)
@@ -195,7 +195,7 @@ def _inspection(setting: Setting, q: Array, sigma: Array, good: Mask, scale: Arr
     inside = (np.arange(n)[None, :] < ranks[:, None]).astype(np.float64)
     conormal = np.einsum("nij,ni,nik->njk", vt, inside, vt)
     tangent = np.einsum("nij,ni,nik->njk", vt, 1.0 - inside, vt)
-    signatures = signatures_of(setting.robot, conormal, tangent, ranks, regular, setting.tolerances)
+    signatures = signatures_of(problem.robot, conormal, tangent, ranks, regular, problem.tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
 
 
@@ -211,10 +211,10 @@ def _equations(local: _Second) -> tuple[Array, Array]:
     return np.concatenate([first[0], second[0]], axis=1), np.concatenate([first[1], second[1]], axis=1)
 
 
-def _second(setting: Setting, q: Array, scale: Array) -> _Second:
-    count, n, r = len(q), setting.robot.n, setting.rank
-    parts = decompose(setting.robot, q, setting.task)
-    s, first = _schur(setting, q, parts.u, parts.v, scale)
+def _second(problem: Problem, q: Array, scale: Array) -> _Second:
+    count, n, r = len(q), problem.n, problem.rank
+    parts = decompose(problem.robot, q, problem.task)
+    s, first = _schur(problem, q, parts.u, parts.v, scale)
     u, size, vt = np.linalg.svd(first)
     size = np.concatenate([size, np.zeros((count, n))], axis=1)
     entries = first.shape[1]
@@ -228,20 +228,20 @@ def _second(setting: Setting, q: Array, scale: Array) -> _Second:
         for times, weight in ((1, 8.0), (-1, -8.0), (2, -1.0), (-2, 1.0)):
             there = q.copy()
             there[:, j] += times * STEP * scale[j]
-            _, slope = _schur(setting, there, parts.u, parts.v, scale)
+            _, slope = _schur(problem, there, parts.u, parts.v, scale)
             second[:, j] += weight / (12 * STEP) * (left[:, None, :] @ slope)[:, 0]
     clear = np.asarray(((size > CLEAR) | (size < NONE)).all(axis=1))
     return _Second(s, first, left, (second + second.swapaxes(1, 2)) / 2, vt, size[:, :n] <= CLEAR, clear)
 
 
-def _schur(setting: Setting, q: Array, u: Array, v: Array, scale: Array) -> tuple[Array, Array]:
+def _schur(problem: Problem, q: Array, u: Array, v: Array, scale: Array) -> tuple[Array, Array]:
     """(N, e) S and (N, e, n) dS at q, in the frames of the points where u and v were taken."""
-    r = setting.rank
-    a = u.swapaxes(1, 2) @ task_jacobian(setting.robot, q, setting.task) @ v
+    r = problem.rank
+    a = u.swapaxes(1, 2) @ task_jacobian(problem.robot, q, problem.task) @ v
     inverse = np.linalg.inv(a[:, :r, :r])
     below, beside = a[:, r:, :r] @ inverse, inverse @ a[:, :r, r:]
     left = u[:, :, r:] - u[:, :, :r] @ below.swapaxes(1, 2)  # (N, m, p)
     right = v[:, :, r:] - v[:, :, :r] @ beside  # (N, n, s)
     s = a[:, r:, r:] - below @ a[:, :r, r:]
-    slope = np.einsum("nap,nabj,nbs->npsj", left, task_jacobian_derivative(setting.robot, q, setting.task), right)
-    return s.reshape(len(q), -1), slope.reshape(len(q), -1, setting.robot.n) * scale
+    slope = np.einsum("nap,nabj,nbs->npsj", left, task_jacobian_derivative(problem.robot, q, problem.task), right)
+    return s.reshape(len(q), -1), slope.reshape(len(q), -1, problem.n) * scale

@@ -15,8 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rankdrop.families.fit import holds, refit, vanishing
-from rankdrop.families.linear import Values
-from rankdrop.families.sampling import Supply, gathered, spread
+from rankdrop.families.linear import Supply, Values, gathered, spread
 from rankdrop.families.signature import Signature
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.robot.model import Array
@@ -75,7 +74,7 @@ def _terms(form: Form) -> tuple[tuple[Term, ...], ...]:
 
 def _fitted(supply: Supply, terms: tuple[Term, ...]) -> Equation | None:
     """The one combination of the terms that vanishes on the family; None where there is none, or more than one."""
-    tolerances, twins = supply.setting.tolerances, supply.setting.twins
+    tolerances, twins = supply.problem.tolerances, supply.problem.twins
     points = gathered(supply(2 * len(terms) + HELD), twins)
     if len(points) < len(terms) + HELD // 2:
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import cbrt
 from typing import Any
 
@@ -14,7 +15,8 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.arm_header import arm_header
-from rankdrop.family.equation import Equation
+from rankdrop.families.measured import Distances, Measure
+from rankdrop.family.equation import Equation, equation_tables
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
@@ -25,7 +27,7 @@ from rankdrop.tolerances import DEFAULT, Tolerances
 Index = NDArray[np.int32]
 Tables = dict[str, Any]
 """Families as lists by name."""
-_Seen = tuple[Array, int, int, int, int, float, float, float, float, float, float, float]
+_Seen = tuple[Array, int, int, int, int, float, float, float, float, float, float]
 
 START, STOP = 0.2, 0.02  # distances at which motion towards a family is slowed, and stopped [rad]
 
@@ -41,14 +43,12 @@ class Sightings:
         family: (B,) index of the family that the configuration lies on; −1 at regular configurations and where none
             of the families holds. Of several the one of highest corank, among those the one of smallest dimension; its
             corank is below that of the configuration where only larger families meet.
-        nearest: (B,) index of the family that the smallest motion reaches, singular or not: of the pinned joints to
-            their nearest values, of the coupled ones to first order. −1 without families.
+        nearest: (B,) index of the family that the smallest motion reaches, singular or not. −1 without families.
         residual: (B,) largest |f|/|∇f| over the equations of `family`, or of `nearest` where that is −1 [rad; metres
             divided by the length scale]: never far above the distance to it. inf without families.
         u: (B, m, m) left singular vectors of the task Jacobian as columns: the last m − rank are lost, weakest last.
         v: (B, n, n) right singular vectors as columns: the last n − rank do not move the task.
-        distance: (B,) σ_r/‖∇σ_r‖, the first-order distance to the singular set, joint motions divided by
-            `joint_scale` [rad]; 0 at singular configurations.
+        distance: (B,) to `nearest` [rad; metres divided by the length scale], as in `Sighting`.
     """
 
     sigma: Array
@@ -66,34 +66,38 @@ class Sighting:
     """What a monitor sees at one configuration.
 
     Attributes:
-        rank, corank, family, nearest, residual, distance: as in `Sightings`.
-        reach: distance to `nearest` [rad; metres divided by the length scale]: what the pinned joints have to turn,
-            exactly, and the coupled ones to first order. Where some family has no conditions, or none is given, it is
-            `distance` if that is smaller. inf where there is neither.
+        rank, corank, family, nearest, residual: as in `Sightings`.
+        distance: to `nearest` [rad; metres divided by the length scale]: the way of the pinned joints to their nearest
+            values, and of the coupled ones to the nearest point that Newton's method on the family's conditions comes
+            to from there; to first order where it does not come to rest in eight steps, or the conditions have more
+            than 100 terms. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller.
+            `Monitor.distances` looks farther around, and takes longer. inf where there is nothing to go by.
         approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.
         scaling: 0 to 1, what the motion is to be multiplied by (`Monitor.step`).
         rate_scaling: 0 to 1, what it is to be multiplied by for all joint rates to keep their limits.
         null_rate: 0 to 1, how much of `null_step` leads away from the nearest family; 0 where there is no such step.
     """
 
-    __slots__ = ("_arrays", "_m", "_s", "approach", "corank", "distance", "family", "nearest", "null_rate", "rank",
-                 "rate_scaling", "reach", "residual", "scaling")  # fmt: skip
+    __slots__ = ("_arrays", "_monitor", "approach", "corank", "distance", "family", "nearest", "null_rate", "rank",
+                 "rate_scaling", "residual", "scaling")  # fmt: skip
 
-    def __init__(self, seen: _Seen, s: int, m: int, numbers: Sequence[int]) -> None:
-        (self._arrays, self.rank, self.corank, family, nearest, self.residual, self.distance, self.reach, self.approach,
+    def __init__(self, seen: _Seen, monitor: Monitor) -> None:
+        (self._arrays, self.rank, self.corank, family, nearest, self.residual, self.distance, self.approach,
          self.scaling, self.rate_scaling, self.null_rate) = seen  # fmt: skip
+        numbers = monitor._numbers
         self.family, self.nearest = numbers[family], numbers[nearest]
-        self._s, self._m = s, m
+        self._monitor = monitor
 
     @property
     def sigma(self) -> Array:
         """(min(m, n)) singular values of the task Jacobian, descending [1]."""
-        return self._arrays[: self._s]
+        return self._arrays[: self._monitor._s]
 
     @property
     def u(self) -> Array:
         """(m, m) left singular vectors as columns."""
-        return self._arrays[self._s : self._s + self._m * self._m].reshape(self._m, self._m)
+        s, m = self._monitor._s, self._monitor._m
+        return self._arrays[s : s + m * m].reshape(m, m)
 
     @property
     def lost(self) -> Array:
@@ -105,12 +109,20 @@ class Sighting:
         """(n) internal motion away from the nearest family, of length 1 in scaled joint variables, or zeros
         (`Monitor.step`) [rad or m].
         """
-        return self._arrays[self._s + self._m * self._m :]
+        return self._arrays[self._monitor._s + self._monitor._m**2 :][: self._monitor.robot.n]
+
+    @property
+    def at_least(self) -> float:
+        """No singular configuration is nearer, of a known family or not: proven, by enclosures made when this is
+        read, about 1 ms; 0 where nothing is proven [rad; metres divided by the length scale].
+        """
+        q = self._arrays[-self._monitor.robot.n :]
+        return float(self._monitor.measure.at_least(q[None])[0])
 
     def __repr__(self) -> str:
         return (
             f"Sighting(rank={self.rank}, corank={self.corank}, family={self.family}, nearest={self.nearest}, "
-            f"reach={self.reach:.6g}, scaling={self.scaling:.6g}, rate_scaling={self.rate_scaling:.6g})"
+            f"distance={self.distance:.6g}, scaling={self.scaling:.6g}, rate_scaling={self.rate_scaling:.6g})"
         )
 
 
@@ -119,13 +131,14 @@ class Nearby:
     """All families at one configuration, in the order of `Monitor.families`; nan for those without conditions.
 
     Attributes:
-        reach: (F) distance to each: pinned joints exactly, coupled ones to first order [rad].
+        distance: (F) to each, as in `Sighting`; to first order where a family is neither nearer than `start` nor
+            than twice the nearest one [rad].
         residual: (F) largest |f|/|∇f| over its equations [rad].
-        away: (F, n) gradient of `reach` by q: d(reach)/dt = away · q̇, positive for motions that leave; zeros on the
+        away: (F, n) gradient of `distance` by q: its rate is away · q̇, positive for motions that leave; zeros on the
             family itself [1; 1 over the length scale for slides].
     """
 
-    reach: Array
+    distance: Array
     residual: Array
     away: Array
 
@@ -136,8 +149,8 @@ class Monitor:
     Args:
         robot: the arm.
         task: what the end effector has to do, as in `analyze`; None for the task the arm is made for.
-        families: of this arm and task (`Analysis.families`); those without equations are never named, σ's first-order
-            distance stands for them.
+        families: of this arm and task (`Analysis.families`); those without equations are never named, σ_r/‖∇σ_r‖
+            stands for them.
         tolerances: `singular` decides the rank, `explained` how near a singular configuration has to be to a family.
             Where none of the same corank is, the nearest one counts up to the cube root of `singular`: where sheets
             cross, σ is of second or third order in the distance. `Sightings.residual` says how far it is.
@@ -183,6 +196,11 @@ class Monitor:
         self._watcher = _core.Watcher(self._chain, self._view, self._table, self._settings)
         self._shape = (robot.n,)
         self._s, self._m = min(self.task.m, robot.n), self.task.m
+
+    @cached_property
+    def measure(self) -> Measure:
+        """What `distances` are measured with, in the whole joint space."""
+        return Measure(self.families, self.robot, self.task)
 
     @property
     def watched(self) -> tuple[Family, ...]:
@@ -238,7 +256,7 @@ class Monitor:
         """One step of a control loop: what is seen at q, how fast the motion may go on, and an internal motion away.
 
         With x = velocity/scale, joint by joint (scale: 1 for angles, the length scale for slides), and for every family
-        its distance d (`reach`) and the gradient g of d by the scaled variables,
+        its distance d and the gradient g of d by the scaled variables,
 
             c = max(0, −g·x/‖x‖)                  share of the motion that leads towards the family
             k = (d − stop)/(start − stop), kept within 0 … 1
@@ -281,7 +299,23 @@ class Monitor:
             if velocity is not None:
                 one_configuration(self.robot, velocity)
             raise AssertionError("the core and the check disagree")
-        return Sighting(seen, self._s, self._m, self._numbers)
+        return Sighting(seen, self)
+
+    def distances(self, Q: ArrayLike, *, along: bool = False) -> Distances:
+        """Distances of configurations Q from every family and from the singular set, and proven bounds from below.
+
+        `step` comes to the nearest point of the branch that it is on; these walk from many points, about 0.2 ms each
+        where all joints are pinned, 1 to 4 ms where some are coupled, and agree with `nearest_singularity`.
+
+        Args:
+            Q: (B, n) [rad or m].
+            along: they follow each other on a path: what is near to one is tried for the next.
+
+        Raises:
+            ConfigurationError: Q has the wrong shape or is not finite.
+        """
+        rows, _ = configurations(self.robot, Q)
+        return self.measure.of(rows, along=along)
 
     def nearby(self, q: ArrayLike) -> Nearby:
         """Distance to every family at one configuration (n,), and where it grows.
@@ -290,10 +324,10 @@ class Monitor:
             ConfigurationError: q is not one configuration of this arm.
         """
         self.step(one_configuration(self.robot, q))
-        reach, residual, away = self._watcher.apart()
+        distance, residual, away = self._watcher.apart()
         order, count = self._order[:-1], len(self.families)
         found = Nearby(np.full(count, np.nan), np.full(count, np.nan), np.full((count, self.robot.n), np.nan))
-        found.reach[order], found.residual[order], found.away[order] = reach, residual, away
+        found.distance[order], found.residual[order], found.away[order] = distance, residual, away
         return found
 
 
@@ -312,12 +346,7 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
     Raises:
         OptionError: an equation with another number of joints than the arm.
     """
-    numbers: dict[tuple[tuple[float, ...], float], int] = {}  # an angle, by its joints' multiples and its shift
-    angle: list[int] = []
-    a: list[float] = []
-    b: list[float] = []
-    powers: list[int] = []
-    terms, equations, coupled = [0], [0], []
+    equations, coupled = [0], []
     pinned: list[int] = []
     values: list[float] = []
     pins, at = [0], [0]
@@ -325,25 +354,15 @@ def tables_of(families: Sequence[Family], robot: Robot, task: Task) -> Tables:
         held = {one.number for one in family.pinned}
         for equation in family.equations:
             _check(equation, family, robot)
-            table = equation.tables
-            for m, shift in zip(table.multiples.tolist(), table.shift.tolist(), strict=True):
-                angle.append(numbers.setdefault((tuple(m), shift), len(numbers)))
-            a += table.cosine.tolist()
-            b += table.sine.tolist()
-            powers += table.powers.reshape(-1).astype(int).tolist()
-            terms.append(len(angle))
             coupled.append(int(not held.issuperset(equation.joints)))
-        equations.append(len(terms) - 1)
+        equations.append(len(coupled))
         for one in family.pinned:
             pinned.append(one.number - 1)
             values += one.values
             at.append(len(values))
         pins.append(len(pinned))
-    turning = [[(j, x) for j, x in enumerate(m) if x] for m, _ in numbers]
     return {
-        "variables": robot.n, "shift": [shift for _, shift in numbers],
-        "turns": np.cumsum([0, *map(len, turning)]).tolist(), "turning": [j for row in turning for j, _ in row],
-        "m": [x for row in turning for _, x in row], "angle": angle, "a": a, "b": b, "powers": powers, "terms": terms,
+        "variables": robot.n, **equation_tables(equation for family in families for equation in family.equations),
         "equations": equations, "corank": [family.corank for family in families],
         "scale": joint_scale(robot, task).tolist(), "periodic": robot.periodic.astype(int).tolist(),
         "coupled": coupled, "pins": pins, "pinned": pinned, "at": at, "values": values,

@@ -18,17 +18,17 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
 from rankdrop.families.irregular import recognised
-from rankdrop.families.linear import Linear, Values, canonical, wrap
+from rankdrop.families.linear import Linear, Supply, Values, canonical, smooth
 from rankdrop.families.residual import circuit_equations
 from rankdrop.families.row import Row
-from rankdrop.families.sampling import Setting, Supply, smooth
 from rankdrop.families.searching import refine
-from rankdrop.families.signature import Inspection, Signature
+from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
 from rankdrop.family.naming import name_family
 from rankdrop.family.record import LocalFamily, Pinned, condition_words, relation_words, rescaled, slides_of
-from rankdrop.local.block import generic_rank, joint_scale
+from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -43,10 +43,10 @@ HELD = 1e-5  # a value of q and one of the neighbourhood that differ by less are
 Found = list[tuple[Signature, NDArray[np.int64]]]
 
 
-def neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Inspection:
+def neighbourhood(problem: Problem, q: Array, at: Inspection, seed: int) -> Inspection:
     """Singular configurations of exactly this corank around q; the first one is q itself, polished."""
     rng = np.random.default_rng(seed)
-    scale = joint_scale(setting.robot, setting.task)
+    scale = problem.scale
     sizes = np.repeat(SIZES, EACH)
     steps = rng.standard_normal((len(sizes), len(q)))
     tangential = np.arange(len(sizes)) % 2 == 0
@@ -54,14 +54,14 @@ def neighbourhood(setting: Setting, q: Array, at: Inspection, seed: int) -> Insp
     steps *= scale * sizes[:, None] / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-12)
     starts = np.vstack([q, q + steps])
     back = refine(
-        setting.robot, starts, setting.corank, task=setting.task, seed=seed, iterations=40, threads=1,
-        tolerances=replace(setting.tolerances, target=1e-15),
+        problem.robot, starts, problem.corank, task=problem.task, seed=seed, iterations=40, threads=1,
+        tolerances=replace(problem.tolerances, target=1e-15),
     )  # fmt: skip
-    way = np.where(setting.robot.periodic, wrap(back.q - q), back.q - q)
+    way = np.where(problem.robot.periodic, wrap(back.q - q), back.q - q)
     near = np.linalg.norm(way / scale, axis=1) <= BACK * np.append(SIZES[0], sizes)
-    good = near & (back.sigma[:, setting.rank] <= setting.tolerances.singular)
+    good = near & (back.sigma[:, problem.rank] <= problem.tolerances.singular)
     good[0] = True
-    return setting.inspect(q + way[good])
+    return inspect(problem, q + way[good])
 
 
 def conormal_rank(at: Inspection) -> int:
@@ -75,7 +75,7 @@ def _usual_rank(around: Inspection) -> int:
     return ranks[len(ranks) // 2] if ranks else -1
 
 
-def groups_through(setting: Setting, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
+def groups_through(problem: Problem, q: Array, at: Inspection, around: Inspection, seed: int) -> Found:
     """Signatures of the neighbourhood whose linear conditions hold at q, each with its points.
 
     Where the set is smooth at q there is one family: the signature most neighbours of that rank have. Else every
@@ -85,15 +85,15 @@ def groups_through(setting: Setting, q: Array, at: Inspection, around: Inspectio
     for i, signature in enumerate(around.signatures):
         if i and signature is not None and signature.rank:
             groups.setdefault(replace(signature, bound=()), []).append(i)
-    groups = {signature: _holding(setting, signature, q, around.q, members) for signature, members in groups.items()}
-    scale = joint_scale(setting.robot, setting.task)
+    groups = {signature: _holding(problem, signature, q, around.q, members) for signature, members in groups.items()}
+    scale = problem.scale
     far = np.linalg.norm(wrap(around.q - q) / scale, axis=1)
     rng = np.random.default_rng([seed, 3])
     ordered = [
         (signature, np.array(members))
         for signature, members in sorted(groups.items(), key=lambda item: (item[0].rank, -len(item[1]), item[0]))
         if len(members) >= FEW
-        and smooth(setting, around, np.array(members), rng)
+        and smooth(problem, around, np.array(members), rng)
         and _filled(wrap(around.q[members] - q) / scale, far[members], len(q) - signature.rank)
     ]
     rank = conormal_rank(at)
@@ -116,12 +116,12 @@ def _filled(ways: Array, lengths: Array, dimension: int) -> bool:
     return int((spread > 0.05 * spread[0]).sum()) >= dimension
 
 
-def _holding(setting: Setting, signature: Signature, q: Array, points: Array, members: list[int]) -> list[int]:
+def _holding(problem: Problem, signature: Signature, q: Array, points: Array, members: list[int]) -> list[int]:
     """Those of the members at which the pinned joints and relations have the same values as at q."""
-    linear = Linear.of(setting.robot, signature.covectors(len(q)))
+    linear = Linear.of(problem.robot, signature.covectors(len(q)))
     off = linear.values(points[members]) - linear.values(q[None])
     off = np.where(linear.periodic, wrap(off), off)
-    same = np.abs(off).max(axis=1, initial=0.0) <= HELD * max(1.0, setting.task.scale(setting.robot))
+    same = np.abs(off).max(axis=1, initial=0.0) <= HELD * max(1.0, problem.task.scale(problem.robot))
     return [members[i] for i in np.flatnonzero(same)]
 
 
@@ -177,23 +177,23 @@ def name_on_the_spot(
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
-    rank = generic - corank
-    setting = Setting(robot, task, corank, rank, tolerances)
-    at = setting.inspect(configuration[None])
+    problem = Problem(robot, task, corank, tolerances)
+    rank = problem.rank
+    at = inspect(problem, configuration[None])
     if at.sigma[0, rank] > max(tolerances.singular, 1e-6):
         raise ConfigurationError(
             "the configuration does not have this corank", got=f"σ = {at.sigma[0, rank:].tolist()}",
             mend="take the corank that rank_at gives",
         )  # fmt: skip
-    around = neighbourhood(setting, configuration, at, seed)
-    found = groups_through(setting, configuration, at, around, seed)
+    around = neighbourhood(problem, configuration, at, seed)
+    found = groups_through(problem, configuration, at, around, seed)
     families = [
-        _described(setting, around, signature, members, seed, fit=fit) for signature, members in found
+        _described(problem, around, signature, members, seed, fit=fit) for signature, members in found
     ]
     if not families:
-        families = _from_shared_values(setting, configuration, around, seed)
+        families = _from_shared_values(problem, configuration, around, seed)
     if not families:
-        return _nameless(setting, configuration, at, around)
+        return _nameless(problem, configuration, at, around)
     return families[0] if len(families) == 1 else _met(families)
 
 
@@ -213,23 +213,23 @@ def _out_of_metres(found: LocalFamily, robot: Robot) -> LocalFamily:
 
 
 def _described(
-    setting: Setting, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
+    problem: Problem, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
 ) -> LocalFamily:
-    robot = setting.robot
+    robot = problem.robot
     linear = Linear.of(robot, signature.covectors(robot.n))
     values = _values(linear, around.q[members])
     equations: tuple[Equation, ...] = linear.equations([(v,) for v in values])
     if signature.residual:
-        rest = _fitted(setting, around, linear, values, members, seed) if fit else None
+        rest = _fitted(problem, around, linear, values, members, seed) if fit else None
         equations = () if rest is None else equations + rest
     return _family(
-        setting, around.q[members], signature, values, equations,
+        problem, around.q[members], signature, values, equations,
         f"{len(members)} singular configurations around q with one tangent shape",
     )  # fmt: skip
 
 
 def _family(
-    setting: Setting,
+    problem: Problem,
     points: Array,
     signature: Signature,
     values: Values,
@@ -237,7 +237,7 @@ def _family(
     evidence: str,
 ) -> LocalFamily:
     """The record of one family; `points` are of it, and its name is taken from them."""
-    robot = setting.robot
+    robot = problem.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, (values[i],)) for i, joint in enumerate(signature.pinned)
     )
@@ -247,8 +247,8 @@ def _family(
     )
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
     return LocalFamily(
-        name=name_family(robot, setting.task, spread, [joint + 1 for joint in signature.pinned], coupled=bool(coupled)),
-        corank=setting.corank,
+        name=name_family(robot, problem.task, spread, [joint + 1 for joint in signature.pinned], coupled=coupled),
+        corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
         free=tuple(j + 1 for j in signature.free),
@@ -273,7 +273,7 @@ def _values(linear: Linear, points: Array) -> Values:
 
 
 def _fitted(
-    setting: Setting,
+    problem: Problem,
     around: Inspection,
     linear: Linear,
     values: Values,
@@ -284,7 +284,7 @@ def _fitted(
     rng = np.random.default_rng([seed, 1])
     met = [signature for i in members if (signature := around.signatures[i]) is not None]
     signature = max(met, key=met.count)  # the sets of joints bound together included
-    supply = Supply(setting, signature, linear, values, around.q[members], around.tangent[members], rng)
+    supply = Supply(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
     if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
         return None
     supply(SPREAD)
@@ -293,20 +293,20 @@ def _fitted(
     return circuit_equations(supply, Budget(FIT_WORK))
 
 
-def _from_shared_values(setting: Setting, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:
+def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:
     """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ."""
     rng = np.random.default_rng([seed, 2])
     near = around.q[around.exact]
     found = []
-    for row in recognised(setting, near, rng):
+    for row in recognised(problem, near, rng):
         values = _row_values(row, q)
         if values is None:
             continue
         # neighbours are known badly where σ is of higher order: take the values exactly
         points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
-        points = points[setting.inspect(points).exact]
+        points = points[inspect(problem, points).exact]
         equations = row.linear.equations([(v,) for v in values])
-        found.append(_family(setting, points, row.signature, values, equations, "shared values, verified"))
+        found.append(_family(problem, points, row.signature, values, equations, "shared values, verified"))
     return found
 
 
@@ -323,19 +323,19 @@ def _row_values(row: Row, q: Array) -> Values | None:
     return tuple(chosen)
 
 
-def _nameless(setting: Setting, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
+def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
     """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
-    robot = setting.robot
+    robot = problem.robot
     isolated = conormal_rank(at) == robot.n
     everyone = tuple(range(1, robot.n + 1))
     pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
     return LocalFamily(
-        name=name_family(robot, setting.task, q[None], everyone if isolated else ()),
-        corank=setting.corank,
+        name=name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None),
+        corank=problem.corank,
         dimension=round(float(np.trace(at.tangent[0]))),
         pinned=pinned if isolated else (),
-        free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(setting.irrelevant)),
-        coupled=() if isolated else tuple(j for j in everyone if not setting.irrelevant[j - 1]),
+        free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(problem.idle)),
+        coupled=() if isolated else tuple(j for j in everyone if not problem.idle[j - 1]),
         relations=(),
         equations=(),
         words=("an isolated singular configuration",) if isolated else ("no condition found around it",),

@@ -23,14 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, Ground, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
-from rankdrop.families.linear import Linear, Values
+from rankdrop.families.linear import Linear, Supply, Values, gathered_tangent
 from rankdrop.families.memory import Memory
 from rankdrop.families.row import on_combinations
-from rankdrop.families.sampling import Setting, Supply, gathered_tangent
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
 from rankdrop.kinematics import task_jacobian
-from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind
 
 GRID = 20_000  # grid points at most
@@ -39,31 +38,31 @@ NOISE = 1e-12  # coefficients below this share of the largest are rounding
 
 
 def minors(
-    setting: Setting, linear: Linear, values: Values, joints: tuple[int, ...], highest: int, rng: np.random.Generator
+    problem: Problem, linear: Linear, values: Values, joints: tuple[int, ...], highest: int, rng: np.random.Generator
 ) -> list[Equation]:
     """Minors of full height on the given combination of values, as equations in the joints; short ones first.
 
     Args:
-        setting: the arm; only corank 1 of a task of full rank has such minors.
+        problem: the arm; only corank 1 of a task of full rank has such minors.
         linear, values: the linear conditions; joints that they pin are put at their values.
         joints: from 0; the other joints stand at random values, which is right for joints the family leaves free.
         highest: twice the largest harmonic.
         rng: for the joints that are left free.
     """
-    robot, task = setting.robot, setting.task
+    robot, task = problem.robot, problem.task
     steps = [highest + 1 if robot.periodic[j] else 4 for j in joints]
     plain = all(robot.periodic[j] or robot.variables[j].kind is JointKind.PRISMATIC for j in joints)
-    if not plain or setting.rank + 1 != task.m or robot.n < task.m or np.prod(steps) > GRID or not joints:
+    if not plain or problem.rank + 1 != task.m or robot.n < task.m or np.prod(steps) > GRID or not joints:
         return []
     nodes = [_nodes(step, bool(robot.periodic[j])) for step, j in zip(steps, joints, strict=True)]
     grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, len(joints))
-    q = np.repeat(setting.random(1, rng), len(grid), axis=0)
+    q = np.repeat(problem.random(1, rng), len(grid), axis=0)
     q[:, joints] = grid
     q = linear.place(q, np.repeat(np.array(values).reshape(1, -1), len(grid), axis=0), rng) if len(linear) else q
     j = np.asarray(task_jacobian(robot, q, task))
     found = []
     for columns in combinations(range(robot.n), task.m):
-        equation = _interpolated(np.linalg.det(j[:, :, columns]).reshape(steps), nodes, setting, joints)
+        equation = _interpolated(np.linalg.det(j[:, :, columns]).reshape(steps), nodes, problem, joints)
         if equation is not None and len(equation.terms) <= LONGEST:
             found.append(equation)
     return sorted(found, key=lambda equation: len(equation.terms))
@@ -75,7 +74,7 @@ def _nodes(count: int, periodic: bool) -> Array:
 
 
 def _interpolated(
-    values: Array, nodes: list[Array], setting: Setting, joints: tuple[int, ...]
+    values: Array, nodes: list[Array], problem: Problem, joints: tuple[int, ...]
 ) -> Equation | None:
     """The polynomial with these values on the grid; None for the zero polynomial."""
     size = np.abs(values).max()
@@ -84,19 +83,19 @@ def _interpolated(
     orders: list[NDArray[np.int64]] = []
     c = values.astype(np.complex128)
     for axis, (node, joint) in enumerate(zip(nodes, joints, strict=True)):
-        periodic = bool(setting.robot.periodic[joint])
+        periodic = bool(problem.robot.periodic[joint])
         order = np.arange(len(node)) - (len(node) // 2 if periodic else 0)
         basis = np.exp(1j * np.outer(node, order)) if periodic else node[:, None] ** order
         c = np.moveaxis(np.tensordot(np.linalg.inv(basis), c, axes=(1, axis)), 0, axis)
         orders.append(order)
-    return _real(c, orders, setting, joints)
+    return _real(c, orders, problem, joints)
 
 
 def _real(
-    c: NDArray[np.complex128], orders: list[NDArray[np.int64]], setting: Setting, joints: tuple[int, ...]
+    c: NDArray[np.complex128], orders: list[NDArray[np.int64]], problem: Problem, joints: tuple[int, ...]
 ) -> Equation | None:
     """Σ c·e^{i m·q}·q^p with c(−m) = conj c(m), as cosines and sines."""
-    n, periodic = setting.robot.n, setting.robot.periodic
+    n, periodic = problem.n, problem.robot.periodic
     floor = NOISE * np.abs(c).max()
     terms = []
     for index in zip(*np.nonzero(np.abs(c) > floor), strict=True):
@@ -123,7 +122,7 @@ REGULAR = 1e-2
 
 
 def elsewhere(
-    setting: Setting,
+    problem: Problem,
     linear: Linear,
     combinations: Sequence[Values],
     residual: tuple[Equation, ...],
@@ -133,7 +132,7 @@ def elsewhere(
     """Solve a row's equations with some of their joints held at special values.
 
     Args:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         linear, combinations, residual: the row; each start takes one combination of values by chance.
         marks: further values to hold joints (from 0) at, beside right angles: those of other rows [rad or m].
         rng: of joints, values and starts.
@@ -141,43 +140,37 @@ def elsewhere(
     Returns:
         How many solutions could be judged, and (S, n) those that are regular.
     """
-    n = setting.robot.n
+    n = problem.n
     none = np.zeros((0, n))
     if not residual:
         return 0, none
     system = System(residual)
     fixed = set(linear.pivots)
     joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
-    starts: list[Array] = []
-    ways: list[Array] = []
-    free: dict[tuple[int, ...], Array] = {}
-    for held in _held(setting, joints, marks, rng):
+    tested, strangers = 0, [none]
+    for held in _held(problem, joints, marks, rng):
         numbers = list(held)
         chosen = [combinations[i] for i in rng.integers(len(combinations), size=EACH)]
-        q = setting.random(EACH, rng)
+        q = problem.random(EACH, rng)
         q[:, numbers] = list(held.values())
         q = linear.place(q, np.array(chosen, dtype=np.float64).reshape(EACH, -1), rng)
-        key = tuple(sorted(numbers))
-        if key not in free:
-            free[key] = _free(linear, list(key), n)
-        along = free[key]
-        if along.shape[1]:
-            starts.append(q)
-            ways += [along @ along.T] * EACH
-    if not starts:
-        return 0, none
-    q, good = system.solve(np.concatenate(starts), along=np.array(ways), iterations=60)
-    q = q[good & setting.allowed(q)]
-    sigma = singular_values(setting.robot, q, setting.task)[:, setting.rank]
-    regular = sigma > REGULAR
-    return int((regular | (sigma <= setting.tolerances.singular)).sum()), q[regular]
+        along = _free(linear, numbers, n)
+        if not along.shape[1]:
+            continue
+        q, good = system.solve(q, along=along, iterations=60)
+        q = q[good & problem.allowed(q)]
+        sigma = problem.sigma(q)[:, problem.rank]
+        regular = sigma > REGULAR
+        tested += int((regular | (sigma <= problem.tolerances.singular)).sum())
+        strangers.append(q[regular])
+    return tested, np.concatenate(strangers)
 
 
 def _held(
-    setting: Setting, joints: list[int], marks: Mapping[int, Sequence[float]], rng: np.random.Generator
+    problem: Problem, joints: list[int], marks: Mapping[int, Sequence[float]], rng: np.random.Generator
 ) -> list[dict[int, float]]:
     """Joints and the values they are held at: each alone, then several by chance."""
-    periodic = setting.robot.periodic
+    periodic = problem.robot.periodic
     values = {j: list(dict.fromkeys([*(RIGHT if periodic[j] else (0.0,)), *marks.get(j, ())])) for j in joints}
     single = [{j: v} for j in joints for v in values[j]]
     if len(single) > SINGLE:
@@ -235,7 +228,7 @@ def recalled_equations(supply: Supply, memory: Memory) -> tuple[Equation, ...] |
     Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
     among it, is the caller's to find out: a row of a known form that fails there is sought anew.
     """
-    for form in memory.recall(supply, supply.setting.corank):
+    for form in memory.recall(supply, supply.problem.corank):
         if _rank(supply, list(form)) != supply.signature.residual:
             continue
         tested, strangers = _from_random_starts(supply, form, RECALLED)
@@ -258,17 +251,17 @@ def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | 
 
 def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
-    setting = supply.setting
+    problem = supply.problem
     bound = np.abs(supply.linear.covectors).sum(axis=0) > 0
-    twins = tuple(one for one in setting.twins if not bound[one.first] and not bound[one.second])
+    twins = tuple(one for one in problem.twins if not bound[one.first] and not bound[one.second])
     seconds = {one.second for one in twins}
     joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)
     kinds = tuple(
         Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
-        for joint, periodic in zip(setting.robot.variables, setting.robot.periodic, strict=True)
+        for joint, periodic in zip(problem.robot.variables, problem.robot.periodic, strict=True)
     )
-    highest = 4 if setting.task.m == 6 else 6
-    return Ground(supply, setting.robot.n, kinds, highest, budget, setting.tolerances, twins), joints
+    highest = 4 if problem.task.m == 6 else 6
+    return Ground(supply, problem.n, kinds, highest, budget, problem.tolerances, twins), joints
 
 
 def _from_circuits(
@@ -307,7 +300,7 @@ def _cut(
             return tuple(chosen)
         if not asked and not _told(spare, strangers):
             moving = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
-            more = minors(supply.setting, supply.linear, supply.values, moving, ground.highest, supply.rng)
+            more = minors(supply.problem, supply.linear, supply.values, moving, ground.highest, supply.rng)
             spare = spare + [equation for equation in more if holds(equation, supply.q)]
             asked = True
         told = _told(spare, strangers)
@@ -364,15 +357,15 @@ def _rank(supply: Supply, equations: list[Equation]) -> int:
 def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
     """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
     before it says none."""
-    setting, tested = supply.setting, 0
-    strangers = np.zeros((0, setting.robot.n))
+    problem, tested = supply.problem, 0
+    strangers = np.zeros((0, problem.n))
     for count in (200, 800):
         more, strangers = _from_random_starts(supply, tuple(equations), count)
         tested += more
         if len(strangers):
             return tested, strangers
     for _ in range(ROUNDS if tested else 0):
-        _, strangers = elsewhere(setting, supply.linear, [supply.values], tuple(equations), {}, supply.rng)
+        _, strangers = elsewhere(problem, supply.linear, [supply.values], tuple(equations), {}, supply.rng)
         if len(strangers):
             break
     return tested, strangers
@@ -380,10 +373,9 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
 
 def _from_random_starts(supply: Supply, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
     """How many solutions so many random starts lead to, and those of them that are not singular."""
-    setting = supply.setting
+    problem = supply.problem
     q, good = on_combinations(
-        setting, supply.linear, equations, supply.signature.residual, [supply.values], count, supply.rng
+        problem, supply.linear, equations, supply.signature.residual, [supply.values], count, supply.rng
     )
     q = q[good]
-    sigma = singular_values(setting.robot, q, setting.task)
-    return len(q), q[sigma[:, setting.rank] > setting.tolerances.singular]
+    return len(q), q[problem.sigma(q)[:, problem.rank] > problem.tolerances.singular]

@@ -12,12 +12,11 @@ from itertools import combinations, product
 import numpy as np
 
 from rankdrop.families.linear import Linear, Values
-from rankdrop.families.sampling import Setting
 from rankdrop.families.signature import HIGHER, Signature
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Soundness
 from rankdrop.family.system import Mask, System
-from rankdrop.local.block import sampling_box, singular_values
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
@@ -53,14 +52,14 @@ class Row:
         """Every combination of values."""
         return list(product(*self.sets))
 
-    def sample(self, setting: Setting, each: int, rng: np.random.Generator) -> tuple[Array, Mask]:
+    def sample(self, problem: Problem, each: int, rng: np.random.Generator) -> tuple[Array, Mask]:
         """(V, each, n) points on up to 64 combinations, and (V, each) whether they are good: `on_combinations`."""
         need = self.signature.residual
-        return on_combinations(setting, self.linear, self.residual, need, self.combinations[:64], each, rng)
+        return on_combinations(problem, self.linear, self.residual, need, self.combinations[:64], each, rng)
 
 
 def on_combinations(
-    setting: Setting,
+    problem: Problem,
     linear: Linear,
     residual: tuple[Equation, ...],
     codimension: int,
@@ -71,7 +70,7 @@ def on_combinations(
     """Configurations that take the given values exactly and solve the residual equations.
 
     Args:
-        setting, linear, residual: the arm and the conditions.
+        problem, linear, residual: the arm and the conditions.
         codimension: number of independent residual equations (there may be more equations than that).
         values: combinations of values.
         each: random starts for each of them.
@@ -80,14 +79,14 @@ def on_combinations(
     Returns:
         (V, each, n) configurations and (V, each) whether they solve the equations at a well-conditioned place.
     """
-    n = setting.robot.n
+    n = problem.n
     targets = np.repeat(np.array(values, dtype=np.float64).reshape(len(values), -1), each, axis=0)
-    q = linear.place(setting.random(len(targets), rng), targets, rng)
+    q = linear.place(problem.random(len(targets), rng), targets, rng)
     good = np.ones(len(q), dtype=np.bool_)
     if residual:
         q, slope, good = _solved(q, residual, codimension, linear.along)
         good &= slope > CONDITIONED
-    good &= setting.allowed(q)
+    good &= problem.allowed(q)
     return q.reshape(len(values), each, n), good.reshape(len(values), each)
 
 
@@ -111,7 +110,7 @@ def _solved(
 
 
 def verified(
-    setting: Setting,
+    problem: Problem,
     linear: Linear,
     residual: tuple[Equation, ...],
     codimension: int,
@@ -123,18 +122,18 @@ def verified(
     A combination holds when every tested configuration has corank ≥ k and most have exactly k (else it belongs to the
     table of a higher corank).
     """
-    each = 24 if residual or setting.limits else 8
-    result = _tested(setting, linear, residual, codimension, values, each, rng)
+    each = 24 if residual or problem.limits else 8
+    result = _tested(problem, linear, residual, codimension, values, each, rng)
     unsure = [i for i, one in enumerate(result) if one is None]
     if unsure:  # limits leave little room: look harder
-        again = _tested(setting, linear, residual, codimension, [values[i] for i in unsure], 20 * each, rng)
+        again = _tested(problem, linear, residual, codimension, [values[i] for i in unsure], 20 * each, rng)
         for i, one in zip(unsure, again, strict=True):
             result[i] = one
     return [one is True for one in result]
 
 
 def _tested(
-    setting: Setting,
+    problem: Problem,
     linear: Linear,
     residual: tuple[Equation, ...],
     codimension: int,
@@ -143,16 +142,16 @@ def _tested(
     rng: np.random.Generator,
 ) -> list[bool | None]:
     """`verified` with a number of starts; None where fewer than three of them could be used."""
-    q, good = on_combinations(setting, linear, residual, codimension, values, each, rng)
-    sigma = singular_values(setting.robot, q.reshape(-1, setting.robot.n), setting.task).reshape(*q.shape[:2], -1)
-    singular = sigma[..., setting.rank] <= setting.tolerances.singular
-    exact = sigma[..., setting.rank - 1] > HIGHER if setting.rank else np.ones_like(singular)
+    q, good = on_combinations(problem, linear, residual, codimension, values, each, rng)
+    sigma = problem.sigma(q)
+    singular = sigma[..., problem.rank] <= problem.tolerances.singular
+    exact = sigma[..., problem.rank - 1] > HIGHER if problem.rank else np.ones_like(singular)
     count = good.sum(axis=1)
     holds = (singular | ~good).all(axis=1) & ((exact & good).sum(axis=1) > 0.5 * count)
     return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
 
 
-def soundness(setting: Setting, system: System, codimension: int, rng: np.random.Generator) -> tuple[Soundness, Array]:
+def soundness(problem: Problem, system: System, codimension: int, rng: np.random.Generator) -> tuple[Soundness, Array]:
     """Solve equations from random starts and look at the rank there.
 
     Solutions where the equations' Jacobian is badly conditioned (sheets crossing) are known too inexactly to be judged
@@ -161,13 +160,13 @@ def soundness(setting: Setting, system: System, codimension: int, rng: np.random
     Returns:
         The counts, and the (S, n) solutions that do not have the corank.
     """
-    start = setting.random(STARTS, rng)
-    q, slope, solved = _solved(start, system.equations, codimension, np.eye(setting.robot.n))
+    start = problem.random(STARTS, rng)
+    q, slope, solved = _solved(start, system.equations, codimension, np.eye(problem.n))
     q = q[solved & (slope > CONDITIONED)]
     if not len(q):
         return Soundness(0, 0), q
-    sigma = singular_values(setting.robot, q, setting.task)
-    singular = sigma[:, setting.rank] <= setting.tolerances.singular
+    sigma = problem.sigma(q)
+    singular = sigma[:, problem.rank] <= problem.tolerances.singular
     return Soundness(len(q), int(singular.sum())), q[~singular]
 
 
@@ -175,42 +174,42 @@ TRIES = 64  # round configurations that are looked at
 ROUND = 0.1  # free angles stand at multiples of this [rad], free lengths at multiples of a power of ten [m]
 
 
-def witness(setting: Setting, row: Row, rng: np.random.Generator) -> Array | None:
+def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | None:
     """(n,) a point of the row of corank exactly k, the next singular value as large as round numbers allow.
 
     Joints on which σ does not depend are 0, free ones at round numbers, pinned ones at the first of their values,
     and only as many coupled ones as there are residual equations are solved for. None when no try succeeds.
     """
     values = np.array([[one[0] for one in row.sets]] * TRIES).reshape(TRIES, -1)
-    placed = row.linear.place(_round(setting, rng), values, rng)
+    placed = row.linear.place(_round(problem, rng), values, rng)
     best: tuple[float, Array | None] = (0.0, None)
-    for along in _ways(row) if row.residual else [np.zeros((setting.robot.n, 0))]:
+    for along in _ways(row) if row.residual else [np.zeros((problem.n, 0))]:
         q, good = placed, np.ones(TRIES, dtype=np.bool_)
         if row.residual:
             q, good = System(row.residual).solve(placed, along=along)
-        q = _near_zero(setting, q)
-        good = good & setting.allowed(q)
-        sigma = singular_values(setting.robot, q, setting.task)
-        good &= sigma[:, setting.rank] <= setting.tolerances.singular
-        gap = np.where(good, sigma[:, setting.rank - 1] if setting.rank else 1.0, 0.0)
+        q = _near_zero(problem, q)
+        good = good & problem.allowed(q)
+        sigma = problem.sigma(q)
+        good &= sigma[:, problem.rank] <= problem.tolerances.singular
+        gap = np.where(good, sigma[:, problem.rank - 1] if problem.rank else 1.0, 0.0)
         i = int(np.argmax(gap))
         if gap[i] > max(1e-6, 1.2 * best[0]):
             best = (float(gap[i]), q[i])
     return best[1]
 
 
-def _round(setting: Setting, rng: np.random.Generator) -> Array:
+def _round(problem: Problem, rng: np.random.Generator) -> Array:
     """(TRIES, n) random configurations of round numbers."""
-    low, high = sampling_box(setting.robot, setting.task, limits=setting.limits)
-    periodic = setting.robot.periodic
+    low, high = problem.box
+    periodic = problem.robot.periodic
     reach = np.where(periodic, 1.5, 0.5 * (high - low))
-    middle = np.where(setting.limits | ~periodic, 0.5 * (low + high), 0.0)
+    middle = np.where(problem.limits | ~periodic, 0.5 * (low + high), 0.0)
     half = 0.5 * np.maximum(high - low, 1e-9)
     scale = np.where(periodic, ROUND, 10.0 ** np.floor(np.log10(0.4 * half)))
-    q = middle + rng.uniform(-1, 1, (TRIES, setting.robot.n)) * np.minimum(reach, half)
+    q = middle + rng.uniform(-1, 1, (TRIES, problem.n)) * np.minimum(reach, half)
     q = np.round(q / scale) * scale
     q = np.where((q < low) | (q > high), middle, q)
-    resting = setting.irrelevant & (low <= 0) & (high >= 0)
+    resting = problem.idle & (low <= 0) & (high >= 0)
     return np.asarray(np.round(np.where(resting, 0.0, q), 12), dtype=np.float64)
 
 
@@ -234,8 +233,8 @@ def _moves(linear: Linear) -> Array:
     return moves
 
 
-def _near_zero(setting: Setting, q: Array) -> Array:
+def _near_zero(problem: Problem, q: Array) -> Array:
     """Angles in (−π, π] where no limits are set; rounding around zero taken off."""
-    if not setting.limits:
-        q = np.where(setting.robot.periodic, np.pi - np.mod(np.pi - q, 2 * np.pi), q)
+    if not problem.limits:
+        q = wrapped(problem.robot, q)
     return np.where(np.abs(q) < 1e-15, 0.0, q)

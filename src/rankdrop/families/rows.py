@@ -18,15 +18,14 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
-from rankdrop.families.linear import Linear, Values, boxes, grow
+from rankdrop.families.linear import Linear, Supply, Values, boxes, grow, smooth
 from rankdrop.families.memory import Memory
 from rankdrop.families.residual import recalled_equations, residual_equations
 from rankdrop.families.row import Row, verified
-from rankdrop.families.sampling import Setting, Supply, smooth
 from rankdrop.families.signature import Inspection, Signature
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import Mask
-from rankdrop.local.block import singular_values
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
 
 MERGED = "fitted, merged over half a turn, then verified"
@@ -35,20 +34,20 @@ SAME = 1e-9  # coefficients closer than this share of the largest cancel
 Key = tuple[str, tuple[int, ...], tuple[int, ...]]
 
 
-def merged(setting: Setting, rows: list[Row], rng: np.random.Generator) -> list[Row]:
+def merged(problem: Problem, rows: list[Row], rng: np.random.Generator) -> list[Row]:
     """Rows with pairs of the same signature joined where one set of equations holds for both, verified anew."""
     result = list(rows)
     for first in rows:
         for second in rows:
             if first in result and second in result and first is not second:
-                joined = _joined(setting, first, second, rng)
+                joined = _joined(problem, first, second, rng)
                 if joined is not None:
                     result[result.index(first)] = joined
                     result.remove(second)
     return result
 
 
-def _joined(setting: Setting, first: Row, second: Row, rng: np.random.Generator) -> Row | None:
+def _joined(problem: Problem, first: Row, second: Row, rng: np.random.Generator) -> Row | None:
     if first.signature != second.signature or not first.residual or len(first.residual) != len(second.residual):
         return None
     apart = [i for i, (a, b) in enumerate(zip(first.sets, second.sets, strict=True)) if a != b]
@@ -68,7 +67,7 @@ def _joined(setting: Setting, first: Row, second: Row, rng: np.random.Generator)
     values = tuple(sorted((one[0], other[0]), key=lambda v: (abs(v), -v)))
     row = Row(first.linear, (*first.sets[:i], values, *first.sets[i + 1 :]), tuple(residual), first.signature, MERGED)
     need = first.signature.residual
-    return row if all(verified(setting, row.linear, row.residual, need, row.combinations, rng)) else None
+    return row if all(verified(problem, row.linear, row.residual, need, row.combinations, rng)) else None
 
 
 def _combined(f: Equation, g: Equation, covector: tuple[int, ...], value: float) -> Equation | None:
@@ -131,7 +130,7 @@ Groups = list[tuple[Signature, NDArray[np.int64]]]
 
 
 def find_rows(
-    setting: Setting,
+    problem: Problem,
     inspection: Inspection,
     cover: Cover,
     seed: int,
@@ -143,7 +142,7 @@ def find_rows(
     Groups are taken by dimension, large ones first, so that a group whose points already lie on a row costs nothing.
 
     Args:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         inspection: the cloud with its signatures.
         cover: of the points of the cloud.
         seed: of every random choice.
@@ -151,20 +150,20 @@ def find_rows(
         memory: forms of conditions that are tried first, and where those found are kept.
     """
     budget = Budget()
-    rows = _fitted(setting, inspection, cover, budget, (seed, setting.corank), progress, memory)
+    rows = _fitted(problem, inspection, cover, budget, (seed, problem.corank), progress, memory)
     groups = len(grouped(inspection))
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     if len(rest) >= FEW:
-        twice = _doubled(setting, rest[:: len(rest) // MANY + 1])
-        rows += _fitted(setting, twice, Cover(setting, twice.q), budget, (seed, setting.corank, DOUBLED), doubled=True)
+        twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
+        rows += _fitted(problem, twice, Cover(problem, twice.q), budget, (seed, problem.corank, DOUBLED), doubled=True)
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
-    rows += recognised(setting, rest, np.random.default_rng([seed, setting.corank, groups]))
-    rng = np.random.default_rng([seed, setting.corank, groups + 1])
-    return merged(setting, without_contained(setting, rows, rng), rng)
+    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, groups]))
+    rng = np.random.default_rng([seed, problem.corank, groups + 1])
+    return merged(problem, without_contained(problem, rows, rng), rng)
 
 
 def _fitted(
-    setting: Setting,
+    problem: Problem,
     inspection: Inspection,
     cover: Cover,
     budget: Budget,
@@ -177,7 +176,7 @@ def _fitted(
     """Rows of the groups of one inspection; `doubled`: more points are inspected as these were."""
     rows: list[Row] = []
     groups = grouped(inspection)
-    more = partial(_doubled, setting) if doubled else None
+    more = partial(_doubled, problem) if doubled else None
     hard = sorted((i for i, (s, _) in enumerate(groups) if s.residual > 0), key=lambda i: -len(groups[i][1]))[:HARD]
     for step, index in enumerate([*range(len(groups)), *hard]):
         if progress is not None:
@@ -188,15 +187,15 @@ def _fitted(
         if not signature.rank or len(left) < (FEW if signature.residual else 1):
             continue
         rng = np.random.default_rng([*seed, index, int(thorough)])
-        if smooth(setting, inspection, left, rng):
+        if smooth(problem, inspection, left, rng):
             part = budget.share(THOROUGH if thorough else QUICK)
-            rows += _rows_of(setting, signature, inspection, left, part, rng, more, memory, thorough=thorough)
+            rows += _rows_of(problem, signature, inspection, left, part, rng, more, memory, thorough=thorough)
             budget.back(part)
     return rows
 
 
-def _doubled(setting: Setting, q: Array) -> Inspection:
-    return inspect_doubled(setting, q)[0]
+def _doubled(problem: Problem, q: Array) -> Inspection:
+    return inspect_doubled(problem, q)[0]
 
 
 def grouped(inspection: Inspection) -> Groups:
@@ -224,18 +223,18 @@ class Cover:
     """Which points of a cloud lie on which row; each row is asked once.
 
     Attributes:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         q: (N, n) the points.
     """
 
-    setting: Setting
+    problem: Problem
     q: Array
     known: dict[Row, Mask] = field(default_factory=dict)
 
     def on(self, row: Row) -> Mask:
         """(N,) points on one row."""
         if row not in self.known:
-            self.known[row] = on_row(self.setting, row, self.q)
+            self.known[row] = on_row(self.problem, row, self.q)
         return self.known[row]
 
     def by(self, rows: list[Row]) -> Mask:
@@ -244,7 +243,7 @@ class Cover:
         return np.asarray(each.any(axis=0))
 
 
-def on_row(setting: Setting, row: Row, q: Array) -> Mask:
+def on_row(problem: Problem, row: Row, q: Array) -> Mask:
     """(N,) whether points lie on a row.
 
     A point lies on a row when it is nearer than `tolerances.explained`. Where several sheets meet, σ is of third or
@@ -252,18 +251,18 @@ def on_row(setting: Setting, row: Row, q: Array) -> Mask:
     rounding level on the whole way to it: then nothing tells the point from its foot on the row.
     """
     distance, foot = row.system.nearest(q)
-    near = distance <= setting.tolerances.explained
+    near = distance <= problem.tolerances.explained
     unsure = np.flatnonzero(~near & np.isfinite(distance))
     if len(unsure):
         part = np.linspace(0.0, 1.0, 6)[:, None, None]
         way = (1 - part) * q[unsure] + part * foot[unsure]  # (6, U, n)
-        sigma = singular_values(setting.robot, way.reshape(-1, q.shape[1]), setting.task)[:, setting.rank]
-        near[unsure] = (sigma.reshape(6, -1) <= ROUNDING * setting.tolerances.target).all(axis=0)
+        sigma = problem.sigma(way)[..., problem.rank]
+        near[unsure] = (sigma.reshape(6, -1) <= ROUNDING * problem.tolerances.target).all(axis=0)
     return near
 
 
 def _rows_of(
-    setting: Setting,
+    problem: Problem,
     signature: Signature,
     inspection: Inspection,
     members: NDArray[np.int64],
@@ -274,12 +273,12 @@ def _rows_of(
     *,
     thorough: bool,
 ) -> list[Row]:
-    linear = Linear.of(setting.robot, signature.covectors(setting.robot.n))
+    linear = Linear.of(problem.robot, signature.covectors(problem.n))
     weights = inspection.condition[members]
     twice = "a double zero: " if more else ""
-    met = linear.combinations(inspection.q[members], weights, setting.tolerances.value)
+    met = linear.combinations(inspection.q[members], weights, problem.tolerances.value)
     if not signature.residual:
-        found = grow(met, linear, partial(verified, setting, linear, (), 0, rng=rng))
+        found = grow(met, linear, partial(verified, problem, linear, (), 0, rng=rng))
         return [Row(linear, sets, (), signature, f"{twice}values verified") for sets in boxes(found)]
     rows: list[Row] = []
     done: set[Values] = set()
@@ -288,33 +287,33 @@ def _rows_of(
             continue
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
-        supply = Supply(setting, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
+        supply = Supply(problem, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
         residual = None if memory is None else recalled_equations(supply, memory)
         if residual is None:
             residual = residual_equations(supply, budget, thorough=thorough)
         if residual is None:
             continue
         if memory is not None:
-            memory.keep(setting.corank, signature, values, residual)
+            memory.keep(problem.corank, signature, values, residual)
         alike = [v for v in met if all(holds(e, inspection.q[members[met[v]]]) for e in residual)]
-        holding = partial(verified, setting, linear, residual, signature.residual, rng=rng)
+        holding = partial(verified, problem, linear, residual, signature.residual, rng=rng)
         found = grow([values, *alike], linear, holding)
         done |= found
         rows += [Row(linear, sets, residual, signature, f"{twice}fitted, then verified") for sets in boxes(found)]
     return rows
 
 
-def without_contained(setting: Setting, rows: list[Row], rng: np.random.Generator) -> list[Row]:
+def without_contained(problem: Problem, rows: list[Row], rng: np.random.Generator) -> list[Row]:
     """Drop what lies within a larger row, combination of values by combination: θ4 = 0 or π may shrink to θ4 = 0.
 
     Found by sampling each combination and testing the other rows' equations.
     """
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row.signature.rank):
-        q, good = row.sample(setting, 6, rng)
+        q, good = row.sample(problem, 6, rng)
         inside = np.zeros(len(q), dtype=np.bool_)
         for other in kept:
-            hits = on_row(setting, other, q.reshape(-1, q.shape[2])).reshape(good.shape)
+            hits = on_row(problem, other, q.reshape(-1, q.shape[2])).reshape(good.shape)
             inside |= (hits | ~good).all(axis=1) & good.any(axis=1)
         outside = {values for i, values in enumerate(row.combinations) if i >= len(inside) or not inside[i]}
         if not inside.any():

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.local.block import singular_values
-from rankdrop.local.tied import brought_down
+from rankdrop.local.minimax import brought_down
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html
 from rankdrop.task import Task
@@ -89,6 +89,11 @@ class Search:
     tie: float = TIE
     most: int = MOST
 
+    @cached_property
+    def problem(self) -> Problem:
+        """What was asked."""
+        return Problem(self.robot, self.task, self.corank, self.tolerances, self.limits)
+
     @property
     def converged(self) -> Array:
         """(C, n) the singular configurations found."""
@@ -114,13 +119,13 @@ class Search:
         lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
         if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
             return float(self.sigma[lowest[0], self.rank])
-        robot, task = in_units(self.robot), task_in_units(self.task, self.robot)
+        own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
         q = into_units(self.robot, self.q[lowest[:_LOWEST]])
-        quick = brought_down(robot, task, self.rank, q, limits=self.limits, iterations=60, effort=3)
+        quick = brought_down(own, q, iterations=60, effort=3)
         best = quick.q[np.argsort(quick.value, kind="stable")]
         for first in range(0, len(best), _FINISHED):
             some = best[first : first + _FINISHED]
-            found = brought_down(robot, task, self.rank, some, limits=self.limits, effort=6)
+            found = brought_down(own, some, effort=6)
             least = found.value
             if len(self.converged):  # some lead on to zero: they were minima of the sum of squares alone
                 least = least[least > np.maximum(AM_THRESHOLD, found.slope)]
@@ -143,7 +148,7 @@ class Search:
         found = self.converged
         if not len(found):
             return 0.0
-        return float(singular_values(self.robot, found, self.task)[:, self.rank].max())
+        return float(self.problem.sigma(found)[:, self.rank].max())
 
 
 def outcome_word(outcome: Outcome) -> str:

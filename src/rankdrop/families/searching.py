@@ -26,8 +26,9 @@ from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
-from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample
-from rankdrop.local.tied import stays_up
+from rankdrop.local.block import generic_rank, sample
+from rankdrop.local.minimax import stays_up
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
@@ -138,8 +139,7 @@ def refine(
     check_robot(robot)
     _, seed, threads = check_numbers(1, seed, threads)
     resolved = resolve_task(task, robot)
-    rank = generic_rank(robot, resolved) - corank
-    _check(method, corank, rank + corank)
+    _check(method, corank, generic_rank(robot, resolved))
     most, step, tie = _check_steps(method, iterations, step, tie)
     rows, _ = configurations(robot, q0)
     if not isinstance(robot, UnitRobot):
@@ -149,15 +149,15 @@ def refine(
             threads=threads, progress=progress, tolerances=tolerances,
         )
         return _out_of_units(found, robot, resolved)
-    box = np.stack(limit_box(robot, resolved)) if limits else None
+    problem = Problem(robot, resolved, corank, tolerances, limits)
+    box = None if problem.walls is None else np.stack(problem.walls)
     if box is not None:
         rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
-    scale = joint_scale(robot, resolved)
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
     settings = _core.SearchSettings(
-        method=METHODS.index(method), rank=rank, iterations=most, singular=singular, target=tolerances.target,
-        stationary=tolerances.stationary, seed=seed, scale=scale, limits=box, tie=tie,
+        method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular, target=tolerances.target,
+        stationary=tolerances.stationary, seed=seed, scale=problem.scale, limits=box, tie=tie,
         share=0.0 if step is None else step,
     )  # fmt: skip
 
@@ -168,7 +168,7 @@ def refine(
         )  # fmt: skip
 
     parts = _in_parts(run, rows, progress)
-    found = _assemble(robot, resolved, corank, rank, method, seed, limits, tolerances, rows, parts)
+    found = _assemble(problem, method, seed, rows, parts)
     return replace(_creases_told(found), step=step, tie=tie, most=most)
 
 
@@ -177,7 +177,7 @@ def _creases_told(found: Search) -> Search:
     stuck = np.flatnonzero(found.outcome == Outcome.NEAR_MISS)
     if found.method == "lm" or not len(stuck):
         return found
-    least = stays_up(found.robot, found.task, found.rank, found.q[stuck], limits=found.limits)
+    least = stays_up(found.problem, found.q[stuck])
     outcome = found.outcome.copy()
     outcome[stuck[~least]] = Outcome.CREASE
     return replace(found, outcome=_frozen(outcome))
@@ -258,23 +258,15 @@ def _real(name: str, value: object, least: float, most: float, *, above: bool = 
 
 
 def _assemble(
-    robot: Robot,
-    task: Task,
-    corank: int,
-    rank: int,
-    method: str,
-    seed: int,
-    limits: bool,
-    tolerances: Tolerances,
-    starts: Array,
-    parts: list[_Part],
+    problem: Problem, method: str, seed: int, starts: Array, parts: list[_Part]
 ) -> Search:
+    """What the parts of the core say, and for starts that were not run that they were not."""
     done = sum(len(part[0]) for part in parts)
     left = len(starts) - done
-    values = min(task.m, robot.n)
+    values = min(problem.task.m, problem.n)
     q = np.concatenate([*(part[0] for part in parts), starts[done:]])
-    if not limits:
-        turns = robot.periodic
+    if not problem.limits:
+        turns = problem.robot.periodic
         wrapped = q[:, turns] - 2 * np.pi * np.ceil((q[:, turns] - np.pi) / (2 * np.pi))
         q[:, turns] = np.clip(wrapped, -np.pi, np.pi)
     history = None
@@ -283,7 +275,7 @@ def _assemble(
         turning = [part[5] for part in parts if part[5] is not None]
         history = History(_frozen(np.concatenate(sigma)), _frozen(np.concatenate(turning)))
     return Search(
-        robot, task, corank, rank, method, seed, limits, tolerances,
+        problem.robot, problem.task, problem.corank, problem.rank, method, seed, problem.limits, problem.tolerances,
         q=_frozen(q),
         sigma=_frozen(np.concatenate([*(part[1] for part in parts), np.full((left, values), np.nan)])),
         outcome=_frozen(np.concatenate([*(part[2] for part in parts), np.full(left, Outcome.NOT_RUN, np.int8)])),

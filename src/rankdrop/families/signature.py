@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.family.system import Mask
-from rankdrop.local.block import block
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 
 WELL = 1e-5  # singular values of D [1/rad] above this are clearly not zero: five times `block_rank`
@@ -79,23 +78,22 @@ class Inspection:
     tangent: Array
 
 
-def inspect(robot: Robot, task: Task, rank: int, q: Array, tolerances: Tolerances) -> Inspection:
+def inspect(problem: Problem, q: Array) -> Inspection:
     """Signature of every point of a cloud.
 
     Args:
-        robot, task: the arm and its task.
-        rank: rank kept, generic rank − corank.
+        problem: the arm, and the corank; of its tolerances `block_rank` and `tangent` are used.
         q: (N, n) points with σ[rank] = 0.
-        tolerances: `block_rank` and `tangent` are used.
 
     Returns:
         Inspection with arrays over the N points.
     """
-    count, n = len(q), robot.n
+    robot, rank, tolerances = problem.robot, problem.rank, problem.tolerances
+    count, n = len(q), problem.n
     if not count:
         empty = np.zeros(0, dtype=np.bool_)
-        return Inspection(q, np.zeros((0, min(task.m, n))), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
-    local = block(robot, q, task, rank)
+        return Inspection(q, np.zeros((0, min(problem.task.m, n))), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
+    local = problem.block(q)
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
     d = np.asarray(local.d).reshape(count, -1, n)

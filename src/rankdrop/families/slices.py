@@ -12,10 +12,10 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.members import general_member, lies, wrapped
+from rankdrop.families.walk import general_member
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.system import System
-from rankdrop.local.block import generic_rank, sampling_box, singular_values
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -259,8 +259,9 @@ def slice_through(
             nodes=nodes, tolerances=tolerances,
         )
         return _out_of_metres(found, robot)
-    x, y = (_values(robot, task, number - 1, q[number - 1], nodes) for number in joints)
-    plane = _Plane(robot, task, np.array(q), (joints[0] - 1, joints[1] - 1), x, y, tolerances)
+    problem = Problem(robot, task, tolerances=tolerances)
+    x, y = (_values(problem, number - 1, q[number - 1], nodes) for number in joints)
+    plane = _Plane(problem, np.array(q), (joints[0] - 1, joints[1] - 1), x, y)
     traces, filled = [], []
     for one in families:
         if not one.named or not one.equations:
@@ -284,23 +285,21 @@ def _out_of_metres(found: Slice, robot: Robot) -> Slice:
     return replace(found, q=q, x=found.x * units[0], y=found.y * units[1], traces=traces)
 
 
-def _values(robot: Robot, task: Task, j: int, at: float, nodes: int) -> Array:
+def _values(problem: Problem, j: int, at: float, nodes: int) -> Array:
     """A whole turn, or the travel and what q needs beyond it, with some room on either side."""
-    low, high = (end[j] for end in sampling_box(robot, task, limits=False))
-    low, high = (-np.pi, np.pi) if robot.periodic[j] else (min(low, at), max(high, at))
+    low, high = (end[j] for end in problem.box)
+    low, high = (-np.pi, np.pi) if problem.robot.periodic[j] else (min(low, at), max(high, at))
     room = BEYOND * (high - low)
     return np.linspace(low - room, high + room, nodes)
 
 
 @dataclass(frozen=True, eq=False)
 class _Plane:
-    robot: Robot
-    task: Task
+    problem: Problem
     q: Array
     moving: tuple[int, int]
     x: Array
     y: Array
-    tolerances: Tolerances
 
     def lifted(self, points: Array) -> Array:
         """(N, n) configurations of points (N, 2) of the plane."""
@@ -314,8 +313,7 @@ class _Plane:
         return self.lifted(grid.reshape(-1, 2))
 
     def sigma(self) -> Array:
-        rank = generic_rank(self.robot, self.task)
-        smallest = singular_values(self.robot, self.nodes(), self.task)[:, rank - 1]
+        smallest = self.problem.sigma(self.nodes())[:, self.problem.generic_rank - 1]
         return np.asarray(smallest.reshape(len(self.x), len(self.y)))
 
     def trace(self, family: Family) -> Trace | None:
@@ -342,7 +340,7 @@ class _Plane:
         points = ends[:, list(self.moving)]
         cell = 1.5 * np.array([self.x[1] - self.x[0], self.y[1] - self.y[0]])
         good = (np.abs(points - line) <= cell).all(axis=1)
-        good &= lies(self.robot, self.task, ends, family.corank, self.tolerances)
+        good &= self.problem.at(family.corank).singular(ends)
         parts = np.split(points, np.flatnonzero(~good))
         kept = [part if good[start] else part[1:] for part, start in
                 zip(parts, [0, *np.flatnonzero(~good)], strict=True)]  # fmt: skip
@@ -352,8 +350,8 @@ class _Plane:
         """Isolated points, from a grid of starts."""
         starts = np.stack(np.meshgrid(*(np.linspace(v[0], v[-1], _SEEDS) for v in (self.x, self.y))), axis=-1)
         ends, solved = system.solve(self.lifted(starts.reshape(-1, 2)), along=self._basis())
-        ends = wrapped(self.robot, ends[solved])
-        ends = ends[lies(self.robot, self.task, ends, family.corank, self.tolerances)]
+        ends = wrapped(self.problem.robot, ends[solved])
+        ends = ends[self.problem.at(family.corank).singular(ends)]
         points = ends[:, list(self.moving)]
         inside = (points >= [self.x[0], self.y[0]]) & (points <= [self.x[-1], self.y[-1]])
         points = points[inside.all(axis=1)]
@@ -363,7 +361,7 @@ class _Plane:
     def _both_ends(self, points: Array) -> Array:
         """What lies within the margin at one side of a turn is shown at the other side too."""
         for k, (j, values) in enumerate(zip(self.moving, (self.x, self.y), strict=True)):
-            if self.robot.periodic[j] and len(points):
+            if self.problem.robot.periodic[j] and len(points):
                 turn = np.zeros(2)
                 turn[k] = 2 * np.pi
                 for moved in (points + turn, points - turn):
@@ -371,4 +369,4 @@ class _Plane:
         return points[np.unique(np.round(points, 5), axis=0, return_index=True)[1]] if len(points) else points
 
     def _basis(self) -> Array:
-        return np.eye(self.robot.n)[:, list(self.moving)]
+        return np.eye(self.problem.n)[:, list(self.moving)]

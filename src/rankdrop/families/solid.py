@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.linear import wrap
-from rankdrop.families.members import general_member, lies
 from rankdrop.families.slices import surface
+from rankdrop.families.walk import general_member
 from rankdrop.family.record import Family
 from rankdrop.family.system import SOLVED, System, shortest
-from rankdrop.local.block import sample
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -199,10 +198,11 @@ def solid(
         nodes: along each side.
         tolerances: `singular`.
     """
+    problem = Problem(robot, task, family.corank, tolerances)
     moving = [number - 1 for number in joints]
     q = general_member(robot, task, family, moving, seed)
     starts = np.repeat(q[None], SEEDS, axis=0)
-    starts[:, moving] = sample(robot, task, SEEDS, seed)[:, moving]
+    starts[:, moving] = problem.sample(SEEDS, seed)[:, moving]
     held = _held(family, starts, moving)
     basis = np.eye(robot.n)[:, moving]
     three = (joints[0], joints[1], joints[2])
@@ -211,16 +211,16 @@ def solid(
         return nothing
     seeds, solved = held.solve(starts, along=basis)
     seeds = seeds[solved]
-    seeds = seeds[lies(robot, task, seeds, family.corank, tolerances)]
+    seeds = seeds[problem.singular(seeds)]
     if not len(seeds):
         return nothing
     rank = int(np.median(np.linalg.matrix_rank(held.jacobian(seeds)[..., moving], tol=1e-5)))
     if rank == 2:
         lines = walk(held, q, moving, seeds[:, moving]) or []
-        lines = [line for line in lines if _all_singular(robot, task, family, q, moving, line, tolerances)]
+        lines = [line for line in lines if problem.singular(_lifted(q, moving, line)).all()]
         return Solid(family.id, three, q, tuple(lines), sum(map(closed, lines)), nothing.vertices, nothing.triangles)
     if rank == 1 and len(held.equations) == 1:
-        vertices, triangles = _sheet(robot, task, family, held, q, moving, nodes, tolerances)
+        vertices, triangles = _sheet(problem, held, q, moving, nodes)
         return Solid(family.id, three, q, (), 0, vertices, triangles)
     return nothing
 
@@ -242,21 +242,8 @@ def _lifted(q: Array, moving: list[int], points: Array) -> Array:
     return full
 
 
-def _all_singular(
-    robot: Robot, task: Task, family: Family, q: Array, moving: list[int], line: Array, tolerances: Tolerances
-) -> bool:
-    return bool(lies(robot, task, _lifted(q, moving, line), family.corank, tolerances).all())
-
-
 def _sheet(
-    robot: Robot,
-    task: Task,
-    family: Family,
-    held: System,
-    q: Array,
-    moving: list[int],
-    nodes: int,
-    tolerances: Tolerances,
+    problem: Problem, held: System, q: Array, moving: list[int], nodes: int
 ) -> tuple[Array, NDArray[np.int64]]:
     """The surface, its vertices polished; triangles with a vertex that is not singular are left out."""
     axis = np.linspace(-_SIDE, _SIDE, nodes)
@@ -265,8 +252,8 @@ def _sheet(
     vertices, triangles = surface(values, (axis, axis, axis))
     if not len(triangles):
         return vertices, triangles
-    ends, _ = held.solve(_lifted(q, moving, vertices), along=np.eye(robot.n)[:, moving], iterations=8)
-    good = lies(robot, task, ends, family.corank, tolerances)
+    ends, _ = held.solve(_lifted(q, moving, vertices), along=np.eye(problem.n)[:, moving], iterations=8)
+    good = problem.singular(ends)
     good &= np.linalg.norm(ends[:, moving] - vertices, axis=1) < 2 * (axis[1] - axis[0])
     triangles = triangles[good[triangles].all(axis=1)]
     used, triangles = np.unique(triangles, return_inverse=True)

@@ -19,15 +19,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.linear import wrap
+from rankdrop.families.linear import polished
 from rankdrop.families.memory import Memory
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
 from rankdrop.families.rows import Cover, find_rows
-from rankdrop.families.sampling import Setting
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
-from rankdrop.families.signature import HIGHER, Inspection
+from rankdrop.families.signature import HIGHER, Inspection, inspect
 from rankdrop.families.unseen import Leftover, leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.naming import name_family, told, told_apart
@@ -42,6 +41,7 @@ from rankdrop.family.record import (
     numbered,
 )
 from rankdrop.local.directions import lost_directions
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import UnitRobot, in_units, into_units, out_of_units, task_in_units
@@ -98,38 +98,38 @@ def families(
         )
         return families_out_of_units(inner, cloud.robot)
     report = progress or (lambda done, total: None)
-    setting = Setting(cloud.robot, cloud.task, cloud.corank, cloud.rank, tolerances, cloud.limits)
-    inspection = setting.inspect(setting.polished(cloud.converged))
-    cover = Cover(setting, inspection.q)
-    rows = find_rows(setting, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
+    problem = replace(cloud.problem, tolerances=tolerances)
+    inspection = inspect(problem, polished(problem, cloud.converged))
+    cover = Cover(problem, inspection.q)
+    rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
                      memory)  # fmt: skip
     sounds: dict[Row, Soundness] = {}
     samples: dict[Row, Array] = {}
     marks = _marks(rows)
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, cloud.corank, 7, i])
-        sound, _ = soundness(setting, row.system, row.signature.rank, rng)
-        points = _generic(setting, row, inspection.q[cover.on(row)], rng)
+        sound, _ = soundness(problem, row.system, row.signature.rank, rng)
+        points = _generic(problem, row, inspection.q[cover.on(row)], rng)
         if sound.holds and len(points):
-            tested, strangers = elsewhere(setting, row.linear, row.combinations, row.residual, marks, rng)
+            tested, strangers = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
             sounds[row] = Soundness(sound.tested + tested, sound.singular + tested - len(strangers))
             samples[row] = points
     kept = list(sounds)
     report(60, STEPS)
-    independent = _fresh(setting, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
-    checked = setting.inspect(setting.polished(independent))
+    independent = _fresh(problem, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
+    checked = inspect(problem, polished(problem, independent))
     report(80, STEPS)
-    new = Cover(setting, checked.q)
-    rest = leftovers(setting, inspection, ~cover.by(kept), checked, ~new.by(kept))
+    new = Cover(problem, checked.q)
+    rest = leftovers(problem, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
     found = []
     for count, row in enumerate(sorted(kept, key=_order)):
         per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
-        shown = witness(setting, row, np.random.default_rng([seed, cloud.corank, 8, count]))
+        shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
-        found.append(_family(setting, row, sounds[row], per_row, samples[row], at, memory))
+        found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
         report(80 + 20 * count // len(kept), STEPS)
-    found += [_unnamed(setting, leftover, share.tested) for leftover in rest]
+    found += [_unnamed(problem, leftover, share.tested) for leftover in rest]
     pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
@@ -173,10 +173,10 @@ def _marks(rows: list[Row]) -> dict[int, list[float]]:
     return found
 
 
-def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int) -> Array:
+def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int) -> Array:
     """Converged points of a search with another seed: at least `wanted` of exactly this corank where possible."""
     if not len(inspection.q):
-        return np.zeros((0, setting.robot.n))
+        return np.zeros((0, problem.n))
     rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = []
     found, spent = 0, 0
@@ -185,13 +185,13 @@ def _fresh(setting: Setting, cloud: Search, inspection: Inspection, seed: int, t
         if found >= wanted or starts < 1:
             break
         part = search(
-            setting.robot, setting.corank, task=setting.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
-            limits=setting.limits, threads=threads, tolerances=setting.tolerances,
+            problem.robot, problem.corank, task=problem.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
+            limits=problem.limits, threads=threads, tolerances=problem.tolerances,
         )  # fmt: skip
         if not part.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
         sigma = part.sigma[part.outcome == Outcome.CONVERGED]
-        found += int((sigma[:, setting.rank - 1] > HIGHER).sum()) if setting.rank else len(sigma)
+        found += int((sigma[:, problem.rank - 1] > HIGHER).sum()) if problem.rank else len(sigma)
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
@@ -204,26 +204,26 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
 
 
 def _family(
-    setting: Setting, row: Row, sound: Soundness, share: Share, generic: Array, at: Array, memory: Memory | None
+    problem: Problem, row: Row, sound: Soundness, share: Share, generic: Array, at: Array, memory: Memory | None
 ) -> Family:
     """A row as a family; its id comes when all of them are known."""
-    signature, robot = row.signature, setting.robot
+    signature, robot = row.signature, problem.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     if memory is None:
-        directions, sentences = _lost(setting, at, generic)
+        directions, sentences = _lost(problem, at, generic)
     else:
-        directions, sentences = lost_directions(robot, at, setting.task, setting.corank), ()
+        directions, sentences = lost_directions(robot, at, problem.task, problem.corank), ()
 
     def name() -> str:
-        numbers = [one.number for one in pinned]
-        return name_family(robot, setting.task, generic, numbers, coupled=bool(signature.coupled))
+        numbers, coupled = [one.number for one in pinned], [j + 1 for j in signature.coupled]
+        return name_family(robot, problem.task, generic, numbers, coupled=coupled)
 
     return Family(
         id="",
-        name=name() if memory is None else memory.name(setting.corank, signature, row.sets, name),
-        corank=setting.corank,
+        name=name() if memory is None else memory.name(problem.corank, signature, row.sets, name),
+        corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
         free=tuple(j + 1 for j in signature.free),
@@ -238,30 +238,30 @@ def _family(
     )
 
 
-def _lost(setting: Setting, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
-    return told(setting.robot, at, points, setting.task, setting.corank)
+def _lost(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
+    return told(problem.robot, at, points, problem.task, problem.corank)
 
 
-def _generic(setting: Setting, row: Row, met: Array, rng: np.random.Generator) -> Array:
+def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -> Array:
     """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
-    points, good = row.sample(setting, 12, rng)
+    points, good = row.sample(problem, 12, rng)
     q = np.concatenate([points[good], met[:24]]) if good.sum() < 12 else points[good]
-    inspection = setting.inspect(q)
-    chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, setting.rank] <= setting.tolerances.singular))
+    inspection = inspect(problem, q)
+    chosen = np.flatnonzero(inspection.exact & (inspection.sigma[:, problem.rank] <= problem.tolerances.singular))
     return np.asarray(q[rng.permutation(chosen)[:24]])
 
 
-def _unnamed(setting: Setting, leftover: Leftover, tested: int) -> Family:
-    robot, at = setting.robot, leftover.witness
-    directions, sentences = _lost(setting, at, leftover.q)
+def _unnamed(problem: Problem, leftover: Leftover, tested: int) -> Family:
+    robot, at = problem.robot, leftover.witness
+    directions, sentences = _lost(problem, at, leftover.q)
     values = tuple(
-        Pinned(robot.variables[j].name, j + 1, leftover.values(setting, j))
+        Pinned(robot.variables[j].name, j + 1, leftover.values(problem, j))
         for j in leftover.pinned
     )
     return Family(
         id="",
         name="unnamed family",
-        corank=setting.corank,
+        corank=problem.corank,
         dimension=leftover.dimension,
         pinned=values,
         free=tuple(j + 1 for j in leftover.free),

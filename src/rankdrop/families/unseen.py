@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.linear import Linear
-from rankdrop.families.sampling import Setting
-from rankdrop.families.signature import Inspection
+from rankdrop.families.signature import Inspection, inspect
 from rankdrop.family.record import Unseen
 from rankdrop.family.system import Mask
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
 
 VALUES = 12  # values of a pinned joint that are listed at most
@@ -59,20 +59,20 @@ class Leftover:
     witness: Array
     evidence: str
 
-    def values(self, setting: Setting, joint: int) -> tuple[float, ...]:
+    def values(self, problem: Problem, joint: int) -> tuple[float, ...]:
         """Different values of a joint over the points, at most twelve."""
-        linear = Linear.of(setting.robot, [tuple(int(i == joint) for i in range(self.q.shape[1]))])
+        linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(self.q.shape[1]))])
         found = linear.combinations(self.q, np.ones(len(self.q)), 1e-5)
         return tuple(sorted(values[0] for values in found)[:VALUES])
 
 
 def leftovers(
-    setting: Setting, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
+    problem: Problem, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
 ) -> list[Leftover]:
     """Group the points of exactly this corank that are left, largest group first.
 
     Args:
-        setting: arm, task, corank.
+        problem: the arm, and the corank.
         cloud, fresh: the two clouds.
         left_cloud, left_fresh: (N,) points that no row explains.
     """
@@ -80,17 +80,17 @@ def leftovers(
     from_cloud = int((left_cloud & cloud.exact).sum())
     if not len(q):
         return []
-    inspection = setting.inspect(q)
+    inspection = inspect(problem, q)
     groups: dict[Shape, list[int]] = {}
     for i, signature in enumerate(inspection.signatures):
         key = (
             (True, signature.rank, signature.pinned, signature.free, signature.coupled)
             if signature is not None
-            else _shape(inspection, i, setting)
+            else _shape(inspection, i, problem)
         )
         groups.setdefault(key, []).append(i)
     ordered = sorted(_joined(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
-    return [_leftover(setting, inspection, key, np.array(members), from_cloud) for key, members in ordered]
+    return [_leftover(problem, inspection, key, np.array(members), from_cloud) for key, members in ordered]
 
 
 def _joined(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
@@ -112,16 +112,16 @@ def _joined(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
     return joined
 
 
-def _shape(inspection: Inspection, i: int, setting: Setting) -> Shape:
+def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
     """Irregular points are told apart by the dimension of ker D alone; joints that never matter are free."""
     dimension = round(float(np.trace(inspection.tangent[i])))
-    n = setting.robot.n
-    free = tuple(int(j) for j in np.flatnonzero(setting.irrelevant))
+    n = problem.n
+    free = tuple(int(j) for j in np.flatnonzero(problem.idle))
     return (False, n - dimension, (), free, tuple(j for j in range(n) if j not in free))
 
 
 def _leftover(
-    setting: Setting,
+    problem: Problem,
     inspection: Inspection,
     key: Shape,
     members: NDArray[np.int64],
@@ -129,13 +129,13 @@ def _leftover(
 ) -> Leftover:
     regular, rank, pinned, free, coupled = key
     cloud = int((members < from_cloud).sum())
-    gap = inspection.sigma[members, setting.rank - 1] if setting.rank else np.ones(len(members))
+    gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
     kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
     return Leftover(
         q=inspection.q[members],
         cloud=cloud,
         fresh=len(members) - cloud,
-        dimension=setting.robot.n - rank,
+        dimension=problem.n - rank,
         pinned=pinned,
         free=free,
         coupled=coupled,

@@ -1,57 +1,130 @@
-"""Along the singular set: back onto it, along one family, and all of it in a slice.
+"""Points of a family, and ways along the singular set: back onto it, along one family, and all of it in a slice.
+
+Points are solutions of a family's equations from random starts, each one checked in the Jacobian itself.
 
 Back onto the set leads Gauss–Newton on the block F with D as its derivative, along chosen directions. Along a family a
 step is made in its tangent space, then back onto it. The tangent space at a point of the family is the kernel of the
 derivatives of its equations; for a family without equations it is ker D of the block of its corank. Both are taken in
-scaled joint coordinates.
-
-A slice of joint space: some joints vary, the others stand where they are.
+scaled joint coordinates. A slice of joint space: some joints vary, the others stand where they are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.family.record import Family
-from rankdrop.family.system import REACHED, System, shortest
-from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.family.record import Family, family_in_metres
+from rankdrop.family.system import REACHED, Mask, System, shortest
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
+from rankdrop.units import in_metres, metre_exponent, out_of_metres, task_in_metres
+
+EDGE = 1e-9  # a slide this far beyond its travel stands at its end [m]
+
+
+def members(
+    robot: Robot, task: Task, family: Family, count: int, seed: int, *, tolerances: Tolerances = DEFAULT
+) -> Array:
+    """Random configurations of one family.
+
+    Args:
+        robot, task: the arm.
+        family: of this arm and task.
+        count: random starts; a start that leads nowhere is left out.
+        seed: of the starts.
+        tolerances: `singular` decides whether a point counts.
+
+    Returns:
+        (≤ count, n) turning joints in (−π, π], slides within their travel [rad, m]; none where the family has no
+        equations.
+    """
+    if not family.named or not family.equations:
+        return np.empty((0, robot.n))
+    if metre_exponent(robot):
+        there, own = in_metres(robot), family_in_metres(family, robot)
+        found = members(there, task_in_metres(task, robot), own, count, seed, tolerances=tolerances)
+        return out_of_metres(robot, found)
+    problem = Problem(robot, task, family.corank, tolerances)
+    points, solved = System(family.equations).solve(problem.sample(count, seed))
+    points = wrapped(robot, points[solved])
+    return points[problem.singular(points) & within_travel(problem, family, points)]
+
+
+def general_member(
+    robot: Robot, task: Task, family: Family, moving: Sequence[int], seed: int, others: Sequence[Family] = ()
+) -> Array:
+    """A point of the family far from more special ones: the smallest σ that is kept, and what the equations of the
+    other families leave, are large there.
+
+    Joints that the family leaves free take simple values (multiples of 0.1), but for those that are to be moved.
+
+    Args:
+        moving: joints from 0 that a slice will move.
+        seed: of the starts.
+        others: further families of the arm.
+
+    Returns:
+        (n,) [rad, m]; the witness where no other point is found.
+    """
+    if not family.named or not family.equations:
+        return np.array(family.witness)
+    if metre_exponent(robot):
+        there, own = in_metres(robot), family_in_metres(family, robot)
+        rest = [family_in_metres(other, robot) for other in others]
+        return out_of_metres(robot, general_member(there, task_in_metres(task, robot), own, moving, seed, rest))
+    problem = Problem(robot, task, family.corank)
+    starts = np.round(problem.sample(256, seed), 1)
+    bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
+    tied = sorted(set(moving) & set(bound)) or bound
+    held = [number - 1 for number in (one.number for one in family.pinned)]
+    along = np.eye(robot.n)[:, sorted({*tied, *held})]
+    points, solved = System(family.equations).solve(starts, along=along)
+    points = wrapped(robot, points[solved])
+    points = points[problem.singular(points) & within_travel(problem, family, points)]
+    if not len(points):
+        return np.array(family.witness)
+    room = problem.sigma(points)[:, problem.rank - 1] if problem.rank else np.ones(len(points))
+    for other in others:
+        if other.id != family.id and other.equations:
+            room = np.minimum(room, np.abs(System(other.equations).values(points)).max(axis=1))
+    return np.asarray(points[int(room.argmax())])
+
+
+def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
+    """(N,) whether every joint that does not go round is inside the box that samples come from.
+
+    A slide that the family pins beyond its travel (Stanford arm: at 0) is let go there, or nothing would be seen.
+    """
+    low, high = (np.array(end) for end in problem.box)
+    for pinned in family.pinned:
+        j = pinned.number - 1
+        low[j], high[j] = min(low[j], *pinned.values), max(high[j], *pinned.values)
+    inside = (q >= low - EDGE) & (q <= high + EDGE)
+    return np.asarray((inside | problem.robot.periodic).all(axis=1))
+
 
 ITERATIONS = 30
 STEP = 0.3  # longest step [rad; slides in length scales]
 
 
-def onto(
-    robot: Robot,
-    task: Task,
-    starts: Array,
-    rank: int,
-    along: Array,
-    *,
-    iterations: int = ITERATIONS,
-    tolerances: Tolerances = DEFAULT,
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Move configurations within q + span(along) until the rank is at most `rank`.
+def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Move configurations within q + span(along) until the rank is at most that of the problem.
 
     Each step is the shortest least-squares solution of D(Δ) = −F with Δ in the span, measured in scaled joint
     coordinates. A start near which the span does not meet the set does not arrive, and says so.
 
     Args:
-        robot: the arm.
-        task: from `resolve_task`.
+        problem: the arm and the corank; `singular` decides what has arrived, `target` where a start stops.
         starts: (N, n) configurations [rad, m].
-        rank: the rank that is kept, generic rank − k for corank k.
-        along: (n, d) orthonormal directions in scaled joint coordinates (`joint_scale`).
-        iterations: at most.
-        tolerances: `singular` decides what has arrived, `target` where a start stops.
+        along: (n, d) orthonormal directions in scaled joint coordinates (`Problem.scale`).
 
     Returns:
         (N, n) end points and (N,) whether σ beyond the rank is zero there.
@@ -60,29 +133,29 @@ def onto(
         ConfigurationError: starts have the wrong shape.
         OptionError: there is no block beyond that rank.
     """
-    scale = joint_scale(robot, task)
+    scale, rank, tolerances = problem.scale, problem.rank, problem.tolerances
     q = np.array(starts, dtype=np.float64)
     active = np.arange(len(q))
-    for _ in range(iterations):
-        here = block(robot, q[active], task, rank)
+    for _ in range(ITERATIONS):
+        here = problem.block(q[active])
         going = here.sigma[:, rank] > tolerances.target
         active = active[going]
         if not len(active):
             break
         f = here.f[going].reshape(len(active), -1)
-        d = here.d[going].reshape(len(active), f.shape[1], robot.n)
+        d = here.d[going].reshape(len(active), f.shape[1], problem.n)
         delta = -shortest((d * scale) @ along, f) @ along.T
         length = np.linalg.norm(delta, axis=1, keepdims=True)
         q[active] += scale * delta * np.minimum(1.0, STEP / np.maximum(length, 1e-300))
         active = active[length[:, 0] > 1e-15]
-    return q, np.asarray(singular_values(robot, q, task)[:, rank] <= tolerances.singular)
+    return q, problem.singular(q)
 
 
 _INDEPENDENT = 1e-6  # singular values of the scaled derivatives below this share of the largest are zero
 _STANDS = 1e-6  # a joint whose tangent motion is shorter does not move along the family
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Walk:
     """The way along one family.
 
@@ -95,6 +168,11 @@ class Walk:
     task: Task
     family: Family
     tolerances: Tolerances = DEFAULT
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The arm, asked for the corank of the family."""
+        return Problem(self.robot, self.task, self.family.corank, self.tolerances)
 
     def tangent(self, q: ArrayLike) -> Array:
         """Orthonormal basis of the tangent space at a point of the family.
@@ -109,11 +187,11 @@ class Walk:
             ConfigurationError: q is not one configuration of this arm.
         """
         at = one_configuration(self.robot, q)
-        scale = joint_scale(self.robot, self.task)
+        scale = self.problem.scale
         if self.family.equations:
             slopes = System(self.family.equations).jacobian(at[None])[0] * scale
         else:
-            slopes = block(self.robot, at, self.task, self._rank).d.reshape(-1, self.robot.n) * scale
+            slopes = self.problem.block(at).d.reshape(-1, self.robot.n) * scale
         _, sigma, vt = np.linalg.svd(slopes)
         kept = int((sigma > _INDEPENDENT * max(1.0, sigma[0])).sum())
         return np.asarray(vt[kept:].T)
@@ -146,7 +224,7 @@ class Walk:
         size = float(np.linalg.norm(direction))
         if size <= _STANDS:
             return None
-        return self.back(at + joint_scale(self.robot, self.task) * direction * (length / size))
+        return self.back(at + self.problem.scale * direction * (length / size))
 
     def back(self, q: Array) -> Array | None:
         """A point of the family next to q (n,), or None where none was reached."""
@@ -154,15 +232,10 @@ class Walk:
             system = System(self.family.equations)
             end, _ = system.solve(q[None], step=0.1)
             good = np.abs(system.values(end)).max() <= REACHED
-            sigma = singular_values(self.robot, end[0], self.task)[self._rank]
-            good &= bool(sigma <= self.tolerances.singular)
+            good &= bool(self.problem.singular(end)[0])
             return end[0] if good else None
-        ends, arrived = onto(self.robot, self.task, q[None], self._rank, np.eye(self.robot.n))
+        ends, arrived = onto(self.problem, q[None], np.eye(self.robot.n))
         return ends[0] if arrived[0] else None
-
-    @property
-    def _rank(self) -> int:
-        return generic_rank(self.robot, self.task) - self.family.corank
 
 
 MOST_STARTS = 200_000
@@ -230,19 +303,20 @@ def in_slice(
         raise OptionError("these joints span no slice", got=list(joints), allowed=f"different numbers, 1 … {robot.n}")
     if not 1 <= starts <= MOST_STARTS:
         raise OptionError("starts is outside the range", got=starts, allowed=f"1 … {MOST_STARTS}")
-    low, high = sampling_box(robot, task, limits=limits)
+    problem = Problem(robot, task, 1, tolerances, limits)
+    low, high = problem.box
     rows = np.repeat(centre[None], starts, axis=0)
     rows[:, chosen] = np.random.default_rng(seed).uniform(low[chosen], high[chosen], (starts, len(chosen)))
-    full = generic_rank(robot, task)
+    full = problem.generic_rank
     if full == 0:
         return SlicePoints(tuple(joints), rows[:0], np.zeros(0, dtype=np.int64), starts)
-    ends, arrived = onto(robot, task, rows, full - 1, np.eye(robot.n)[:, chosen], tolerances=tolerances)
+    ends, arrived = onto(problem, rows, np.eye(robot.n)[:, chosen])
     ends = ends[arrived]
     if not limits:
         turning = robot.periodic & np.isin(np.arange(robot.n), chosen)
-        ends = np.where(turning, np.pi - np.mod(np.pi - ends, 2 * np.pi), ends)
+        ends = np.where(turning, wrap(ends), ends)
     slack = tolerances.value
     inside = ((ends[:, chosen] >= low[chosen] - slack) & (ends[:, chosen] <= high[chosen] + slack)).all(axis=1)
     ends = ends[inside]
-    rank = np.minimum((singular_values(robot, ends, task) > tolerances.singular).sum(axis=1), full)
+    rank = np.minimum((problem.sigma(ends) > tolerances.singular).sum(axis=1), full)
     return SlicePoints(tuple(joints), ends, np.asarray(full - rank, dtype=np.int64), starts)

@@ -8,7 +8,7 @@ then well defined (`Equation.parity`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.robot.model import Array
 
@@ -101,6 +102,11 @@ class Equation:
         both = np.array(list(found.values()))
         return Tables(m, shift, both[:, 0], both[:, 1], p, bool(p.any()))
 
+    @cached_property
+    def compiled(self) -> _core.Families:
+        """The equation as the core takes it."""
+        return compiled((self,))
+
     @property
     def joints(self) -> tuple[int, ...]:
         """Numbers (from 1) of the joints that occur."""
@@ -125,12 +131,8 @@ class Equation:
         Raises:
             ConfigurationError: q has another number of joints.
         """
-        q = self._checked(q)
-        m, shift, a, b, p, powered = self.tables
-        angle = q @ m.T - shift  # (..., t)
-        if not powered:
-            return np.asarray(np.cos(angle) @ a + np.sin(angle) @ b)
-        return np.asarray(((np.cos(angle) * a + np.sin(angle) * b) * _monomials(q, p)).sum(axis=-1))
+        rows, batch = self._rows(q)
+        return _core.equations(self.compiled, rows, slopes=False).reshape(batch)
 
     def gradient(self, q: ArrayLike) -> Array:
         """∂f/∂q: (..., n) at configurations q (..., n).
@@ -146,25 +148,15 @@ class Equation:
         Raises:
             ConfigurationError: q has another number of joints.
         """
-        q = self._checked(q)
-        m, shift, a, b, p, powered = self.tables
-        angle = q @ m.T - shift
-        cos, sin = np.cos(angle), np.sin(angle)
-        if not powered:
-            return np.asarray(cos @ a + sin @ b), np.asarray((cos * b - sin * a) @ m)
-        wave, monomials = cos * a + sin * b, _monomials(q, p)
-        slope = ((cos * b - sin * a) * monomials) @ m
-        for j in np.flatnonzero(p.any(axis=0)):
-            lowered = p.copy()
-            lowered[:, j] = np.maximum(p[:, j] - 1, 0)
-            slope[..., j] += (wave * p[:, j] * _monomials(q, lowered)).sum(axis=-1)
-        return np.asarray((wave * monomials).sum(axis=-1)), np.asarray(slope)
+        rows, batch = self._rows(q)
+        values, slopes = _core.equations(self.compiled, rows)
+        return values.reshape(batch), slopes.reshape(*batch, self.n)
 
-    def _checked(self, q: ArrayLike) -> Array:
+    def _rows(self, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
         q = np.asarray(q, dtype=np.float64)
         if q.ndim == 0 or q.shape[-1] != self.n:
             raise ConfigurationError("q has the wrong number of joints", got=q.shape, allowed=f"(..., {self.n})")
-        return q
+        return np.ascontiguousarray(q).reshape(-1, self.n), q.shape[:-1]
 
     def text(self) -> str:
         """f as a Python expression in q1 … qn, sin, cos and pi; exact to the last digit, for numbers and arrays."""
@@ -222,8 +214,37 @@ class Equation:
         )
 
 
-def _monomials(q: Array, powers: Array) -> Array:
-    return np.asarray((q[..., None, :] ** powers).prod(axis=-1))
+def compiled(equations: Sequence[Equation]) -> _core.Families:
+    """Equations as the core takes them, as one family without pins; there is at least one."""
+    n = equations[0].n
+    return _core.make_families(
+        variables=n, **equation_tables(equations), equations=[0, len(equations)], corank=[1], scale=[1.0] * n,
+        periodic=[0] * n, coupled=[1] * len(equations), pins=[0, 0], pinned=[], at=[0], values=[],
+    )  # fmt: skip
+
+
+def equation_tables(equations: Iterable[Equation]) -> dict[str, Any]:
+    """Equations as flat lists by name, as `_core.make_families` takes them: angles and terms, each angle once."""
+    numbers: dict[tuple[tuple[float, ...], float], int] = {}  # an angle, by its joints' multiples and its shift
+    angle: list[int] = []
+    a: list[float] = []
+    b: list[float] = []
+    powers: list[int] = []
+    terms = [0]
+    for equation in equations:
+        table = equation.tables
+        for m, shift in zip(table.multiples.tolist(), table.shift.tolist(), strict=True):
+            angle.append(numbers.setdefault((tuple(m), shift), len(numbers)))
+        a += table.cosine.tolist()
+        b += table.sine.tolist()
+        powers += table.powers.reshape(-1).astype(int).tolist()
+        terms.append(len(angle))
+    turning = [[(j, x) for j, x in enumerate(m) if x] for m, _ in numbers]
+    return {
+        "shift": [shift for _, shift in numbers], "turns": np.cumsum([0, *map(len, turning)]).tolist(),
+        "turning": [j for row in turning for j, _ in row], "m": [x for row in turning for _, x in row],
+        "angle": angle, "a": a, "b": b, "powers": powers, "terms": terms,
+    }  # fmt: skip
 
 
 def normalised(terms: Iterable[Term], threshold: float = 1e-15) -> Equation:

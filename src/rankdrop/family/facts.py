@@ -18,6 +18,8 @@ from rankdrop.local.lines import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
+NEARLY = "arm nearly stretched or folded"
+"""An elbow that is as long or as short as the offsets of its wrist allow."""
 _SAMPLES = 12  # random configurations at which a fact must hold to be structure
 
 
@@ -51,6 +53,7 @@ class Structure:
         tight: no redundancy: as many joints as the generic rank.
         shoulder: the first three joints, where their axes meet in one point (seven joints or more); else empty.
         wrist: the last three joints, where their axes meet in one point; else empty.
+        wrist_point: the first two of an offset wrist, where their axes meet (seven joints or more); else empty.
         tip_is_centre: the task leaves the rotation free, so that the tip plays the part of the wrist centre.
         bundles: groups of two or more axes that are always parallel.
         slides: joints that are not axes.
@@ -60,6 +63,7 @@ class Structure:
     tight: bool
     shoulder: tuple[int, ...]
     wrist: tuple[int, ...]
+    wrist_point: tuple[int, ...]
     tip_is_centre: bool
     bundles: tuple[tuple[int, ...], ...]
     scene: Scene
@@ -90,7 +94,9 @@ def structure_of(robot: Robot, task: Task, generic_rank: int) -> Structure:
     wrist = (n - 3, n - 2, n - 1) if full and n >= 6 and _meet(scene, (n - 3, n - 2, n - 1)) else ()
     shoulder = (0, 1, 2) if full and n >= 7 and _meet(scene, (0, 1, 2)) else ()
     bundles = tuple(groups(scene.axes, scene.parallel))
-    return Structure(n == generic_rank, shoulder, wrist, tip_is_centre, bundles, scene)
+    pair = (n - 3, n - 2)
+    offset = full and n >= 7 and not wrist and set(pair) <= set(scene.axes) and bool(scene.meeting(*pair).all())
+    return Structure(n == generic_rank, shoulder, wrist, pair if offset else (), tip_is_centre, bundles, scene)
 
 
 def groups(axes: Sequence[int], related: Callable[[int, int], Verdicts]) -> Iterator[tuple[int, ...]]:
@@ -123,6 +129,10 @@ def _elbow(structure: Structure) -> Iterator[Fact]:
     if structure.shoulder and structure.wrist:
         # a force along the line from shoulder to wrist centre meets the axes there and is reciprocal to those between
         yield Fact(lambda s: _reach_stationary(structure, s), "own", (), "arm stretched or folded", ("elbow",))
+    elif structure.shoulder and structure.wrist_point:
+        # the same of the point that the wrist turns about, where its last axis passes it by
+        holds = _as_far_as_offsets_allow(structure)
+        yield Fact(holds, "own", (), NEARLY, ("elbow",), 0)
     for bundle in structure.bundles:
         if structure.tight and (structure.tip_is_centre or structure.wrist):
             # two parallel axes both move the centre along the normal of that plane
@@ -222,12 +232,17 @@ def _shoulder_plane(structure: Structure) -> str:
     return "plane of 1 parallel to 2" if any({1, 2} <= set(bundle) for bundle in structure.bundles) else ""
 
 
-def _reach_stationary(structure: Structure, scene: Scene) -> Verdicts:
-    shoulder, wrist = scene.common_point(structure.shoulder)[0], scene.common_point(structure.wrist)[0]
+def _as_far_as_offsets_allow(structure: Structure) -> Callable[[Scene], Verdicts]:
+    return lambda scene: _reach_stationary(structure, scene, structure.wrist_point)
+
+
+def _reach_stationary(structure: Structure, scene: Scene, at: tuple[int, ...] = ()) -> Verdicts:
+    """Whether no joint before the wrist changes the distance from shoulder to wrist centre, or to the point `at`."""
+    shoulder, wrist = scene.common_point(structure.shoulder)[0], scene.common_point(at or structure.wrist)[0]
     line = (wrist - shoulder) / scene.length
     # velocity of the wrist centre, v + ω × W, for every joint
     velocity = scene.screws[:, :3] + np.cross(scene.screws[:, 3:], wrist[..., None], axis=1)
-    rate = np.einsum("ni,nij->nj", line, velocity) / scene.length
+    rate = np.einsum("ni,nij->nj", line, velocity)[:, : at[0] if at else None] / scene.length
     return np.asarray((np.abs(rate) < 1e-6).all(axis=1))
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
-from rankdrop.family.facts import Fact, Structure, candidate_facts, structure_of
+from rankdrop.family.equation import pretty_angle
+from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, structure_of
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.circuits import to_blame
@@ -21,8 +22,9 @@ from rankdrop.local.lines import Scene
 from rankdrop.local.relations import describe, line_meets_all
 from rankdrop.local.screws import words
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import wrapped
 from rankdrop.task import Task
-from rankdrop.units import counted_length
+from rankdrop.units import as_given, counted_length
 
 
 def told(robot: Robot, at: Array, points: Array, task: Task, corank: int) -> tuple[Array, tuple[str, ...]]:
@@ -54,7 +56,7 @@ _PARTS = ("shoulder", "elbow", "wrist")
 
 
 def name_family(
-    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[int] = (), *, coupled: bool = True
+    robot: Robot, task: Task, points: ArrayLike, pinned: Sequence[int] = (), *, coupled: Sequence[int] | None = None
 ) -> str:
     """A short name for a family of singular configurations.
 
@@ -63,18 +65,20 @@ def name_family(
        telling first, are taken until each joint that matters breaks one of them when it moves. In an arm without
        redundancy facts that cost rank by themselves come first, and have to add up to the corank.
     3. Facts that concern the shoulder, the elbow or the wrist give the name its first words.
-    4. Joints that break none of the facts: the name ends with "others coupled", or "others fixed" where the rest of
-       the condition are values. Without any fact: "all axes meet one line" where the blocked wrench is a pure force,
-       else the smallest dependent sets of joint screws ("screws 2–6 dependent").
+    4. What the facts leave open: joints that other conditions bind ("with a condition on θ3–θ6"), and values that tell
+       the posture: those that are no simple angles, and those of joints that break none of the facts. Without any fact:
+       "all axes meet one line" where the blocked wrench is a pure force, else the smallest dependent sets of joint
+       screws ("screws 2–6 dependent").
 
     What a name states is true at every sample point. Names are not unique: `told_apart` makes them so.
 
     Args:
         robot: the arm.
         task: the rows that matter.
-        points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are used.
+        points: (N, n) generic points of the family, singular to 1e-9 or better [rad, m]; the first twelve are looked
+            at, all of them for the values of single joints.
         pinned: numbers of the family's pinned joints, if known.
-        coupled: whether conditions bind joints beside the pinned ones.
+        coupled: numbers of the joints that conditions bind beside the pinned ones; None: not known, not told.
 
     Raises:
         ConfigurationError: no points, the wrong shape, or points that are not singular.
@@ -91,9 +95,72 @@ def name_family(
     matter = _joints_that_matter(scene, task, generic - corank) | {number - 1 for number in pinned}
     facts, covered = _explain(structure, scene, matter, corank)
     if facts:
-        others = "" if matter <= covered else ", others coupled" if coupled else ", others fixed"
-        return _compose(facts, structure.tight, corank) + others
+        name = _compose(facts, structure.tight, corank)
+        return name if coupled is None else name + _open(robot, q, matter - covered, pinned, coupled)
     return _systematic(scene, structure, task, corank, generic)
+
+
+_ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
+_FEW = 2  # values of one joint that a name tells
+
+
+def _open(robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], coupled: Sequence[int]) -> str:
+    """What a name's facts leave open: ", with a condition on θ3–θ6", " (θ4 = −26.8° or 153.2°)".
+
+    Args:
+        robot: the arm.
+        q: (N, n) points of the family.
+        uncovered: joints (from 0) that matter and break none of the facts.
+        pinned, coupled: numbers of joints.
+    """
+    bound = sorted({*(number - 1 for number in (*pinned, *coupled)), *uncovered})
+    values = {j: _values(q[:, j], turns=bool(robot.periodic[j])) for j in bound}
+    few = {j: one for j, one in values.items() if len(one) <= _FEW}
+    varying = [j for j in bound if j not in few]
+    needed = uncovered & set(varying)
+    tail = f", with a condition on {_run(varying, robot)}" if needed else ""
+    told = [
+        f"{_letter(robot, j)} = {' or '.join(_value(robot, j, x) for x in one)}"
+        for j, one in few.items() if j in uncovered or not all(map(_simple, one))
+    ]  # fmt: skip
+    return tail + (f" ({', '.join(told)})" if told else "")
+
+
+def _values(column: Array, *, turns: bool) -> list[float]:
+    """The different values of one joint, sorted; angles in (−π, π]."""
+    found: list[float] = []
+    for value in np.pi - np.mod(np.pi - column, 2 * np.pi) if turns else column:
+        off = (value - other for other in found)
+        if all(abs(wrapped(x) if turns else x) > _ONE for x in off):
+            found.append(float(value))
+        if len(found) > _FEW:
+            break
+    return sorted(found)
+
+
+def _simple(value: float) -> bool:
+    """Whether a value is a multiple of a right angle."""
+    return abs(value / (np.pi / 2) - round(value / (np.pi / 2))) <= _ONE
+
+
+def _value(robot: Robot, joint: int, value: float) -> str:
+    if robot.variables[joint].unit != "rad":
+        return f"{as_given(robot, np.eye(robot.n)[joint] * value)[joint]:.3g} m".replace("-", "−")
+    if _simple(value):
+        return pretty_angle(round(value / (np.pi / 2)) * (np.pi / 2))
+    return f"{np.degrees(value):.1f}°".replace("-", "−")
+
+
+def _letter(robot: Robot, joint: int) -> str:
+    return f"{'θ' if robot.variables[joint].unit == 'rad' else 'q'}{joint + 1}"
+
+
+def _run(joints: Sequence[int], robot: Robot) -> str:
+    """ "θ3–θ6" for a run of three or more, "θ2, θ4" otherwise."""
+    letters = [_letter(robot, j) for j in joints]
+    if len(joints) > 2 and joints[-1] - joints[0] == len(joints) - 1:
+        return f"{letters[0]}–{letters[-1]}"
+    return ", ".join(letters)
 
 
 def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
@@ -119,7 +186,8 @@ def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[
         for number, place in enumerate(places):
             others = {text for k, one in enumerate(texts) if k != number for text in one}
             own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
-            result[place] = f"{name} ({own[0] if own else _ORDINALS.get(number, f'{number + 1}th')})"
+            mark = own[0] if own else _ORDINALS.get(number, f"{number + 1}th")
+            result[place] = f"{name[:-1]}, {mark})" if name.endswith(")") else f"{name} ({mark})"
     return result
 
 
@@ -184,7 +252,7 @@ def _details(facts: Sequence[Fact]) -> str:
         if fact.kind == "against" and not any(set(fact.joints) <= set(other.joints) for other in own)
     ]
     if len(own) < len(facts):
-        own = [fact for fact in own if fact.roles != ("elbow",)]  # the word "elbow" says it
+        own = [one for one in own if one.roles != ("elbow",) or one.text == NEARLY]  # else the word "elbow" says it
     details = [fact.text for fact in own if fact.roles]
     if aligned:
         details.append(f"axes {_both(aligned)} aligned")

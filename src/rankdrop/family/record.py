@@ -17,6 +17,7 @@ import numpy as np
 
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.sections import Section, html
 from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
 
 
@@ -116,6 +117,29 @@ class Family:
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
 
+    def _repr_html_(self) -> str:
+        """For notebooks: what the family asks, what is lost, how it was tested."""
+        return html([_section(self)])
+
+
+def _section(family: Family) -> Section:
+    rows = [(one.joint, " or ".join(f"{value:.6g}".replace("-", "−") for value in one.values)) for one in family.pinned]
+    rows += [(f"joint {number}", "any value") for number in family.free]
+    rows += [(f"joint {number}", "coupled, see below") for number in family.coupled]
+    bound = set(family.coupled)
+    told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
+    told += [f"lost: {words}" for words in family.lost_words]
+    at = ", ".join(f"{value:.4g}".replace("-", "−") for value in family.witness)
+    tested = (
+        f"{family.soundness.singular:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
+        f"it explains {family.explained.explained:,} of {family.explained.tested:,} fresh singular points"
+    )
+    return Section(
+        f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
+        columns=("joint", "stands at [rad, m]"), rows=tuple(rows), texts=(0, 1),
+        after=(*told, f"witness q = ({at}) [rad, m]"), notes=(tested,),
+    )  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class CorankSummary:
@@ -193,7 +217,7 @@ def numbered(rows: Sequence[Family], corank: int, after: int = 0) -> tuple[Famil
     return tuple(replace(row, id=f"k{corank}.f{number}") for number, row in enumerate(ordered, after + 1))
 
 
-_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m/rad)")
+_RATE = re.compile(r"(\d[\d.]*(?:e[+−]?\d+)?) (rad/m|m)·")
 
 
 def family_out_of_units(family: Family, robot: Robot) -> Family:
@@ -218,7 +242,7 @@ def _retold(sentence: str, power: int) -> str:
 
     def moved(match: re.Match[str]) -> str:
         value = shifted(float(match[1].replace("−", "-")), -power if match[2] == "rad/m" else power)
-        return f"{value:.3g} {match[2]}".replace("-", "−")
+        return f"{value:.3g} {match[2]}·".replace("-", "−")
 
     return _RATE.sub(moved, sentence)
 

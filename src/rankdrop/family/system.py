@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.family.equation import Equation
+from rankdrop import _core
+from rankdrop.family.equation import Equation, compiled
 from rankdrop.robot.model import Array
 
 Mask = NDArray[np.bool_]
@@ -17,11 +19,12 @@ CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
 REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
 
+_NOTHING = 1e-15  # |f| that no step can better
 _NEAR = 1e-11  # |f|/|∇f| of a zero that Newton has come to rest at [rad]
 _ROUNDING = 1e-15  # |f| of a zero whose derivative vanishes, for coefficients that add up to 1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class System:
     """f_1(q) = … = f_e(q) = 0.
 
@@ -31,18 +34,22 @@ class System:
 
     equations: tuple[Equation, ...]
 
+    @cached_property
+    def compiled(self) -> _core.Families:
+        """The equations as the core takes them; there is at least one."""
+        return compiled(self.equations)
+
     def values(self, q: Array) -> Array:
         """(N, e) values at q (N, n)."""
-        return np.stack([equation(q) for equation in self.equations], axis=-1)
+        return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64), slopes=False)
 
     def jacobian(self, q: Array) -> Array:
         """(N, e, n) derivatives at q (N, n)."""
-        return np.stack([equation.gradient(q) for equation in self.equations], axis=-2)
+        return self.linear(q)[1]
 
     def linear(self, q: Array) -> tuple[Array, Array]:
         """(N, e) values and (N, e, n) derivatives at once."""
-        both = [equation.with_gradient(q) for equation in self.equations]
-        return np.stack([f for f, _ in both], axis=-1), np.stack([g for _, g in both], axis=-2)
+        return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64))
 
     def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
         """(N, e) values, (N, e, n) first and (N, e, n, n) second derivatives at q (N, n), in one pass.
@@ -86,8 +93,7 @@ class System:
 
         Args:
             q: (N, n) starts.
-            along: (n, d) orthonormal basis of the directions that may be used, or (N, n, n) projectors on those of
-                each start; None for all.
+            along: (n, d) orthonormal basis of the directions that may be used; None for all.
             iterations: at most.
             step: longest step [rad].
             still: a start whose step gets shorter has arrived [rad].
@@ -98,22 +104,14 @@ class System:
         q = np.array(q, dtype=np.float64)
         if not self.equations or not len(q):
             return q, np.ones(len(q), dtype=np.bool_)
-        active = np.arange(len(q))
-        for _ in range(iterations):
-            f, a = self.linear(q[active])
-            going = np.abs(f).max(axis=1) > 1e-15
-            active, f, a = active[going], f[going], a[going]
-            if not len(active):
-                break
-            if along is not None:
-                a = a @ (along if along.ndim == 2 else along[active])
-            delta = -shortest(a, f)
-            if along is not None and along.ndim == 2:  # of a projector the shortest step is in its range already
-                delta = delta @ along.T
-            length = np.linalg.norm(delta, axis=1, keepdims=True)
-            q[active] += delta * np.minimum(1.0, step / np.maximum(length, 1e-300))
-            active = active[length[:, 0] > still]
-        return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
+        if along is not None and not along.size:
+            return q, np.abs(self.values(q)).max(axis=1) <= SOLVED
+        directions = [] if along is None else along.ravel().tolist()
+        settings = _core.ZeroSettings(
+            iterations=iterations, step=step, still=still, enough=_NOTHING, cut=CUT, along=directions
+        )
+        end, worst = _core.zeros(self.compiled, np.ascontiguousarray(q, dtype=np.float64), settings)
+        return end, worst <= SOLVED
 
     def nearest(self, q: Array, within: float = 1e-3) -> tuple[Array, Array]:
         """Way from points to the zero set.
@@ -147,10 +145,6 @@ class System:
 
 def shortest(a: Array, f: Array) -> Array:
     """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
-    if a.shape[1] == 1:  # a row has one singular value, its length
-        square = np.einsum("nj,nj->n", a[:, 0], a[:, 0])
-        keep = square > 1e-28
-        return np.asarray(a[:, 0] * (np.where(keep, f[:, 0], 0.0) / np.where(keep, square, 1.0))[:, None])
     u, s, vt = np.linalg.svd(a, full_matrices=False)
     keep = s > np.maximum(CUT * s[:, :1], 1e-14)
     inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import rescaled, slides_of
 from rankdrop.family.system import System, shortest
-from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -107,15 +107,14 @@ def families_at(
             there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), tolerances, source
         )
         return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
-    sigma = singular_values(robot, configuration, task)
-    generic = generic_rank(robot, task)
+    problem = Problem(robot, task, tolerances=tolerances)
+    sigma, generic = problem.sigma(configuration), problem.generic_rank
     corank = generic - int((sigma[:generic] > tolerances.singular).sum())
-    scale = joint_scale(robot, task)
     met = []
     for family in families:
         if not family.equations or not 1 <= family.corank <= corank:
             continue
-        length = _way(family, robot, configuration, task, generic - family.corank, tolerances, scale)
+        length = _way(problem.at(family.corank), family, configuration)
         if length < inf:
             met.append(Met(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
@@ -138,7 +137,7 @@ def families_near(
             there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), source
         )
         return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
-    scale = joint_scale(robot, task)
+    scale = Problem(robot, task).scale
     met = [
         Met(family, _first_step(System(family.equations), configuration, scale), source)
         for family in families
@@ -188,13 +187,11 @@ def _first_step(system: System, q: Array, scale: Array) -> float:
     return max(step, float(np.sqrt(np.abs(f[0][flat])).max(initial=0.0)))
 
 
-def _way(
-    family: Condition, robot: Robot, q: Array, task: Task, rank: int, tolerances: Tolerances, scale: Array
-) -> float:
+def _way(problem: Problem, family: Condition, q: Array) -> float:
     """Distance from q to a family that holds at q; inf where it does not hold."""
     system = System(family.equations)
     f, a = system.linear(q[None])
-    size, slope = np.abs(f[0]), np.linalg.norm(a[0] * scale, axis=1)
+    size, slope = np.abs(f[0]), np.linalg.norm(a[0] * problem.scale, axis=1)
     first = np.minimum(size / np.maximum(slope, 1e-300), np.sqrt(size))
     if first.max() <= SOLVED:
         return float(first.max())
@@ -202,8 +199,7 @@ def _way(
         return inf
     lengths, feet = system.nearest(q[None], WITHIN)
     length = float(lengths[0])
-    if length <= tolerances.explained or not np.isfinite(length):
+    if length <= problem.tolerances.explained or not np.isfinite(length):
         return length
     part = np.linspace(0.0, 1.0, STEPS)[:, None]
-    sigma = singular_values(robot, (1 - part) * q + part * feet[0], task)[:, rank]
-    return length if bool((sigma <= tolerances.singular).all()) else inf
+    return length if bool(problem.singular((1 - part) * q + part * feet[0]).all()) else inf

@@ -156,6 +156,27 @@ def lost_in_sparsest_frame(
     return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
 
 
+def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Frame) -> FramedDirections:
+    """`lost_directions` seen in one frame of the chain, in a basis that can be read there.
+
+    Args, Raises: as `lost_directions`; and
+        frame: axes and reference point.
+
+    Example:
+        >>> from rankdrop.frames import BODY
+        >>> from rankdrop.robot.open import open_robot
+        >>> from rankdrop.task import resolve_task
+        >>> arm = open_robot("planar2r")
+        >>> lost_in_frame(arm, [0.3, 0.0], resolve_task(None, arm), 1, BODY).directions.round(9).tolist()  # stretched
+        [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
+    """
+    configuration = one_configuration(robot, q)
+    links, length = link_poses(robot, configuration), counted(robot)
+    pair = _blocked(robot, configuration, task, corank)
+    seen, never = (seen_in_frames(some, links, task.frame, [frame], length) for some in pair)
+    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, told_exponent(robot)))
+
+
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
     """Lost directions in a frame of the chain in which they are the same at every point of a family.
 

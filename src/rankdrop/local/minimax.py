@@ -11,6 +11,12 @@ minimises the model with all of them in it,
 where Λ ⪰ 0, of traces that sum to 1, maximises Σ_j tr(Λ_j diag(a_j)) − τ/2 ‖G(Λ)‖²: the shortest of all mixtures of
 gradients. It is zero exactly where F cannot fall to first order, on a crease or off it. AM's rotation (eq. 12) with
 γ (eq. 13) looks among some of the mixtures; this takes the best of all of them.
+
+AM's treatment of ties stands here in numbers: gradients of tied singular values, and what turning their vectors does to
+them. Their searches themselves (eq. 11, with and without the treatment) are `rankdrop.families.searching.refine` with
+the methods "gradient" and "almarkhi", in the core. One singular value is brought down where it may tie with the smaller
+ones by the tensor of σ[rank] and all smaller ones, so that a crease is told from a local minimum: on a crease some
+mixture of gradients leads down, at a minimum none does.
 """
 
 from __future__ import annotations
@@ -19,9 +25,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from rankdrop.robot.model import Array
+from rankdrop import _core
+from rankdrop.local.block import block, decompose
+from rankdrop.problem import Mask, Problem
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
 
 Model = tuple[Array, Array]
 """(B, N, k) values a, and (B, N, k, k, n) their tensors T, of B configurations."""
@@ -74,82 +84,24 @@ def largest(values: Array) -> Array:
     return np.asarray(values.max(axis=(1, 2)))
 
 
-def mixture(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Array:
-    """(B, N, k, k) Λ by accelerated projected gradient, begun anew every few rounds; `mixed` is where to begin.
+def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
+    """The step from each of B configurations, and what it promises.
 
-    It ends where the step from Λ reaches nine tenths of what the best one can promise, which Λ itself bounds.
+    Λ comes by accelerated projected gradient, begun anew every few rounds, until the step from it reaches nine tenths
+    of what the best one can promise, which Λ itself bounds.
+
+    Args:
+        values: (B, N, k) a.
+        tensor: (B, N, k, k, n) T, symmetric in the tied values.
+        tau: (B,) τ.
+        mixed: (B, N, k, k) Λ to begin from; None for all values alike.
+        effort: how often the projection may begin anew.
     """
     count, pieces, k = values.shape
-    gram = np.einsum("bjacn,bjacm->bnm", tensor, tensor)
-    pace = (1.0 / np.maximum(tau * np.linalg.eigvalsh(gram)[:, -1], 1e-300))[:, None, None, None]
-    diagonal = values[..., None] * np.eye(k)
-    here = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k)).copy() if mixed is None else mixed.copy()
-    open_rows = np.arange(count)
-    for _ in range(effort):
-        rows = open_rows
-        slopes, t = tensor[rows], tau[rows]
-        x = here[rows]
-        ahead, momentum = x, 1.0
-        for _ in range(_ROUNDS):
-            gradient = diagonal[rows] - np.einsum("b,bn,bjacn->bjac", t, followed(ahead, slopes), slopes)
-            stepped = _on_traces(ahead + pace[rows] * gradient)
-            later = (1.0 + np.sqrt(1.0 + 4.0 * momentum**2)) / 2.0
-            ahead = stepped + (momentum - 1.0) / later * (stepped - x)
-            x, momentum = stepped, later
-        here[rows] = x
-        best, reached = _bounds(values[rows], slopes, t, x)
-        open_rows = rows[best - reached > np.maximum(0.1 * best, _EXACT)]
-        if not len(open_rows):
-            break
-    return here
-
-
-def _bounds(values: Array, tensor: Array, tau: Array, mixed: Array) -> tuple[Array, Array]:
-    """(B,) the fall of the model, its ‖Δ‖²/2τ counted, that no step exceeds, and that of the step from Λ."""
-    along = followed(mixed, tensor)
-    length = tau * (along**2).sum(axis=1) / 2.0
-    now = largest(values)
-    weighted = np.einsum("bjaa,bja->b", mixed, values)
-    return now - weighted + length, now - _after(values, tensor, -tau[:, None] * along) - length
-
-
-def _after(values: Array, tensor: Array, step: Array) -> Array:
-    """(B,) what the model makes of F after a step."""
-    moved = values[..., None] * np.eye(values.shape[-1]) + np.einsum("bjacn,bn->bjac", tensor, step)
-    if moved.shape[-1] == 1:
-        return np.asarray(moved[..., 0, 0].max(axis=1))
-    return np.asarray(np.linalg.eigvalsh(moved).max(axis=(1, 2)))
-
-
-def followed(mixed: Array, tensor: Array) -> Array:
-    """(B, n) G(Λ)."""
-    return np.asarray(np.einsum("bjac,bjacn->bn", mixed, tensor))
-
-
-def _on_traces(matrices: Array) -> Array:
-    """The nearest positive semidefinite blocks whose traces sum to 1, by their eigenvalues."""
-    count, pieces, k, _ = matrices.shape
-    if k == 1:
-        return _on_simplex(matrices.reshape(count, pieces)).reshape(count, pieces, 1, 1)
-    weights, vectors = np.linalg.eigh(matrices)
-    kept = _on_simplex(weights.reshape(count, pieces * k)).reshape(count, pieces, k)
-    return np.asarray(np.einsum("bjae,bje,bjce->bjac", vectors, kept, vectors))
-
-
-def _on_simplex(weights: Array) -> Array:
-    """The nearest rows of numbers from 0 up that sum to 1."""
-    falling = -np.sort(-weights, axis=1)
-    excess = (np.cumsum(falling, axis=1) - 1.0) / np.arange(1, weights.shape[1] + 1)
-    last = (falling > excess).sum(axis=1) - 1
-    return np.maximum(weights - np.take_along_axis(excess, last[:, None], axis=1), 0.0)
-
-
-def promised(values: Array, tensor: Array, tau: Array, mixed: Array | None = None, effort: int = EFFORT) -> Promise:
-    """The step from each of B configurations, and what it promises."""
-    best = mixture(values, tensor, tau, mixed, effort)
-    most, _ = _bounds(values, tensor, tau, best)
-    step = -tau[:, None] * followed(best, tensor)
-    return Promise(step, largest(values) - _after(values, tensor, step), most, best)
+    if mixed is None:
+        mixed = np.broadcast_to(np.eye(k) / (k * pieces), (count, pieces, k, k))
+    arrays = [np.ascontiguousarray(array, dtype=np.float64) for array in (values, tensor, tau, mixed)]
+    return Promise(*_core.promised(*arrays, rounds=_ROUNDS, effort=effort, exact=_EXACT))
 
 
 def descend(
@@ -205,3 +157,98 @@ def _inside(
         free = np.where(held[:, None, None, None, :], 0.0, tensor)
         found = promised(values, free, tau, found.mixed, effort)
     return found
+
+
+def gradient_tensor(robot: Robot, q: ArrayLike, task: Task, rank: int) -> tuple[Array, Array]:
+    """(..., min(m, n)) singular values, and (..., k, k, n) u_aᵀ ∂J/∂θ v_b of the k = min(m, n) − rank from σ[rank] on.
+
+    The diagonal holds the gradients ∇σ_a (AM eq. 7), the rest what rotations of tied singular vectors need (eq. 12).
+
+    Args:
+        robot: the arm.
+        q: (..., n) configurations [rad or m].
+        task: from `resolve_task`.
+        rank: of the first singular value, counted from 0.
+
+    Raises:
+        ConfigurationError: q has the wrong shape or is not finite.
+        OptionError: there is no such singular value.
+    """
+    at, parts = block(robot, q, task, rank), decompose(robot, q, task)
+    count = at.sigma.shape[-1]
+    turned = np.swapaxes(at.v2, -1, -2) @ parts.v[..., rank:count]  # a block's V₂ has a basis of its own
+    return at.sigma, np.einsum("...asn,...sb->...abn", at.d[..., : count - rank, :, :], turned)
+
+
+def tied_gradients(tensor: Array, rotation: Array) -> Array:
+    """(k, n) gradients of k tied singular values in turned singular vectors: g_p = Σ_ab R_ap R_bp u_aᵀ dJ v_b (eq. 12).
+
+    Args:
+        tensor: (k, k, n) the tied part of `gradient_tensor`.
+        rotation: (k, k) orthogonal, new vectors as columns.
+    """
+    return np.asarray(np.einsum("ap,bp,abn->pn", rotation, rotation, tensor))
+
+
+def plane_rotation(count: int, a: int, b: int, phi: float) -> Array:
+    """(count, count) AM's eq. 12 in the plane of vectors a and b."""
+    turned = np.eye(count)
+    turned[a, a] = turned[b, b] = np.cos(phi)
+    turned[b, a], turned[a, b] = np.sin(phi), -np.sin(phi)
+    return turned
+
+
+def spread(gradients: Array) -> float:
+    """H, the sum of the angles between all pairs of gradients [rad] (AM eq. 14)."""
+    count = len(gradients)
+    return sum(_angle(gradients[i], gradients[j]) for i in range(count) for j in range(i + 1, count))
+
+
+def _angle(one: Array, other: Array) -> float:
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(np.arccos(np.clip(one @ other / size, -1.0, 1.0))) if size > 0.0 else 0.0
+
+
+FLAT = 1e-8
+"""Fall of σ that a step of about the length of its slope has to promise, for a place to be no local minimum [1]. A line
+search that ends for want of a fall of 1e-12 leaves promises of about that size at smooth minima."""
+
+
+def tied_model(problem: Problem) -> Evaluate:
+    """σ[rank], σ[rank + 1], … as one block, per scaled joint motion q / `Problem.scale`."""
+    robot, task, rank, scale = problem.robot, problem.task, problem.rank, problem.scale
+
+    def evaluate(scaled: Array) -> Model:
+        sigma, tensor = gradient_tensor(robot, scaled * scale, task, rank)
+        both = (tensor + tensor.swapaxes(1, 2)) / 2 * scale
+        return sigma[:, None, rank:], both[:, None]
+
+    return evaluate
+
+
+def stays_up(problem: Problem, q: Array) -> Mask:
+    """(B,) whether no mixture of gradients leads down from (B, n) configurations: local minima, to first order."""
+    if not len(q):
+        return np.zeros(0, dtype=np.bool_)
+    scale, box = problem.scale, _box(problem)
+    values, tensor = tied_model(problem)(q / scale)
+    if box is not None:  # joints at a limit that σ pushes outward do not count
+        gradient = np.einsum("baan->bn", tensor[:, 0][:, :1, :1])
+        at = ((q / scale <= box[0]) & (gradient > 0.0)) | ((q / scale >= box[1]) & (gradient < 0.0))
+        tensor = np.where(at[:, None, None, None, :], 0.0, tensor)
+    return np.asarray(promised(values, tensor, np.ones(len(q))).most <= FLAT)
+
+
+def brought_down(problem: Problem, q: Array, *, iterations: int = 200, effort: int = EFFORT) -> Lowest:
+    """σ[rank] descended from (B, n) configurations to where it is least nearby; `q` of the result in rad and m."""
+    scale = problem.scale
+    found = descend(tied_model(problem), q / scale, _box(problem), iterations=iterations, effort=effort)
+    return Lowest(found.q * scale, found.value, found.slope, found.iterations)
+
+
+def _box(problem: Problem) -> tuple[Array, Array] | None:
+    """Where the scaled joints may go; None where no limits are asked for."""
+    if problem.walls is None:
+        return None
+    low, high = problem.walls
+    return low / problem.scale, high / problem.scale

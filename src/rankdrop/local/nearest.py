@@ -19,14 +19,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, configurations, task_view
 from rankdrop.errors import OptionError
-from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.notebook import nearest_html
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
@@ -125,11 +125,10 @@ def nearest_singularity(
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
     if starts is None:
         starts = STARTS[0] if corank == 1 else STARTS[1]
-    rank = _checked_rank(robot, resolved, corank, starts, seed)
+    problem = Problem(robot, resolved, corank, tolerances, limits)
+    _check(problem, starts, seed)
     given = np.array([one_configuration(robot, one) for one in seeds]).reshape(-1, robot.n)
-    box = np.stack([robot.lower, robot.upper]) if limits else None
-    moves = ~idle_joints(robot, resolved)
-    walk = _Walk(robot, resolved, rank, centre, box, joint_scale(robot, resolved), moves, tolerances)
+    walk = _Walk(problem, centre, np.stack([robot.lower, robot.upper]) if limits else None)
     rng = np.random.default_rng(seed)
     first = max(1, starts // 4)
     found = walk.run(np.concatenate([given, walk.around(rng, first)]))
@@ -139,7 +138,7 @@ def nearest_singularity(
     number = int(found.distance.argmin())
     best = walk.without_idle_motion(found.q[number])
     distance = walk.distance(best)
-    sigma = singular_values(robot, best, resolved)
+    sigma, rank = problem.sigma(best), problem.rank
     inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
     return Nearest(
         distance=distance,
@@ -160,17 +159,6 @@ def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
     return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
-def idle_joints(robot: Robot, task: Task) -> NDArray[np.bool_]:
-    """(n,) which joints the singular values do not depend on at all: the first and the last one for a pose, say."""
-    low, high = sampling_box(robot, task, limits=False)
-    q = np.random.default_rng(0).uniform(low, high, (8, robot.n))
-    q = np.repeat(q[None], robot.n + 1, axis=0)  # the last copy stays
-    joint = np.arange(robot.n)
-    q[joint, :, joint] += 0.3 * (high - low)[:, None]
-    sigma = singular_values(robot, q, task)
-    return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < 1e-12)
-
-
 @dataclass(frozen=True, slots=True)
 class _Found:
     """Where starts ended: singular configurations only."""
@@ -188,19 +176,14 @@ class _Found:
 
 @dataclass(frozen=True, slots=True)
 class _Walk:
-    """One question: the arm, the rank to be reached, and the configuration to stay near to."""
+    """One question, the configuration to stay near to, and the corners (2, n) of the box to stay in."""
 
-    robot: Robot
-    task: Task
-    rank: int
+    problem: Problem
     centre: Array
     box: Array | None
-    scale: Array
-    moves: NDArray[np.bool_]  # joints that matter
-    tolerances: Tolerances
 
     def distance(self, q: Array) -> float:
-        return float(np.linalg.norm((q - self.centre) / self.scale))
+        return float(self.problem.length(q - self.centre))
 
     def around(self, rng: np.random.Generator, count: int) -> Array:
         """q itself, and starts from balls of several radii around it."""
@@ -212,68 +195,68 @@ class _Walk:
     def within(self, rng: np.random.Generator, count: int, distance: float) -> Array:
         """Starts from the ball in which a nearer point must lie, or from wide ones where there is no point yet."""
         if distance == 0.0:
-            return np.empty((0, self.robot.n))
+            return np.empty((0, self.problem.n))
         radius = _WIDER * distance if np.isfinite(distance) else max(_RADII)
         return self._ball(rng, np.full((count, 1), radius))
 
     def _ball(self, rng: np.random.Generator, radii: Array) -> Array:
         """Uniform in balls (N, 1 radii) around q, over the joints that matter."""
-        x = rng.standard_normal((len(radii), self.robot.n)) * self.moves
+        moves = ~self.problem.idle
+        x = rng.standard_normal((len(radii), self.problem.n)) * moves
         length = np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
-        x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(self.moves.sum()))) / length
-        return np.asarray(self.centre + x * self.scale)
+        x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(moves.sum()))) / length
+        return np.asarray(self.centre + x * self.problem.scale)
 
     def run(self, starts: Array) -> _Found:
         """Onto the singular set, then along it to the nearest point; what is not singular in the end is dropped."""
-        rows, _ = configurations(self.robot, starts)
+        problem = self.problem
+        rows, _ = configurations(problem.robot, starts)
         if self.box is not None:
             rows = np.clip(rows, *self.box)
-        chain, view, limit = chain_of(self.robot), task_view(self.robot, self.task), self.tolerances.singular
+        chain, view = chain_of(problem.robot), task_view(problem.robot, problem.task)
+        rank, scale, limit = problem.rank, problem.scale, problem.tolerances.singular
         onto = _core.SearchSettings(
-            method=0, rank=self.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
-            stationary=self.tolerances.stationary, seed=0, scale=self.scale, limits=self.box, tie=TIE,
+            method=0, rank=rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
+            stationary=problem.tolerances.stationary, seed=0, scale=scale, limits=self.box, tie=TIE,
         )  # fmt: skip
         along = _core.NearestSettings(
-            rank=self.rank, evaluations=_EVALUATIONS, singular=limit, target=self.tolerances.target, centre=self.centre,
-            scale=self.scale, limits=self.box,
+            rank=rank, evaluations=_EVALUATIONS, singular=limit, target=problem.tolerances.target, centre=self.centre,
+            scale=scale, limits=self.box,
         )  # fmt: skip
         q, _, outcome, *_ = _core.search(chain, view, rows, onto, threads=1)
         near = self._brought_near(q[outcome == 0])
         q, distance, stationarity, _ = _core.nearest(chain, view, near, along, threads=1)
-        singular = singular_values(self.robot, q, self.task)[:, self.rank] <= limit
-        kept = singular & np.isfinite(distance)
-        return _Found(q[kept], np.linalg.norm((q[kept] - self.centre) / self.scale, axis=1), stationarity[kept])
+        kept = problem.singular(q) & np.isfinite(distance)
+        return _Found(q[kept], problem.length(q[kept] - self.centre), stationarity[kept])
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""
-        turns = np.where(self.robot.periodic, np.round((q - self.centre) / (2 * np.pi)), 0.0)
-        near = q - 2 * np.pi * turns
+        near = q - whole_turns(self.problem.robot, q - self.centre)
         if self.box is not None:
             near = np.where((near < self.box[0]) | (near > self.box[1]), q, near)
         return np.ascontiguousarray(near)
 
     def without_idle_motion(self, q: Array) -> Array:
         """q with motions that are rounding set to nothing, where it is as singular as before."""
-        still = np.abs(q - self.centre) / self.scale < 1e-7 * self.distance(q)
+        still = np.abs(q - self.centre) / self.problem.scale < 1e-7 * self.distance(q)
         plain = np.where(still, self.centre, q)
         if self.box is not None:
             plain = np.clip(plain, *self.box)
-        sigma = singular_values(self.robot, np.stack([q, plain]), self.task)[:, self.rank]
-        return plain if sigma[1] <= max(sigma[0], self.tolerances.target) else q
+        sigma = self.problem.sigma(np.stack([q, plain]))[:, self.problem.rank]
+        return plain if sigma[1] <= max(sigma[0], self.problem.tolerances.target) else q
 
 
-def _checked_rank(robot: Robot, task: Task, corank: int, starts: int, seed: int) -> int:
-    """The rank to be kept, once all numbers are known to make sense."""
-    full = generic_rank(robot, task)
+def _check(problem: Problem, starts: int, seed: int) -> None:
+    """Refuse numbers that make no sense, and what the core cannot take."""
+    robot, corank, full = problem.robot, problem.corank, problem.generic_rank
     asked = (("corank", corank, 1, full), ("starts", starts, 1, MOST_STARTS), ("seed", seed, 0, 2**63 - 1))
     for name, value, least, most in asked:
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
             allowed = f"a whole number, {least} … {most}"
             raise OptionError(f"{name} is outside the range", got=repr(value), allowed=allowed)
-    conditions = (task.m - full + corank) * (robot.n - full + corank)
+    conditions = (problem.task.m - full + corank) * (robot.n - full + corank)
     if min(robot.n, conditions) > _MOST_CONDITIONS:
         raise OptionError(
             "too many joints for this corank", got=f"{robot.n} joints, {conditions} conditions",
             allowed=f"at most {_MOST_CONDITIONS} joints, or as many conditions", mend="a lower corank",
         )  # fmt: skip
-    return full - corank

@@ -25,8 +25,8 @@ def escape_html(found: Any) -> str:
     direction = ", ".join(f"{x:+.4g}" for x in found.best_direction.delta)
     after = (
         f"best direction Δq = ({direction}) [rad, m]: σ = {found.best_direction.sigma_after:.4g}",
-        f"with the end effector still: {found.avoidable_words}",
-        f"workspace: {found.boundary_words}",
+        found.avoidable_words,
+        found.boundary_words,
     )
     corank = f"corank {found.corank}"
     return html([Section("Ways out", corank, columns=columns, rows=rows, texts=(0, 1, 6), after=after)])

@@ -18,6 +18,7 @@ from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.place import Place, place_at
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
 from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -269,7 +270,7 @@ class _Trace:
     def _closes(self, now: Array, unit: Array, first: Array, travelled: float) -> bool:
         """Whether the start lies just ahead, whole turns apart; if so it becomes the last point."""
         way = self.where.start - now
-        way = way - np.where(self.where.robot.periodic, 2 * np.pi * np.round(way / (2 * np.pi)), 0.0)
+        way = way - whole_turns(self.where.robot, way)
         scaled = way / self.where.joints
         distance = float(np.linalg.norm(scaled))
         if travelled < 4 * self.step or distance > 1.2 * self.step:

@@ -30,8 +30,7 @@ from rankdrop.local.bracket import hat
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.robot.screw_list import read_screw_list
-from rankdrop.robot.screws import from_screws
+from rankdrop.robot.screws import from_screws, read_screw_list
 from rankdrop.task import Task
 from rankdrop.tolerances import DEPENDENT
 

@@ -117,6 +117,7 @@ def _standing(particular: Array, null: Array, stuck: Array) -> tuple[Array, Arra
     return moved, null @ vt[rank:].T, reachable
 
 
+_NOTHING = 1e-12  # a share below it is rounding
 _AXES = ("along X", "along Y", "along Z", "about X", "about Y", "about Z")
 
 
@@ -163,6 +164,10 @@ class Rates:
         lost: one for every lost direction of `lost_directions`.
         limits: (n,) joint velocity limits in use [rad/s, m/s]; inf where there is none.
         length_scale: ℓ [m].
+        lost_shares: of each axis e the part |P e|², P onto what cannot be made, 1 m counted as 1 rad; 0 where it is
+            possible, 1 where nothing of it is left.
+        remaining: of each axis the motion that can be made and is nearest to it, (e − P e)/(1 − |P e|²): its part along
+            the axis is one unit of speed, so `speed` is the best that remains along it. None where nothing is left.
     """
 
     axes: tuple[DirectionRates, ...]
@@ -170,6 +175,8 @@ class Rates:
     lost: tuple[DirectionRates, ...]
     limits: tuple[float, ...]
     length_scale: float
+    lost_shares: tuple[float, ...] = ()
+    remaining: tuple[DirectionRates | None, ...] = ()
 
 
 def joint_rates(
@@ -203,6 +210,11 @@ def joint_rates(
     limits = rate_limits(robot)
     names = [_AXES[row] for row in resolved.rows]
     twists = [np.eye(6)[row] for row in resolved.rows]
+    unit = np.repeat([counted(robot), 1.0], 3)[list(resolved.rows)]
+    gone = _gone(parts, verdict.rank, unit)
+    shares = np.einsum("ij,ij->j", gone, gone)
+    shares[shares < _NOTHING] = 0.0
+    left = [row for row, share in enumerate(shares) if share < 1.0 - _NOTHING]
     if verdict.rank:
         weakest = np.zeros(6)
         weakest[list(resolved.rows)] = parts.u[:, verdict.rank - 1] / parts.rows
@@ -212,13 +224,26 @@ def joint_rates(
         lost = lost_directions(robot, configuration, resolved, verdict.corank)
         names += [f"lost direction {i}" for i in range(1, len(lost) + 1)]
         twists += list(lost * np.repeat([counted(robot), 1.0], 3))
+    here = len(twists)
+    for row in left:
+        nearest = np.zeros(6)
+        nearest[list(resolved.rows)] = (np.eye(resolved.m)[row] - gone.T @ gone[:, row]) / (1.0 - shares[row]) * unit
+        twists.append(nearest / unit[row])
+        names.append(names[row])
     found = _along(robot, parts, np.array(twists)[:, list(resolved.rows)], limits, verdict.rank, tolerances)
     every = [_named(robot, name, twist, part) for name, twist, part in zip(names, twists, found, strict=True)]
     m = resolved.m
+    remaining = dict(zip(left, every[here:], strict=True))
     return Rates(
-        tuple(every[:m]), every[m] if verdict.rank else None, tuple(every[m + bool(verdict.rank) :]),
-        tuple(limits.tolist()), resolved.scale(robot),
+        tuple(every[:m]), every[m] if verdict.rank else None, tuple(every[m + bool(verdict.rank) : here]),
+        tuple(limits.tolist()), resolved.scale(robot), tuple(shares.tolist()),
+        tuple(remaining.get(row) for row in range(m)),
     )  # fmt: skip
+
+
+def _gone(parts: Factored, rank: int, unit: Array) -> Array:
+    """(m − rank, m) orthonormal rows that span what cannot be made, twists divided by `unit` (m,)."""
+    return np.asarray(np.linalg.qr((parts.u[:, rank:].T * parts.rows * unit).T)[0].T)
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,6 +31,7 @@ from rankdrop.local.directions import readable_basis
 from rankdrop.local.inverse import Factored, factor
 from rankdrop.local.notebook import redundancy_html
 from rankdrop.local.verdict import Rank, one_configuration, rank_at
+from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -103,8 +104,7 @@ def towards(robot: Robot, q: ArrayLike, preferred: ArrayLike) -> Array:
     if extra:
         raise ConfigurationError("one preferred configuration is needed", got=np.shape(preferred), allowed=(robot.n,))
     way = goal - rows
-    turns = np.where(robot.periodic, 2 * np.pi * np.round(way / (2 * np.pi)), 0.0)
-    return np.asarray(way - turns).reshape(*batch, robot.n)
+    return np.asarray(way - whole_turns(robot, way)).reshape(*batch, robot.n)
 
 
 _COUPLED = 1e-12  # entries of a projector below this do not join two coordinates

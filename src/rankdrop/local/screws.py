@@ -101,12 +101,79 @@ _ZERO = 1e-6  # a part below this share of the direction is not there
 _AXIS = 1e-6  # an axis is X, Y or Z when its other components are below this
 
 
-def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
-    """One lost direction as a sentence about motion, as AM write theirs.
+_NEARLY = 0.25  # a part below this share of the whole: what the other part alone says is true to 3 %
 
-    A direction u = (v; ω) is lost when u · twist = 0 for every twist the joints can make, so u itself is a twist that
-    cannot be made. With both parts present neither the translation nor the rotation is lost alone: the two are tied
-    together; `blocked_words` says how.
+
+def constraint(direction: ArrayLike, length: float = 1.0) -> str:
+    """A lost direction as what it does to the motions that remain: "0.63 vy + 0.7 vz + 0.098 m·ωx = 0".
+
+    A direction u = (u_v; u_ω) is lost when u · (v; ω) = 0 for every twist the joints can make. That equation says what
+    can still be done; no length has to be chosen for it. Its larger part is a unit vector, its largest number positive.
+
+    Args:
+        direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
+        length: the direction's own unit of length, `units.counted_length` [m].
+
+    Raises:
+        OptionError: not six finite numbers, or all of them zero.
+
+    Example:
+        >>> constraint([0, -0.91, 0, 0, 0, -0.41])
+        'vy + 0.451 m·ωz = 0'
+        >>> constraint([0, 0, 0.05, 0.6, -0.8, 0])
+        '−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz = 0'
+    """
+    v, w = _parts(direction)
+    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    moves = slide >= turn
+    first, second = (v / slide, w / slide) if moves else (w / turn, v / turn)
+    names, others, unit = ("v", "ω", "m") if moves else ("ω", "v", "rad/m")
+    per = length if moves else 1.0 / length
+    sign = 1.0 if first[int(np.argmax(np.abs(first) >= np.abs(first).max() - _AXIS))] > 0.0 else -1.0
+    small = float(np.linalg.norm(second)) <= _ZERO
+    terms = [(sign * float(x), f"{names}{axis}") for x, axis in zip(first, "xyz", strict=True) if abs(x) > _AXIS]
+    if not small:
+        terms += [
+            (sign * float(x) * per, f"{unit}·{others}{axis}")
+            for x, axis in zip(second, "xyz", strict=True) if abs(x) > _AXIS
+        ]  # fmt: skip
+    return f"{_sum(terms)} = 0"
+
+
+def _sum(terms: list[tuple[float, str]]) -> str:
+    """Terms with their signs: "−0.6 ωx + 0.8 ωy − 0.05 rad/m·vz"; a factor of 1 without a unit is left out."""
+    text = ""
+    for value, name in terms:
+        number = _number(abs(value))
+        sign = ("−" if value < 0 else "") if not text else (" − " if value < 0 else " + ")
+        text += sign + (name if number == "1" and "·" not in name else f"{number} {name}")
+    return text
+
+
+def in_short(direction: ArrayLike) -> str:
+    """What a lost direction comes to where it is, or nearly is, one of pure translation or pure rotation; else empty.
+
+    Args, Raises: as `constraint`.
+
+    Example:
+        >>> in_short([0, 0.6, 0.8, 0, 0, 0]), in_short([0, 0, 0.05, 1, 0, 0]), in_short([0, 0.7, 0, 0, 0.7, 0])
+        ('no motion along (0, 0.6, 0.8)', 'nearly no turning about X', '')
+    """
+    v, w = _parts(direction)
+    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    share = min(slide, turn) / np.hypot(slide, turn)
+    if share > _NEARLY:
+        return ""
+    text = f"no motion along {_axis(v)[0]}" if slide >= turn else f"no turning about {_axis(w)[0]}"
+    return text if share <= _ZERO else f"nearly {text}"
+
+
+def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:
+    """One lost direction as a sentence.
+
+    A direction u = (v; ω) is lost when u · twist = 0 for every twist the joints can make. Where u is a pure translation
+    or rotation, that motion cannot be made, as AM say. With both parts present it is no motion that is told but what
+    ties the others together (`constraint`), and what that nearly comes to.
 
     Args:
         direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
@@ -119,8 +186,8 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
     Example:
         >>> words([0, 0, 0, 1, 0, 0])
         'cannot rotate about X of the base'
-        >>> words([0, -0.91, 0, 0, 0, -0.41], "the end effector")
-        'cannot translate along Y while rotating 0.451 rad/m about Z of the end effector'
+        >>> words([0, -0.91, 0, 0, 0, -0.1], "the end effector")
+        'can only move so that vy + 0.11 m·ωz = 0 in axes of the end effector: nearly no motion along Y'
     """
     v, w = _parts(direction)
     slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
@@ -128,14 +195,8 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
         return f"cannot translate along {_axis(v)[0]} of {frame_name}"
     if slide <= _ZERO * turn:
         return f"cannot rotate about {_axis(w)[0]} of {frame_name}"
-    along, forward = _axis(v)
-    about, positive = _axis(w)
-    sign = "−" if forward != positive else ""
-    if slide >= turn:
-        rate = _number(turn / slide / length)
-        return f"cannot translate along {along} while rotating {sign}{rate} rad/m about {about} of {frame_name}"
-    rate = _number(slide / turn * length)
-    return f"cannot rotate about {about} while translating {sign}{rate} m/rad along {along} of {frame_name}"
+    short = in_short(direction)
+    return f"can only move so that {constraint(direction, length)} in axes of {frame_name}{f': {short}' * bool(short)}"
 
 
 def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.0) -> str:

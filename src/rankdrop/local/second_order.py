@@ -142,20 +142,16 @@ def boundary(place: Place, each: Array) -> tuple[bool | None, str]:
     """
     if not place.corank:
         full = place.generic == place.task.m
-        words = "regular: every direction of the task is open" if full else "undecided: the task is never fully open"
-        return (False if full else None), words
+        return (False, _OPEN) if full else (None, _NEVER_OPEN)
     if place.corank > 1 or place.generic < place.task.m:
-        return None, "undecided: the second-order test is for one lost direction of a full-rank task"
+        return None, _SEVERAL
     eigenvalues = np.linalg.eigvalsh(each[0])
     up, down = bool(eigenvalues[-1] > FLAT), bool(eigenvalues[0] < -FLAT)
     if up and down:
-        return False, "interior: at second order the end effector can leave to both sides of the lost direction"
+        return False, _INSIDE
     if up or down:
-        return True, "boundary: at second order the end effector stays on one side of the lost direction (near q only)"
-    return None, (
-        "undecided: the null motions do not move the end effector along the lost direction at second order; "
-        "it is crossed, if at all, by internal motion"
-    )
+        return True, _EDGE
+    return None, _FLAT_FORM
 
 
 def _kernel(each: Array) -> Array:
@@ -167,12 +163,33 @@ def _kernel(each: Array) -> Array:
 def _lost_motion(row: Array, form: Array) -> LostMotion:
     eigenvalues = np.linalg.eigvalsh(form)
     kind = 1 if np.abs(eigenvalues).max(initial=0.0) > FLAT else 2
-    words = (
-        "the end effector can move along it at second order, by a motion in the null space"
-        if kind == 1
-        else "left by internal motion only: no motion in the null space moves along it at second order"
-    )
+    words = _SLOWLY if kind == 1 else _INTERNAL
     return LostMotion(tuple(float(x) for x in row), kind, tuple(float(x) for x in eigenvalues), words)
+
+
+_OPEN = "no direction of the tool is lost"
+_NEVER_OPEN = "whether the tool is at an edge of its reach is not decided where the arm never makes the whole task"
+_SEVERAL = "whether the tool is at an edge of its reach is not decided where several directions are lost"
+_INSIDE = "the tool is not at an edge of its reach: it can go on to both sides"
+_EDGE = "the tool is at an edge of its reach: it can go back, not on"
+_FLAT_FORM = "whether the tool is at an edge of its reach is not decided here"
+_SLOWLY = "the tool moves along the lost direction only like the square of the joint motion"
+_INTERNAL = "the tool moves along the lost direction only after a motion of the joints that leaves it still"
+_HELD = "you cannot leave it with the tool held still"
+_PROOFS = {
+    _SEVERAL: "the test at second order is for one lost direction of a task that the arm can make in full",
+    _INSIDE: "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
+    _EDGE: "u · dJ(Δ)Δ has one sign over the null motions Δ, u the lost direction (near q only)",
+    _FLAT_FORM: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+    _SLOWLY: "u · dJ(Δ)Δ ≠ 0 for some null motion Δ, u the lost direction",
+    _INTERNAL: "u · dJ(Δ)Δ = 0 for every null motion Δ, u the lost direction",
+    _HELD: "u · dJ(Δ)Δ is definite over the null motions Δ for a lost direction u: each of them moves the end effector",
+}
+
+
+def proof_of(words: str) -> str:
+    """Why one of the sentences of this module holds, with the formula; empty where the sentence says all."""
+    return _PROOFS.get(words, "")
 
 
 def _symmetric(matrices: Array) -> Array:
@@ -248,15 +265,14 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
     """
     each = forms(place, basis)
     if not basis.shape[1]:
-        return _none(each, False, "the null space is empty: no joint motion keeps the end effector still")
+        return _none(each, False, "every joint motion moves the tool")
     if place.corank and definite(each, seed):
-        words = "no self-motion goes through q: at second order every null motion Δ moves the end effector"
-        return _none(each, False, words + " (u · dJ(Δ)Δ is definite for a lost direction u)")
+        return _none(each, False, _HELD)
     if not told_by_pose(place.task):
-        return _none(each, None, "not looked for: self-motions are not traced for these rows in this frame")
+        return _none(each, None, "ways out with the tool held still are not looked for with these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):
-        return _none(each, None, "no second-order direction of a self-motion was found; that is no proof")
+        return _none(each, None, "no way out with the tool held still was found; that is no proof that there is none")
     tangents, promise = _chosen(place, vectors @ basis.T)
     traced = trace(place, tangents, max(step, _LENGTH))
     return _judged(place, each, tangents, promise, traced, all_vanish or _few(each))
@@ -336,30 +352,31 @@ def _judged(place: Place, each: Array, tangents: Array, promise: Array, traced: 
     best = int(np.argmax(value))
     sigma = traced.sigma[best]
     order, rate = _along(sigma, float(promise[best]), float(traced.length[best]))
+    can = "you can leave it" if place.corank else "the joints can move"
+    outside = "" if inside[best] else "; outside the joint limits"
     words = (
-        f"a self-motion of {traced.length[best]:.3g} rad was traced: σ_r = {sigma[-1]:.3g} at its end, the end "
-        f"effector where it was to {max(1e-12, float(traced.error[best])):.0e}"
-        + ("" if inside[best] else "; it leaves the joint limits")
+        f"{can} with the tool held still: σ_r = {sigma[-1]:.3g} after {traced.length[best]:.3g} rad, the tool "
+        f"where it was to {max(1e-12, float(traced.error[best])):.0e}{outside}"
     )
     avoidable = True if place.corank else None
     return Stillness(
         tangents[best], int(traced.ranks[best]) - place.rank, order, rate, float(traced.length[best]), float(sigma[-1]),
-        float(traced.error[best]), bool(inside[best]), avoidable, words if place.corank else "regular: " + words, each,
+        float(traced.error[best]), bool(inside[best]), avoidable, words, each,
     )  # fmt: skip
 
 
 def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillness:
     """No trace restores the rank: say whether those were all there are."""
     if not place.corank:
-        return _none(each, None, "regular: nothing to avoid")
+        return _none(each, None, "there is no singularity to leave")
     stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
     if complete and stayed and traced.valid.all():
-        return _none(each, False, "every self-motion traced through q stays singular (traced, not proven)")
+        return _none(each, False, f"{_HELD}: every such motion that was traced stays singular (traced, not proven)")
     if stayed and traced.valid.any():
-        return _none(each, None, "the self-motions that were traced stay singular; there may be others")
+        return _none(each, None, "motions with the tool held still that were traced stay singular; there may be others")
     if traced.valid.any():
-        return _none(each, None, "σ_r along the self-motions traced is too small to tell leaving from error")
-    return _none(each, None, "no self-motion could be traced from q; that is no proof")
+        return _none(each, None, "not told whether it can be left with the tool held still: σ_r is too small there")
+    return _none(each, None, "no motion with the tool held still could be traced; that is no proof that there is none")
 
 
 def _along(sigma: Array, promise: float, length: float) -> tuple[int, float]:

@@ -1,5 +1,7 @@
 from .bag_file import is_bag as is_bag
 from .cartesian import check_poses as check_poses
+from .certificate import path_certificate as path_certificate
+from .certificate import proven_for_near_arms as proven_for_near_arms
 from .check import check_path as check_path
 from .csv_file import parse_trajectory as parse_trajectory
 from .data import CROSSING as CROSSING

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 from zipfile import BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
+from numpy.lib.format import MAGIC_PREFIX
 
 from rankdrop.motion.trajectory import (
     ROW_SECONDS,
@@ -27,6 +30,9 @@ POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES = (
     ("qdd", "accelerations", "acceleration"), ("joint_names", "names", "joints"),
 )  # fmt: skip
 """Names that an array may have in an archive."""
+_DAMAGED = (ValueError, TypeError, EOFError, BadZipFile, NotImplementedError, MemoryError, OverflowError, SyntaxError,
+            RecursionError, RuntimeError, TokenError, zlib.error)  # fmt: skip
+"""What NumPy raises over a file that is none: its headers are parsed as Python's literals."""
 _MOST = f"at most {LARGEST_ARRAY // 2**20} MB"
 
 
@@ -45,7 +51,7 @@ def read_arrays(path: Path, robot: Robot, *, deg: bool = False) -> Trajectory:
     loaded = _load(path)
     if isinstance(loaded, np.ndarray):
         q = _numbers(loaded, where)
-        if q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and bool((np.diff(q[:, 0]) > 0).all()):
+        if q.ndim == 2 and q.shape[1] == robot.n + 1 and len(q) > 1 and bool((q[1:, 0] > q[:-1, 0]).all()):
             return arranged(where, robot, q[:, 1:], q[:, 0], deg=deg)
         return arranged(where, robot, q, deg=deg)
     parts = {kind[0]: _part(loaded, kind, where) for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS)}
@@ -62,8 +68,14 @@ def _load(path: Path) -> Array | Mapping[str, Any]:
     try:
         if path.stat().st_size > LARGEST_ARRAY:
             raise TrajectoryError("the file is too large", where=str(path), allowed=_MOST)
+        with path.open("rb") as file:
+            begin = file.read(len(MAGIC_PREFIX))
+        if begin == MAGIC_PREFIX:  # an array may hold the bytes of an archive, too
+            with warnings.catch_warnings():  # a header of Python 2 is read as any other
+                warnings.simplefilter("ignore", UserWarning)
+                return np.asarray(np.load(path, allow_pickle=False))
         if not is_zipfile(path):
-            return np.asarray(np.load(path, allow_pickle=False))
+            raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=repr(begin))
         with ZipFile(path) as archive:
             sizes = {one.filename.removesuffix(".npy"): one.file_size for one in archive.infolist()}
         wanted = {name for kind in (POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES) for name in kind}
@@ -74,7 +86,7 @@ def _load(path: Path) -> Array | Mapping[str, Any]:
             return {name: loaded[name] if name in wanted else None for name in loaded}
     except OSError as error:
         raise TrajectoryError(f"the file cannot be read: {error.strerror or error}", where=str(path)) from None
-    except (ValueError, EOFError, BadZipFile, NotImplementedError, MemoryError, SyntaxError, zlib.error) as error:
+    except _DAMAGED as error:
         raise TrajectoryError("this is not a file of NumPy's", where=str(path), got=str(error)[:80]) from None
 
 

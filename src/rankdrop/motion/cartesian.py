@@ -23,7 +23,8 @@ from rankdrop.local.block import joint_scale, sampling_box
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.check import EVALUATIONS, check_path
 from rankdrop.motion.data import FREE, UNDECIDED, Place, ToolMotion
-from rankdrop.motion.follow import Followed, between, follow, solve
+from rankdrop.motion.follow import Followed, between, follow
+from rankdrop.motion.inverse import Aim, distinct
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.trajectory import checked_times
 from rankdrop.reach import reach
@@ -55,6 +56,7 @@ def check_poses(
     evaluations: int = EVALUATIONS,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
+    frame: str = "base",
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
     """Judge a tool path: straight moves of the tip from pose to pose, on one branch of the inverse kinematics.
@@ -65,8 +67,8 @@ def check_poses(
         t: (P,) times [s], increasing; None where there are none. The tip keeps its speed between two poses.
         start: (n,) configuration near the first pose: which branch; None: of the solutions found within the joint
             limits the one nearest to q = 0, or to what the limits allow of it.
-        task, min_distance, limits, analysis, evaluations, length_scale, tolerances, progress: as in `check_path`; the
-            arm itself never leaves its joint limits.
+        task, min_distance, limits, analysis, evaluations, length_scale, tolerances, frame, progress: as in
+            `check_path`; the arm itself never leaves its joint limits.
 
     Returns:
         The path in joint space, judged; `tool` says which branch was taken, how far it could be followed, why it ended,
@@ -99,7 +101,7 @@ def check_poses(
     when = None if times is None else np.interp(place, np.arange(len(wanted)), times)
     judged = check_path(
         robot, q, when, task=resolved, min_distance=min_distance, limits=limits, analysis=analysis,
-        evaluations=evaluations, tolerances=tolerances, progress=progress,
+        evaluations=evaluations, tolerances=tolerances, frame=frame, progress=progress,
     )  # fmt: skip
     words = "" if found.complete else _why(robot, wanted, resolved, found, float(place[-1]))
     place = place + 1.0
@@ -131,7 +133,7 @@ def _checked(poses: ArrayLike, t: ArrayLike | None) -> tuple[Array, Array | None
     return wanted, checked_times(times, [f"t, pose {row + 1}" for row in range(len(wanted))])
 
 
-def solutions(robot: Robot, goal: Array, task: Task) -> Array:
+def within_limits(robot: Robot, goal: Array, task: Task) -> Array:
     """(S, n) configurations at a pose (4, 4) within the joint limits, nearest to q = 0 first, of those found.
 
     Newton's method from `STARTS` random configurations and from the one nearest to zero; a redundant arm has more.
@@ -139,20 +141,15 @@ def solutions(robot: Robot, goal: Array, task: Task) -> Array:
     low, high = sampling_box(robot, task, limits=True)
     home = np.clip(np.zeros(robot.n), robot.lower, robot.upper)
     starts = np.concatenate([home[None], np.random.default_rng(0).uniform(low, high, (STARTS, robot.n))])
-    q, arrived = solve(robot, np.repeat(goal[None], len(starts), axis=0), starts, task)
-    q = q[arrived]
+    q = Aim(robot, task).reached(goal, starts)
     q = q - 2 * np.pi * np.where(robot.periodic, np.round((q - home) / (2 * np.pi)), 0.0)
     for turn in (-2 * np.pi, 2 * np.pi):  # limits may want the next turn
         moved = np.where(robot.periodic, q + turn, q)
         bad = (q < robot.lower - 1e-9) | (q > robot.upper + 1e-9)
         q = np.where(bad & (moved >= robot.lower) & (moved <= robot.upper), moved, q)
     q = q[((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9)).all(axis=1)]
-    scale = joint_scale(robot, task)
-    kept: list[Array] = []
-    for one in q[np.argsort(np.linalg.norm((q - home) / scale, axis=1), kind="stable")]:
-        if not any(np.linalg.norm((one - other) / scale) < _SAME for other in kept):
-            kept.append(one)
-    return np.array(kept).reshape(-1, robot.n)
+    far = np.linalg.norm((q - home) / joint_scale(robot, task), axis=1)
+    return distinct(robot, task, q[np.argsort(far, kind="stable")], _SAME)
 
 
 def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tuple[Array, str]:
@@ -167,7 +164,7 @@ def _start(robot: Robot, goal: Array, task: Task, start: ArrayLike | None) -> tu
             raise ConfigurationError(f"pose 1 is not reached: {found.words}", where="start",
                                      mend="a start nearer to it, or none")  # fmt: skip
         return found.q[0], "of the start that was given"
-    found_ = solutions(robot, goal, task)
+    found_ = within_limits(robot, goal, task)
     if not len(found_):
         raise ConfigurationError(
             "pose 1 is out of reach: no configuration within the joint limits was found", where="poses",
@@ -235,7 +232,7 @@ def _why(robot: Robot, poses: Array, task: Task, found: Followed, place: float) 
     at = place + 1.0
     words = re.sub(r"at pose [\d.]+", f"at pose {at:.5g}", found.words)
     ahead = min(ceil(place + 1e-9), len(poses) - 1)
-    if len(solutions(robot, poses[ahead], task)):
+    if len(within_limits(robot, poses[ahead], task)):
         return f"{words}; pose {ahead + 1} is within reach, by other configurations"
     return f"{words}; pose {ahead + 1} is out of reach: no configuration within the joint limits was found for it"
 

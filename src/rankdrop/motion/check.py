@@ -21,13 +21,15 @@ from rankdrop.motion.result import PathCheck
 from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.parts import known_families
+from rankdrop.results.explanation.parts import checked_frame, known_families
+from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 from rankdrop.version import VERSION
 
+_AT_ROW = 1e-6  # share of the way between two rows that is told as the row
 EVALUATIONS = 2_000_000
 """Enclosures that a path may cost: some seconds. A path of a minute takes some hundred."""
 
@@ -47,6 +49,7 @@ def check_path(
     evaluations: int = EVALUATIONS,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
+    frame: str = "base",
     progress: Callable[[int, int], None] | None = None,
 ) -> PathCheck:
     """Judge a path at every one of its points, between its samples too.
@@ -69,6 +72,7 @@ def check_path(
         evaluations: enclosures that may be spent.
         length_scale: translation is divided by it [m]; None is the task's, else the arm's reach.
         tolerances: `singular` decides what counts as touching.
+        frame: in whose axes lost motions are told: "base", "tool", or "link", the one in which they are simplest.
         progress: told (stretches decided, stretches).
 
     Returns:
@@ -94,8 +98,9 @@ def check_path(
     families, source = known_families(robot, resolved, analysis, tolerances)
     path = curve(rows, times, rates, accelerations_, interpolate)
     settings = PathSettings(
-        interpolate, float(min_distance), limits, int(evaluations), float(resolved.scale(robot)), tolerances, VERSION
-    )
+        interpolate, float(min_distance), limits, int(evaluations), float(resolved.scale(robot)), tolerances, VERSION,
+        checked_frame(frame),
+    )  # fmt: skip
     resolved = replace(resolved, length_scale=settings.length_scale)
     there, there_task = in_metres(robot), task_in_metres(resolved, robot)
     there_path = path if there is robot else Curve(into_metres(robot, path.control), times)
@@ -120,7 +125,7 @@ def check_path(
     shares = _Shares(there_path, proof.setting.scale, met)
     notes = (*_limit_notes(robot, path), *survey.notes, *_hints(robot, path, rates, interpolate))
     if where is not None and where >= 0:
-        notes = (*notes, f"the distance {min_distance:g} could not be proven around row {where + 1}")
+        notes = (*notes, f"the distance {min_distance:g} rad could not be proven around row {where + 1}")
     if there is not robot:
         stretches = tuple(_out_of_metres(one, robot) for one in stretches)
     return PathCheck(
@@ -220,19 +225,19 @@ def _sentence(
                default=None)  # fmt: skip
     near = ""
     if free is not None:
-        near = f"; nearest: {free.closest.distance:.3g} from {free.name or 'a singularity'}, {_when(free)}"
+        near = f"; nearest: {short(free.closest.distance, 3)} rad from {free.name or 'a singularity'}, {_when(free)}"
     if verdict == FREE:
-        held = f", and farther than {settings.min_distance:g} from any" if kept == "kept" else ""
-        return f"Free: proven for every point of the path{held} ({spent:,} enclosures){near}."
+        held = f", and farther than {settings.min_distance:g} rad from any" if kept == "kept" else ""
+        return f"Free: proven for every point of the path{held} ({spent:,} enclosure{'s' if spent != 1 else ''}){near}."
     parts = []
     if met[CROSSING]:
         parts.append(f"crosses a singularity {_times(len(met[CROSSING]))} (proven), first {_first(met[CROSSING])}")
     if met[TOUCHING]:
         parts.append(f"touches one {_times(len(met[TOUCHING]))}, first {_first(met[TOUCHING])}")
-    if kept == "violated":
-        parts.append(f"comes nearer than {settings.min_distance:g}{near.replace('; nearest', '')}")
+    if kept == "violated" and not met[CROSSING] and not met[TOUCHING]:
+        parts.append(f"comes nearer than {settings.min_distance:g} rad{near.replace('; nearest', '')}")
     if kept == "not proven":
-        parts.append(f"a distance of {settings.min_distance:g} could not be proven{near}")
+        parts.append(f"a distance of {settings.min_distance:g} rad could not be proven{near}")
     if met[UNDECIDED]:
         lasts = "" if shares.time is None else f", {shares.time:.3g} s"
         parts.append(f"{shares.length:.3g} rad of it{lasts} undecided")
@@ -249,7 +254,8 @@ def _first(met: list[Stretch]) -> str:
 
 def _when(one: Stretch) -> str:
     place = one.closest.place
-    at = f"row {place.row}" if place.share == 0.0 else f"between rows {place.row} and {place.row + 1}"
+    near = min(place.share, 1.0 - place.share) < _AT_ROW
+    at = f"row {round(place.row + place.share)}" if near else f"between rows {place.row} and {place.row + 1}"
     return at if place.time is None else f"{at} at {place.time:.4g} s"
 
 

@@ -130,6 +130,7 @@ class PathSettings:
         length_scale: translation is divided by it [m].
         tolerances: thresholds.
         version: of rankdrop.
+        frame: in whose axes lost motions are told: "base", "tool" or "link".
     """
 
     interpolate: str
@@ -139,6 +140,7 @@ class PathSettings:
     length_scale: float
     tolerances: Tolerances
     version: str
+    frame: str = "base"
 
 
 @dataclass(frozen=True, eq=False)

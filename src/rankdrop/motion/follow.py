@@ -15,35 +15,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
-from rankdrop.errors import ConfigurationError, TaskError
-from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.local.block import generic_rank, joint_scale, singular_values
-from rankdrop.local.bracket import hat
+from rankdrop.errors import ConfigurationError
+from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.local.verdict import one_configuration
+from rankdrop.motion.inverse import Aim, rotation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 
 Pull = Callable[[Array], Array]
 """pull(q) -> (n,) wanted joint motion per unit length of joint motion; its part in the null space is followed."""
 
-_GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
-_ROUNDS = 10
 _LONGEST = 0.15  # of a step in joint space [rad; slides divided by the length scale]
 _BENT = 0.2  # share of a step that the corrector may add to the predictor
 _SHORTEST = 1e-6  # step at which the branch has ended [of the way between two poses]
 _TRIES = (400, 1)  # steps at most, and for each pose: a branch that creeps along a singularity ends
 _MOST = 4096  # poses passed over by one step
-_WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SMALL = 1e-2  # σ_r at the end of a branch below which a singularity is named as its reason
-_FULL = (0, 1, 2, 3, 4, 5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,126 +111,10 @@ def between(start: Array, end: Array, share: Array) -> Array:
     share = np.asarray(share, dtype=np.float64)
     turn = orientation_coordinates(end[..., :3, :3] @ np.swapaxes(start[..., :3, :3], -1, -2), "rotvec")
     made = np.zeros((len(share), 4, 4))
-    made[:, :3, :3] = _rotation(share[:, None] * turn) @ start[..., :3, :3]
+    made[:, :3, :3] = rotation(share[:, None] * turn) @ start[..., :3, :3]
     made[:, :3, 3] = start[..., :3, 3] + share[:, None] * (end[..., :3, 3] - start[..., :3, 3])
     made[:, 3, 3] = 1.0
     return made
-
-
-def solve(robot: Robot, poses: Array, q: Array, task: Task) -> tuple[Array, NDArray[np.bool_]]:
-    """Newton's method at N poses (N, 4, 4) from N configurations (N, n): configurations, and which have arrived.
-
-    Args:
-        robot: the arm.
-        poses: of the tip.
-        q: where to begin.
-        task: from `resolve_task`, told by the pose of the tip.
-    """
-    return _Aim(robot, task).solve(poses, q)
-
-
-def _rotation(turn: Array) -> Array:
-    """(N, 3, 3) rotations by vectors (N, 3), Rodrigues' formula."""
-    angle = np.linalg.norm(turn, axis=1)
-    safe = np.where(angle > 0.0, angle, 1.0)
-    k = hat(turn / safe[:, None])
-    return np.asarray(
-        np.eye(3) + np.sin(angle)[:, None, None] * k + (1.0 - np.cos(angle))[:, None, None] * (k @ k)
-    )
-
-
-class _Aim:
-    """Newton's method towards poses of the tip.
-
-    Raises:
-        TaskError: the pose of the tip does not tell what the task wants.
-    """
-
-    def __init__(self, robot: Robot, task: Task) -> None:
-        last = len(robot.joints) + 1
-        whole = task.rows == _FULL  # all six stand still, whatever their axes and their point
-        axes = link_index(task.frame.axes, len(robot.joints), "axes")
-        if not whole and (
-            (min(task.rows) < 3 and link_index(task.frame.origin, len(robot.joints), "point") != last)
-            or (axes not in (0, last) and task.rows not in ((0, 1, 2), (3, 4, 5)))
-        ):
-            raise TaskError(
-                "the pose of the tip does not tell what this task wants", got=task.frame,
-                allowed="axes of the base or the tip, origin at the tip",
-            )  # fmt: skip
-        point = (0.0, 0.0, 0.0) if whole or min(task.rows) >= 3 else task.frame.point
-        self.with_tip = axes == last and not whole
-        turns = [row for row in task.rows if row >= 3]
-        self.free = next(row - 3 for row in (3, 4, 5) if row not in turns) if len(turns) == 2 else None
-        self.robot, self.rows = robot, list(task.rows)
-        self.length = task.scale(robot)
-        self.point = np.array(point)
-        self.joints = joint_scale(robot, task)
-        plain = Task(task.name, task.rows, Frame(TIP if self.with_tip else BASE, TIP, point), self.length)
-        self._chain, self._view = chain_of(robot), task_view(robot, plain)
-        rank = generic_rank(robot, plain)
-        self.square = robot.n == task.m == rank
-        self.task, self.rank = plain, rank
-
-    def error(self, poses: Array, q: Array) -> Array:
-        """(N, m) what is missing."""
-        now = _core.pose(self._chain, q)
-        here, goal = now[:, :3, :3], poses[:, :3, :3]
-        back = here.swapaxes(1, 2)
-        shift = poses[:, :3, 3] - now[:, :3, 3] + (goal - here) @ self.point
-        turn = back @ goal if self.with_tip else goal @ back
-        if self.with_tip:
-            shift = (back @ shift[:, :, None])[:, :, 0]
-        if self.free is not None:
-            turn = self._without(turn, self.free)
-        twist = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]],
-                         axis=1) / 2  # fmt: skip
-        sine = np.sqrt((twist * twist).sum(axis=1))
-        cosine = (turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2] - 1.0) / 2
-        factor = np.array([atan2(s, c) / s if s > 1e-9 else 1.0 for s, c in zip(sine, cosine, strict=True)])
-        both = np.concatenate([shift / self.length, twist * factor[:, None]], axis=1)
-        return np.asarray(both[:, self.rows])
-
-    def _without(self, turn: Array, axis: int) -> Array:
-        """(N, 3, 3) rotations less what they turn about one axis, which the task leaves free."""
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        angle = 2 * np.arctan2(turn[:, j, i] - turn[:, i, j], 1.0 + turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2])
-        back = _rotation(-angle[:, None] * np.eye(3)[axis])
-        return np.asarray(turn @ back if self.with_tip else back @ turn)
-
-    def jacobian(self, q: Array) -> Array:
-        """(N, m, n) of scaled joints."""
-        return np.asarray(_core.jacobian(self._chain, self._view, q) * self.joints)
-
-    def step(self, q: Array, error: Array) -> Array:
-        """(N, n) J⁺ e [rad, m]."""
-        u, sigma, v = _core.svd(np.ascontiguousarray(self.jacobian(q)))
-        count = sigma.shape[1]
-        gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > _WEAK)
-        shares = gains * (error[:, None, :] @ u[:, :, :count])[:, 0]
-        return np.asarray((v[:, :, :count] @ shares[:, :, None])[:, :, 0] * self.joints)
-
-    def solve(self, poses: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Configurations (N, n), and which are within 1e-11 of their poses."""
-        now, left = np.array(q, dtype=np.float64), np.arange(len(q))
-        arrived, size = np.zeros(len(q), dtype=np.bool_), np.full(len(q), np.inf)
-        for _ in range(_ROUNDS):
-            error = self.error(poses[left], now[left])
-            new, before = np.sqrt((error * error).sum(axis=1)), size[left]
-            size[left] = new
-            done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.3 * before))
-            arrived[left[done]] = True
-            going = ~done & (new <= 3.0 * before)
-            left, error = left[going], error[going]
-            if not len(left):
-                return now, arrived
-            now[left] += self.step(now[left], error)
-        arrived[left] = np.linalg.norm(self.error(poses[left], now[left]), axis=1) <= _ACCEPTED
-        return now, arrived
-
-    def side(self, q: Array) -> float:
-        """Sign of the determinant; 0 for arms that have none."""
-        return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0]) if self.square else 0.0
 
 
 @dataclass(eq=False)
@@ -251,7 +128,7 @@ class _Walk:
     pull: Pull | None
 
     def __post_init__(self) -> None:
-        self.aim = _Aim(self.robot, self.task)
+        self.aim = Aim(self.robot, self.task)
         self.low, self.high = self.robot.lower - 1e-9, self.robot.upper + 1e-9
 
     def run(self, start: Array) -> Followed:

@@ -1,27 +1,164 @@
-"""Solutions of the inverse of an arm without redundancy, by Newton's method from many starts.
+"""The inverse of an arm: Newton's method towards poses of the tip, from near and from far, and what solutions it finds.
 
-    e(q) = (p* − p(q); log(R* R(q)ᵀ)) in the rows of the task,    (JᵀJ + λ) Δ = Jᵀ e,    λ = |e|²
+    e(q) = (p* − p ; log(R* Rᵀ)), the rows of the task, translations divided by the length scale
 
-The damping dies out with the error, so that the last steps are Newton's. A solution that no start leads to is missed:
-the list is what was found. What is found is a solution, to rounding.
+    from near  q ← q + J⁺ e
+    from far   q ← q + Jᵀ(J Jᵀ + λ)⁻¹ e,  λ = |e|²
+
+A solution that no start leads to is missed: a list is what was found. What is found is a solution, to rounding.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import TaskError
-from rankdrop.frames import WORLD_ALIGNED
-from rankdrop.kinematics import pose, task_jacobian
-from rankdrop.local.block import joint_scale, sample, singular_values
+from rankdrop.frames import BASE, TIP, WORLD_ALIGNED, Frame, link_index
+from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
+from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
-_ITERATIONS = 60
-_LONGEST = 0.5  # of a step [rad; slides scaled]: a quarter of the way between neighbouring solutions
-_CLOSE = 1e-11  # |e| of a solution: rounding of a pose leaves 1e-15
+_GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
+_ROUNDS, _ITERATIONS = 10, 60  # from near, and from far
+_LONGEST = 0.5  # of a step from far [rad; slides scaled]: a quarter of the way between neighbouring solutions
+_WEAK = 1e-9  # σ below which Newton leaves a direction alone
 _SAME = 1e-6  # solutions nearer than this are one [rad]
 _REGULAR = 1e-5  # σ_r of a solution that counts: nearer to the singular set pairs of solutions cannot be told apart
+_FULL = (0, 1, 2, 3, 4, 5)
+
+
+def rotation(turn: Array) -> Array:
+    """(N, 3, 3) rotations by vectors (N, 3), Rodrigues' formula."""
+    angle = np.linalg.norm(turn, axis=1)
+    safe = np.where(angle > 0.0, angle, 1.0)
+    k = hat(turn / safe[:, None])
+    return np.asarray(
+        np.eye(3) + np.sin(angle)[:, None, None] * k + (1.0 - np.cos(angle))[:, None, None] * (k @ k)
+    )
+
+
+class Aim:
+    """Newton's method towards poses of the tip: what is missing, and the steps.
+
+    Args:
+        robot: the arm.
+        task: from `resolve_task`, told by the pose of the tip.
+
+    Raises:
+        TaskError: the pose of the tip does not tell what the task wants.
+    """
+
+    def __init__(self, robot: Robot, task: Task) -> None:
+        last = len(robot.joints) + 1
+        whole = task.rows == _FULL  # all six stand still, whatever their axes and their point
+        axes = link_index(task.frame.axes, len(robot.joints), "axes")
+        if not whole and (
+            (min(task.rows) < 3 and link_index(task.frame.origin, len(robot.joints), "point") != last)
+            or (axes not in (0, last) and task.rows not in ((0, 1, 2), (3, 4, 5)))
+        ):
+            raise TaskError(
+                "the pose of the tip does not tell what this task wants", got=task.frame,
+                allowed="axes of the base or the tip, origin at the tip",
+            )  # fmt: skip
+        point = (0.0, 0.0, 0.0) if whole or min(task.rows) >= 3 else task.frame.point
+        self.with_tip = axes == last and not whole
+        turns = [row for row in task.rows if row >= 3]
+        self.free = next(row - 3 for row in (3, 4, 5) if row not in turns) if len(turns) == 2 else None
+        self.robot, self.rows = robot, list(task.rows)
+        self.length = task.scale(robot)
+        self.point = np.array(point)
+        self.joints = joint_scale(robot, task)
+        plain = Task(task.name, task.rows, Frame(TIP if self.with_tip else BASE, TIP, point), self.length)
+        self._chain, self._view = chain_of(robot), task_view(robot, plain)
+        rank = generic_rank(robot, plain)
+        self.square = robot.n == task.m == rank
+        self.task, self.rank = plain, rank
+
+    def error(self, poses: Array, q: Array) -> Array:
+        """(N, m) what is missing from the poses at q (N, n) to `poses` (N, 4, 4) or (4, 4): e, lengths divided by ℓ."""
+        now = _core.pose(self._chain, q)
+        poses = np.broadcast_to(poses, now.shape)
+        here, goal = now[:, :3, :3], poses[:, :3, :3]
+        back = here.swapaxes(1, 2)
+        shift = poses[:, :3, 3] - now[:, :3, 3] + (goal - here) @ self.point
+        turn = back @ goal if self.with_tip else goal @ back
+        if self.with_tip:
+            shift = (back @ shift[:, :, None])[:, :, 0]
+        if self.free is not None:
+            turn = self._without(turn, self.free)
+        twist = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]],
+                         axis=1) / 2  # fmt: skip
+        sine = np.sqrt((twist * twist).sum(axis=1))
+        cosine = (turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2] - 1.0) / 2
+        factor = np.where(sine > 1e-9, np.arctan2(sine, cosine) / np.where(sine > 1e-9, sine, 1.0), 1.0)
+        both = np.concatenate([shift / self.length, twist * factor[:, None]], axis=1)
+        return np.asarray(both[:, self.rows])
+
+    def _without(self, turn: Array, axis: int) -> Array:
+        """(N, 3, 3) rotations less what they turn about one axis, which the task leaves free."""
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        angle = 2 * np.arctan2(turn[:, j, i] - turn[:, i, j], 1.0 + turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2])
+        back = rotation(-angle[:, None] * np.eye(3)[axis])
+        return np.asarray(turn @ back if self.with_tip else back @ turn)
+
+    def jacobian(self, q: Array) -> Array:
+        """(N, m, n) of scaled joints."""
+        return np.asarray(_core.jacobian(self._chain, self._view, q) * self.joints)
+
+    def step(self, q: Array, error: Array, damping: Array | float = 0.0) -> Array:
+        """(N, n) Jᵀ(J Jᵀ + λ)⁻¹ e, J⁺ e without damping λ (N,) [rad, m]."""
+        u, sigma, v = _core.svd(np.ascontiguousarray(self.jacobian(q)))
+        count, damped = sigma.shape[1], sigma**2 + np.broadcast_to(damping, len(q))[:, None]
+        gains = np.divide(sigma, damped, out=np.zeros_like(sigma), where=damped > _WEAK**2)
+        shares = gains * (error[:, None, :] @ u[:, :, :count])[:, 0]
+        return np.asarray((v[:, :, :count] @ shares[:, :, None])[:, :, 0] * self.joints)
+
+    def solve(self, poses: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """From near: configurations (N, n), and which are within 1e-11 of their poses (N, 4, 4)."""
+        now, left = np.array(q, dtype=np.float64), np.arange(len(q))
+        arrived, size = np.zeros(len(q), dtype=np.bool_), np.full(len(q), np.inf)
+        for _ in range(_ROUNDS):
+            error = self.error(poses[left], now[left])
+            new, before = np.sqrt((error * error).sum(axis=1)), size[left]
+            size[left] = new
+            done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.3 * before))
+            arrived[left[done]] = True
+            going = ~done & (new <= 3.0 * before)
+            left, error = left[going], error[going]
+            if not len(left):
+                return now, arrived
+            now[left] += self.step(now[left], error)
+        arrived[left] = np.linalg.norm(self.error(poses[left], now[left]), axis=1) <= _ACCEPTED
+        return now, arrived
+
+    def reached(self, goal: Array, starts: Array) -> Array:
+        """(k, n) from far: where damped Newton's method from each of the starts (N, n) reaches the pose (4, 4).
+
+        λ = |e|² dies out with the error, so that the last steps are Newton's. Ends are in the order of their steps.
+        """
+        q, found = np.array(starts, dtype=np.float64), [np.empty((0, self.robot.n))]
+        going = np.arange(len(q))
+        for _ in range(_ITERATIONS):
+            e = self.error(goal, q[going])
+            size = np.linalg.norm(e, axis=1)
+            done = size <= _ACCEPTED
+            found.append(q[going[done]])
+            going, e, size = going[~done], e[~done], size[~done]
+            if not len(going):
+                break
+            step = self.step(q[going], e, np.minimum(size**2, 1.0))
+            length = np.linalg.norm(step / self.joints, axis=1)
+            q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+        return np.concatenate(found)
+
+    def side(self, q: Array) -> float:
+        """Sign of the determinant; 0 for arms that have none."""
+        return float(np.linalg.slogdet(self.jacobian(q[None])[0])[0]) if self.square else 0.0
 
 
 def check_square(robot: Robot, task: Task) -> None:
@@ -50,57 +187,48 @@ def check_axes(task: Task) -> None:
                         allowed="WORLD_ALIGNED")  # fmt: skip
 
 
-def error(robot: Robot, task: Task, q: Array, target: Array) -> Array:
-    """(N, m) what is missing from the pose at q (N, n) to the target (4, 4), or to one each (N, 4, 4), lengths divided
-    by the length scale.
-    """
-    at = pose(robot, q)
-    moved = (target[..., :3, 3] - at[:, :3, 3]) / task.scale(robot)
-    turned = target[..., :3, :3] @ at[:, :3, :3].transpose(0, 2, 1)
-    axis = 0.5 * np.stack([turned[:, 2, 1] - turned[:, 1, 2], turned[:, 0, 2] - turned[:, 2, 0],
-                           turned[:, 1, 0] - turned[:, 0, 1]], axis=1)  # fmt: skip
-    sine = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(sine, 0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0))
-    safe = np.where(sine > 1e-12, sine, 1.0)
-    rotation = axis * np.where(sine > 1e-12, angle / safe, 1.0)[:, None]
-    return np.concatenate([moved, rotation], axis=1)[:, list(task.rows)]
-
-
 def solutions(robot: Robot, task: Task, target: Array, *, starts: int, seed: int, also: Array | None = None) -> Array:
-    """Regular solutions of the inverse that Newton's method finds.
+    """Regular solutions of an arm with as many joints as rows.
 
     Args:
         robot, task: as many joints as rows, in the unit of length that is wanted.
-        target: (4, 4) pose of the tip; rows that the task leaves free are not looked at.
+        target: (4, 4) pose of the tip; what the task leaves free is not looked at.
         starts, seed: random starts; the same seed gives the same solutions.
         also: (k, n) further starts.
 
     Returns:
         (k, n), angles in (−π, π], in lexicographic order of rounded values. Limits are not looked at.
     """
-    q = sample(robot, task, starts, seed, limits=False)
+    begin = sample(robot, task, starts, seed, limits=False)
     if also is not None:
-        q = np.concatenate([np.atleast_2d(also), q])
-    scale, identity = joint_scale(robot, task), np.eye(robot.n)
-    going = np.arange(len(q))
-    found: list[Array] = []
-    for _ in range(_ITERATIONS):
-        e = error(robot, task, q[going], target)
-        size = np.linalg.norm(e, axis=1)
-        done = size <= _CLOSE
-        found.append(q[going[done]])
-        going, e, size = going[~done], e[~done], size[~done]
-        if not len(going):
+        begin = np.concatenate([np.atleast_2d(also), begin])
+    found = Aim(robot, task).reached(target, begin)
+    found = wrapped(robot, found[singular_values(robot, found, task)[:, -1] > _REGULAR])
+    kept = distinct(robot, task, found, _SAME)
+    return kept[sorted(range(len(kept)), key=lambda row: [round(float(x), 6) for x in kept[row]])]
+
+
+def distinct(
+    robot: Robot, task: Task, q: Array, near: float, known: Array | None = None, most: int | None = None
+) -> Array:
+    """(k, n) those of configurations (N, n) that are farther than `near` [rad; slides scaled] from all before them.
+
+    Args:
+        robot, task: the arm.
+        q: (N, n); turning joints count the short way.
+        near: distance.
+        known: (k, n) others to be apart from, which are not returned.
+        most: to return.
+    """
+    scale = joint_scale(robot, task)
+    first = 0 if known is None else len(known)
+    kept = [] if known is None else list(known)
+    for one in q:
+        if most is not None and len(kept) - first >= most:
             break
-        jacobian = task_jacobian(robot, q[going], task) * scale
-        transposed = jacobian.transpose(0, 2, 1)
-        damped = transposed @ jacobian + np.minimum(size**2, 1.0)[:, None, None] * identity
-        with np.errstate(all="ignore"):
-            step = _solved(damped, (transposed @ e[:, :, None])[:, :, 0])
-        length = np.linalg.norm(step, axis=1)
-        step = step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-        q[going] += step * scale
-    return _different(robot, task, np.concatenate(found))
+        if not kept or np.linalg.norm(apart(robot, one, np.array(kept)) / scale, axis=1).min() > near:
+            kept.append(one)
+    return np.array(kept[first:]).reshape(-1, robot.n)
 
 
 def regular(robot: Robot, task: Task, q: Array) -> bool:
@@ -123,21 +251,3 @@ def apart(robot: Robot, one: Array, other: Array) -> Array:
     """other − one, turning joints the short way."""
     gap = other - one
     return np.where(robot.periodic, gap - 2 * np.pi * np.round(gap / (2 * np.pi)), gap)
-
-
-def _solved(matrices: Array, right: Array) -> Array:
-    """Solutions of positive definite systems; where one is too near to singular for that, a tiny bit more damping."""
-    n = matrices.shape[-1]
-    return np.asarray(np.linalg.solve(matrices + 1e-15 * np.eye(n), right[:, :, None])[:, :, 0])
-
-
-def _different(robot: Robot, task: Task, q: Array) -> Array:
-    kept: list[Array] = []
-    if len(q):
-        q = wrapped(robot, q[singular_values(robot, q, task)[:, -1] > _REGULAR])
-        scale = joint_scale(robot, task)
-        for row in q:
-            if all(np.abs(apart(robot, row, other) / scale).max() > _SAME for other in kept):
-                kept.append(row)
-    kept.sort(key=lambda row: [round(float(x), 6) for x in row])
-    return np.array(kept).reshape(-1, robot.n)

@@ -240,7 +240,7 @@ class _Work:
             self.found.robot, made.q, made.times if made.timed else None, velocities=made.velocities,
             accelerations=made.accelerations, interpolate=self.interpolate, task=self.found.task,
             min_distance=settings.min_distance, limits=settings.limits, analysis=self.analysis,
-            evaluations=settings.evaluations, tolerances=settings.tolerances,
+            evaluations=settings.evaluations, tolerances=settings.tolerances, frame=settings.frame,
         )  # fmt: skip
         if not check.complete:
             raise KeyboardInterrupt

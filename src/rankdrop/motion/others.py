@@ -15,7 +15,8 @@ import numpy as np
 from rankdrop.errors import RankdropError
 from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.null_motion import CLOSED, self_motion
-from rankdrop.motion.follow import Followed, Pull, solve
+from rankdrop.motion.follow import Followed, Pull
+from rankdrop.motion.inverse import Aim, distinct
 from rankdrop.motion.remedy import Parameter
 from rankdrop.motion.tool_path import ToolPath, room, start_moved
 from rankdrop.robot.model import Array, Robot
@@ -143,25 +144,15 @@ def _branches(tool: ToolPath) -> list[Array]:
     rng = np.random.default_rng(_SEED)
     low, high = sampling_box(robot, task, limits=tool.limits)
     starts = rng.uniform(low, high, (_STARTS, robot.n))
-    found, arrived = solve(robot, np.repeat(tool.poses[:1], _STARTS, axis=0), starts, task)
-    found = _nearest_turns(robot, found[arrived], tool.q[0], tool.limits)
-    scale = joint_scale(robot, task)
+    found = Aim(robot, task).reached(tool.poses[0], starts)
+    found = _nearest_turns(robot, found, tool.q[0], tool.limits)
     sigma = singular_values(robot, found, task)[:, generic_rank(robot, task) - 1]
     redundant = robot.n > generic_rank(robot, task)
     known = _self_motion(tool) if redundant else tool.q[:1]
     if known is None:
         return []
-    kept: list[Array] = []
-    for q, weakest in zip(found, sigma, strict=True):
-        near = _APART if redundant else _SAME
-        others = np.concatenate([known, np.array(kept).reshape(-1, robot.n)])
-        gap = (others - q) / scale
-        gap -= np.where(robot.periodic, 2 * np.pi * np.round(gap / (2 * np.pi)), 0.0)
-        if weakest > _SAME and np.linalg.norm(gap, axis=1).min() > near:
-            kept.append(q)
-        if redundant and len(kept) >= _BRANCHES:
-            break
-    return kept
+    near, most = (_APART, _BRANCHES) if redundant else (_SAME, None)
+    return list(distinct(robot, task, found[sigma > _SAME], near, known, most))
 
 
 def _nearest_turns(robot: Robot, q: Array, to: Array, limits: bool) -> Array:

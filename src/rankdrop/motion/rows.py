@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.families.anywhere import QUICK
+from rankdrop.families.measured import Ruler, at_least
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.motion.anywhere import QUICK
 from rankdrop.motion.data import VERDICTS, PathData
-from rankdrop.motion.distance import Ruler, at_least
 from rankdrop.motion.stretches import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families

@@ -11,19 +11,19 @@ import numpy as np
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import RankdropError
+from rankdrop.families.anywhere import QUICK
+from rankdrop.families.measured import Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.family.record import Family, LocalFamily, family_in_metres
 from rankdrop.family.which import families_at
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
-from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits
 from rankdrop.local.screws import words
-from rankdrop.motion.anywhere import QUICK
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.data import FREE, LEADS, UNDECIDED, Closest, PathSettings, Place, Profile, Stretch
-from rankdrop.motion.distance import Ruler
 from rankdrop.motion.meets import Meeting
+from rankdrop.results.explanation.parts import lost_seen_from
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -245,7 +245,7 @@ class Survey:
             number, name = self._named(one.q, one.corank)
             null = self._null_share(one)
             if told:
-                framed = lost_in_sparsest_frame(self.robot, one.q, self.task, one.corank)
+                framed = lost_seen_from(self.robot, one.q, self.task, one.corank, self.settings.frame)
                 lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
         distance, foot = 0.0, one.q
         if one.kind == UNDECIDED:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import degrees, isfinite, isnan
 
-from rankdrop.motion.data import FREE, LEADS, UNDECIDED, PathData, Place, Stretch
+import numpy as np
+
+from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, PathData, Place, Stretch
+from rankdrop.results.explanation.words import angle, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 
@@ -22,7 +25,8 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         full: every stretch, not the ten worst.
     """
     shown = found.stretches if full else found.stretches[:SHOWN]
-    sections = [Section(found.sentence), _about(found)]
+    tone = {FREE: "good", CROSSING: "bad", TOUCHING: "bad"}.get(found.verdict, "warning")
+    sections = [Section(found.sentence, tone=tone), _about(found)]
     met = [one for one in shown if one.verdict != FREE]
     if met:
         sections.append(Section("Where it meets a singularity", lines=tuple(_met_lines(met, found, deg=deg))))
@@ -35,7 +39,7 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
         notes += (f"{left} more stretch{'es' if left > 1 else ''}: with --full, or in the JSON",)
     if notes:
         sections.append(Section("Notes", lines=notes))
-    return (*sections, Section(found.sentence))
+    return (*sections, Section(found.sentence, tone=tone))
 
 
 def _about(found: PathData) -> Section:
@@ -58,9 +62,9 @@ def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterabl
         yield f"    at {_joints(found.robot, one.closest.q, deg=deg)}"
         yield f"    how: {one.how}"
         if one.verdict == UNDECIDED and isfinite(one.closest.distance):
-            yield f"    nearest singularity known: {one.closest.distance:.3g}"
+            yield f"    nearest singularity known: {angle(one.closest.distance)}"
         for sentence in one.lost:
-            yield f"    lost: {sentence}"
+            yield f"    the tool {sentence}"
         if not isnan(one.null_share):
             yield f"    {_percent(one.null_share)} of the joints' motion there does not move the tool"
         if one.speed_factor < 1.0:
@@ -79,10 +83,11 @@ def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section
         speed = ["–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}"] if limited else []
         rows.append((
             name, f"{_row(one.start)} – {_row(one.end)}", *time, _near(one),
-            f"{one.closest.sigma:.3g}", "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
+            short(one.closest.sigma, 3), "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
         ))  # fmt: skip
     where = tuple(
-        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}: {_joints(found.robot, one.closest.q, deg=deg)}"
+        f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, found.robot)}: "
+        f"{_joints(found.robot, one.closest.q, deg=deg)}"
         for one in free[:3] if one.closest.distance >= LEADS
     )
     notes: tuple[str, ...] = (
@@ -105,16 +110,27 @@ def _span(one: Stretch) -> str:
     if start.time is None or end.time is None:
         return rows
     if end.time - start.time < 1e-4:
-        return f"{rows}, at {one.closest.place.time:.6f} s (± {max(end.time - start.time, 1e-12):.1e} s)"
+        return f"{rows}, at {one.closest.place.time:.6f} s (± {short(max(end.time - start.time, 1e-12), 2)} s)"
     return f"{rows}, {start.time:.6g} to {end.time:.6g} s"
 
 
 def _row(place: Place) -> str:
-    return f"{place.row}" if place.share == 0.0 else f"{place.row + place.share:.2f}"
+    return f"{round(place.row + place.share, 2):.12g}"
 
 
 def _far(distance: float) -> str:
-    return f"{distance:.3g}" if isfinite(distance) else "?"
+    return short(distance, 3) if isfinite(distance) else "?"
+
+
+def _way(one: Stretch, robot: Robot) -> str:
+    """Which joints would have to move how far to the singular configuration; what is below 1 % of the most left out."""
+    if not len(one.closest.foot):
+        return ""
+    ways = one.closest.foot - one.closest.q
+    most = np.abs(ways).max()
+    parts = [f"{joint.name} {motion(float(way), joint.unit)}" for joint, way in zip(robot.variables, ways, strict=True)
+             if abs(way) >= 0.01 * most]  # fmt: skip
+    return f" ({', '.join(parts)} away)"
 
 
 def _near(one: Stretch) -> str:
@@ -122,7 +138,7 @@ def _near(one: Stretch) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
+    return f"{short(100 * share, 3)} %"
 
 
 def _slow(one: Stretch, robot: Robot) -> str:
@@ -136,8 +152,8 @@ def _slow(one: Stretch, robot: Robot) -> str:
 def _joints(robot: Robot, q: Array, *, deg: bool) -> str:
     parts = []
     for joint, value in zip(robot.variables, q, strict=True):
-        angle = joint.unit == "rad"
-        shown = degrees(float(value)) if deg and angle else float(value)
-        unit = ("°" if deg else " rad") if angle else " m"
-        parts.append(f"{joint.name} {round(shown, 4 if not angle or not deg else 3) + 0.0:g}{unit}")
+        turns = joint.unit == "rad"
+        shown = degrees(float(value)) if deg and turns else float(value)
+        unit = ("°" if deg else " rad") if turns else " m"
+        parts.append(f"{joint.name} {short(round(shown, 4 if not turns or not deg else 3) + 0.0, 6)}{unit}")
     return ", ".join(parts)

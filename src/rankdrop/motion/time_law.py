@@ -35,7 +35,7 @@ from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
-from rankdrop.motion.inverse import check_axes, error
+from rankdrop.motion.inverse import Aim, check_axes
 from rankdrop.motion.time_law_record import (
     CORNER,
     HIGHEST,
@@ -136,6 +136,7 @@ class _Path:
         self.xi, self.curve = along * self.unit, bend * self.unit
         size = float(np.linalg.norm(self.xi))
         self.size = size
+        self.aim = Aim(robot, task)
         u, sigma, vt = np.linalg.svd(task_jacobian(robot, q, task) * self.scale)
         self.rank = int((sigma > DEFAULT.singular).sum())
         self.full = generic_rank(robot, task)
@@ -241,7 +242,7 @@ class _Path:
         """Configuration at s near a first guess, by Newton's method with least change."""
         target = self._target(s)
         for _ in range(30):
-            e = error(self.robot, self.task, (q * self.scale)[None], target)[0]
+            e = self.aim.error(target, (q * self.scale)[None])[0]
             if np.linalg.norm(e) <= _CLOSE:
                 return q
             jacobian = task_jacobian(self.robot, q * self.scale, self.task) * self.scale
@@ -268,7 +269,7 @@ class _Path:
         n = self.robot.n
         for _ in range(30):
             q, s = y[:n] * self.scale, y[n] / self.size
-            e = np.concatenate([error(self.robot, self.task, q[None], self._target(s))[0],
+            e = np.concatenate([self.aim.error(self._target(s), q[None])[0],
                                 wanted - self.kernel.T @ (y[:n] - self.q / self.scale)])  # fmt: skip
             if np.linalg.norm(e) <= _CLOSE:
                 break
@@ -280,7 +281,7 @@ class _Path:
 
     def _off(self, joints: Array, s: Array) -> float:
         """Largest distance of the tool from the path, in the rows of the task."""
-        gaps = (error(self.robot, self.task, (q * self.scale)[None], self._target(float(x)))[0]
+        gaps = (self.aim.error(self._target(float(x)), (q * self.scale)[None])[0]
                 for q, x in zip(joints, s, strict=True))  # fmt: skip
         return max(float(np.linalg.norm(gap)) for gap in gaps)
 

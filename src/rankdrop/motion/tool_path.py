@@ -10,7 +10,8 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.curve import Curve, Index, curve
-from rankdrop.motion.follow import Followed, Pull, follow, solve
+from rankdrop.motion.follow import Followed, Pull, follow
+from rankdrop.motion.inverse import Aim
 from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -189,7 +190,7 @@ def start_moved(tool: ToolPath) -> Array | None:
     lead = follow(tool.robot, tool.lead(), tool.q[0], tool.task, limits=tool.limits)
     if lead.complete:
         return np.asarray(lead.q[-1])
-    found, arrived = solve(tool.robot, tool.poses[:1], tool.q[:1], tool.task)
+    found, arrived = Aim(tool.robot, tool.task).solve(tool.poses[:1], tool.q[:1])
     near = float(np.linalg.norm((found[0] - tool.q[0]) / joint_scale(tool.robot, tool.task))) < _NEAR
     inside = not tool.limits or bool(((found[0] >= tool.robot.lower) & (found[0] <= tool.robot.upper)).all())
     return np.asarray(found[0]) if arrived[0] and near and inside else None

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import ConfigurationError
+from rankdrop.results.explanation.words import degrees_hint
 from rankdrop.robot.budgets import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
 from rankdrop.robot.model import Array, Joint, Robot
 
 ROW_SECONDS = 0.1  # between rows of a file without times
-_DEGREES = 4 * pi  # joint values beyond it look like degrees [rad]
 
 
 class TrajectoryError(ConfigurationError):
@@ -132,12 +132,11 @@ def unit_hint(q: Array, robot: Robot, *, deg: bool = False) -> str | None:
         >>> unit_hint(np.array([[0.0, 90.0]]), open_robot("planar2r"))
         'angles up to 90 look like degrees and are taken as radians'
     """
-    angles = np.abs(q[:, turning(robot)])
+    if not deg:
+        return degrees_hint(q, robot)
+    angles = q[:, turning(robot)]
     if not angles.size:
         return None
-    most = float(angles.max())
-    if deg:
-        typed = float(np.degrees(most))
-        moves = float(np.ptp(q[:, turning(robot)], axis=0).max()) > 0.0
-        return f"angles up to {typed:.4g} look like radians and are taken as degrees" if moves and typed <= pi else None
-    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > _DEGREES else None
+    typed = float(np.degrees(np.abs(angles).max()))
+    moves = float(np.ptp(angles, axis=0).max()) > 0.0
+    return f"angles up to {typed:.4g} look like radians and are taken as degrees" if moves and typed <= pi else None

@@ -40,7 +40,8 @@ def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> str:
         style = colour(colours[trace.family])
         parts.append(chart.path(trace.curves, "curve", style))
         parts.append(chart.dots(trace.points, "", 4.0, style))
-    return chart.svg(parts, f"Slice of joint space: {labels[0]}, {labels[1]}")
+    seen = ", ".join(trace.family for trace in plane.traces) or "no family"
+    return chart.svg(parts, f"Slice of joint space, {labels[0]} across and {labels[1]} up: curves or dots of {seen}")
 
 
 def projections(robot: Robot, one: Solid, index: int) -> list[str]:
@@ -53,7 +54,8 @@ def projections(robot: Robot, one: Solid, index: int) -> list[str]:
         lines = [piece[:, [a, b]] for line in one.curves for piece in pieces(line)]
         parts = [chart.axes((f"{names[a]} [rad]", f"{names[b]} [rad]"), (angle_ticks(*ends), angle_ticks(*ends)))]
         parts.append(chart.path(lines, "curve", colour(index)))
-        found.append(chart.svg(parts, f"{names[a]} and {names[b]}"))
+        seen = f"{one.family}: the curves seen along the third joint, {names[a]} across and {names[b]} up"
+        found.append(chart.svg(parts, seen))
     return found
 
 
@@ -63,14 +65,15 @@ def workspace_chart(section: Workspace) -> str:
     parts = [_tips(chart, section), _axes(chart, section)]
     parts.append(chart.dots(section.walls[~section.one_sided], "pass", 0.9))
     parts.append(chart.dots(section.walls[section.one_sided], "wall", 1.1))
-    return chart.svg(parts, "Workspace in section with its walls")
+    seen = "Workspace in section: where the tip can be; walls, dark where not crossed, orange where passed by posture"
+    return chart.svg(parts, seen)
 
 
 def image_chart(section: Workspace, points: Array, index: int) -> str:
     """The image of one family over the workspace."""
     chart = _map_chart(section, 320.0)
     parts = [_tips(chart, section), _axes(chart, section), chart.dots(points, "", 1.0, colour(index))]
-    return chart.svg(parts, "Image of a family in the workspace")
+    return chart.svg(parts, "Workspace in section: where the tip is while the arm is in this family")
 
 
 def spread(section: Workspace, points: Array) -> float:
@@ -121,4 +124,4 @@ def sweep_chart(robot: Robot, sweep: Sweep, corank: int) -> str:
     for k in range(shown.shape[1] - 1, -1, -1):
         lost = k < corank
         parts.append(chart.path([np.stack([sweep.values, shown[:, k]], axis=1)], "s0" if lost else "s1"))
-    return chart.svg(parts, f"Singular values as {name} moves")
+    return chart.svg(parts, f"Singular values as {name} moves through the witness")

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rankdrop import conditions
 from rankdrop.errors import MissingExtraError, RobotError
-from rankdrop.families import Slice, Solid, Sweep, Workspace, solids, sweeps, telling_slices, workspace
+from rankdrop.families import (
+    Slice,
+    Solid,
+    Sweep,
+    Workspace,
+    inside_limits,
+    posed,
+    solids,
+    sweeps,
+    telling_slices,
+    workspace,
+)
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
+from rankdrop.report.ways import Way, ways_out
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
 from rankdrop.robot import Array
 from rankdrop.sections import Section
@@ -25,6 +37,8 @@ EXACT_SECONDS = 8.0
 EXACT_POINTS = 200
 """Singular configurations that the exact families have to explain, corank 1."""
 _PARTS = 5
+_EDGE = 1e-9  # a joint this far beyond a limit stands on it [rad, m]
+_WITH_WAYS = 60  # of a calibrated arm's hundreds of families no reader asks for more
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +46,8 @@ class Content:
     """All that a report shows of one arm.
 
     Attributes:
-        analysis: the families and how they were verified.
+        analysis: the families and how they were verified, each with its witness in a posture that can be looked at
+            (`rankdrop.families.posed`).
         blamed: per family the joints (from 1) of the smallest dependent sets special to its witness, one set for each
             freedom lost.
         blame_words: per family the sets from which all its dependencies follow, in words.
@@ -42,6 +57,7 @@ class Content:
         solids: families in the cube of three joints.
         workspace: in section.
         sweeps: per family, each joint swept through its witness.
+        ways: per family, the ways out of its witness; of the first 60 families.
         beside: what was moved to make the arm ideal, and what the arm itself does; empty for any other arm.
     """
 
@@ -54,6 +70,7 @@ class Content:
     solids: tuple[Solid, ...]
     workspace: Workspace
     sweeps: tuple[tuple[Sweep, ...], ...]
+    ways: tuple[tuple[Way, ...], ...] = ()
     beside: tuple[Section, ...] = ()
 
     @property
@@ -88,7 +105,9 @@ def content(
         made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
     """
-    robot, task, families = analysis.robot, analysis.task, analysis.families
+    robot, task = analysis.robot, analysis.task
+    families = tuple(posed(robot, task, family) for family in analysis.families)
+    analysis = replace(analysis, families=families)
     tell = progress or (lambda label, done, total: None)
     tell("report", 0, _PARTS)
     derived, missing = _exact(analysis, exact_seconds, seed) if exact else (None, "They were not asked for.")
@@ -112,6 +131,7 @@ def content(
         solids=sets,
         workspace=section,
         sweeps=swept,
+        ways=tuple(ways_out(robot, task, family) for family in families[:_WITH_WAYS]),
         beside=_beside(analysis, made, seed),
     )
 
@@ -121,6 +141,22 @@ def _beside(analysis: Analysis, made: Idealised | None, seed: int) -> tuple[Sect
         return ()
     there = nearby(made, analysis.task, analysis.families, seed=seed)
     return (moved_section(made), *((there_section(there),) if there else ()))
+
+
+def standing(analysis: Analysis, family: Family) -> str:
+    """How a family stands to the joint limits.
+
+    Returns:
+        "inside": the witness is inside; "outside": a value of a pinned joint lies outside at every turn, for all its
+        members; "none found": no member inside was met, which is no proof; "" for an arm without limits.
+    """
+    robot = analysis.robot
+    if not (np.isfinite(robot.lower) | np.isfinite(robot.upper)).any():
+        return ""
+    q = np.array(family.witness)
+    if ((q >= robot.lower - _EDGE) & (q <= robot.upper + _EDGE)).all():
+        return "inside"
+    return "none found" if inside_limits(family, robot).holds else "outside"
 
 
 def arrows(analysis: Analysis, family: Family) -> tuple[Array, Array]:

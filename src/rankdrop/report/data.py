@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families import Solid, joint_symbol, wrap
+from rankdrop.families import Solid, joint_symbol
 from rankdrop.family import Family
-from rankdrop.local import sampling_box, skeleton
+from rankdrop.local import sampling_box, skeleton, start_posture
+from rankdrop.problem import wrap
 from rankdrop.reach import reach
-from rankdrop.report.content import Content
+from rankdrop.report.content import Content, standing
+from rankdrop.report.downloads import downloads
+from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
@@ -25,19 +28,31 @@ _DIGITS = 3  # of points in the cube of three joints
 def page_data(content: Content) -> dict[str, Any]:
     """Everything the page's program reads, ready for JSON."""
     analysis = content.analysis
-    blame = zip(analysis.families, content.blamed, content.blame_words, strict=True)
+    ways = content.ways + ((),) * (len(analysis.families) - len(content.ways))
+    blame = zip(analysis.families, content.blamed, content.blame_words, ways, strict=True)
     return {
         "robot": robot_data(analysis.robot, analysis.task),
         "generic_rank": analysis.generic_rank,
         "live_tolerance": LIVE,
         "view": first_view(analysis.robot),
-        "families": [_family(family, numbers, words) for family, numbers, words in blame],
+        "start": start_posture(analysis.robot, analysis.task).tolist(),
+        "families": [
+            _family(family, numbers, words, out) | {"standing": standing(analysis, family)}
+            for family, numbers, words, out in blame
+        ],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
+        "downloads": downloads(content),
     }
 
 
+def limit_range(robot: Robot, index: int) -> tuple[float, float] | None:
+    """Both limits of a joint [rad, m]; None where it has not both: its slider then keeps `slider_range`."""
+    low, high = float(robot.lower[index]), float(robot.upper[index])
+    return (low, high) if isfinite(low) and isfinite(high) and low < high else None
+
+
 def slider_range(analysis: Analysis, index: int) -> tuple[float, float]:
-    """Ends of a joint's slider: a whole turn, or the travel of a slide with every witness inside."""
+    """Ends of a joint's slider without limits: a whole turn, or the travel of a slide with every witness inside."""
     robot = analysis.robot
     if robot.periodic[index]:
         return -pi, pi
@@ -67,7 +82,10 @@ def robot_data(robot: Robot, task: Task) -> dict[str, Any]:
     frame = task.frame
     return {
         "name": robot.name,
-        "joints": [{"name": joint.name, "kind": str(joint.kind)} for joint in robot.variables],
+        "joints": [
+            {"name": joint.name, "kind": str(joint.kind), "limits": limit_range(robot, i)}
+            for i, joint in enumerate(robot.variables)
+        ],
         "chain": chain,
         "home": _rows(robot.home),
         "reach": _size(robot, points),
@@ -98,7 +116,9 @@ def _rows(pose: Array) -> list[float]:
     return rows
 
 
-def _family(family: Family, numbers: tuple[int, ...], words: tuple[str, ...]) -> dict[str, Any]:
+def _family(
+    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...]
+) -> dict[str, Any]:
     return {
         "id": family.id,
         "name": family.name,
@@ -107,6 +127,7 @@ def _family(family: Family, numbers: tuple[int, ...], words: tuple[str, ...]) ->
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
         "told": told(family, words),
+        "ways": [{"label": one.label, "after": one.after, "q": list(one.q)} for one in ways],
     }
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from html import escape
 
 from rankdrop.compare import ExactRow, Joined
-from rankdrop.exact import ExactFamily
+from rankdrop.exact import ExactFamily, typeset
 from rankdrop.report.content import Content
-from rankdrop.report.typeset import typeset
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded
@@ -78,8 +77,8 @@ def _exact_family(family: ExactFamily | ExactRow) -> str:
     lines += "".join(_condition(one) for one in family.latex if len(one) > _SHORT)
     real = f'<p class="small">{escape(family.reality)}</p>' if family.reality else ""
     return (
-        f'<div class="exact"><h4>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
-        f"</h4>{lines}{real}</div>"
+        f'<div class="exact"><h3>{family.id}&ensp;{escape(family.name)} <small>dimension {family.dimension}</small>'
+        f"</h3>{lines}{real}</div>"
     )
 
 

@@ -8,8 +8,9 @@ from html import escape
 from importlib import resources
 from typing import Any
 
-from rankdrop.report.content import Content
-from rankdrop.report.data import page_data, slider_range
+from rankdrop.family import Family
+from rankdrop.report.content import Content, standing
+from rankdrop.report.data import limit_range, page_data, slider_range
 from rankdrop.report.exact import exact_section
 from rankdrop.report.sections import (
     line_section,
@@ -18,8 +19,9 @@ from rankdrop.report.sections import (
     verification_section,
     workspace_section,
 )
-from rankdrop.report.tables import corank_tables
-from rankdrop.robot import near_ideal
+from rankdrop.report.tables import STANDING, corank_tables, scrolled
+from rankdrop.results import Analysis
+from rankdrop.robot import Robot, near_ideal
 from rankdrop.sections import html
 
 SCRIPTS = ("kinematics.js", "scene.js", "arm.js", "solid.js", "page.js")
@@ -40,7 +42,7 @@ def page(content: Content) -> str:
         _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
         solid_section(content), workspace_section(content), line_section(content), verification_section(content),
     )  # fmt: skip
-    body = f"{_header(content)}<nav><div>{links}</div></nav><main>{''.join(sections)}</main>"
+    body = f'{_header(content)}<nav aria-label="sections"><div>{links}</div></nav><main>{"".join(sections)}</main>'
     return whole_page(title, body, page_data(content), SCRIPTS, version=analysis.settings.version)
 
 
@@ -122,25 +124,51 @@ def _arm(content: Content) -> str:
             f'<input type="range" id="slider{i + 1}" min="{low:.6f}" max="{high:.6f}" step="any" value="0" '
             f'aria-label="joint {i + 1}, {escape(joint.name)}"><span id="value{i + 1}"></span></label>'
         )
-    buttons = "".join(
-        f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(family.name)}</button>'
-        for family in analysis.families
-    )
+    buttons = "".join(_button(analysis, family) for family in analysis.families)
     return (
-        '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" aria-label="families">'
-        f'{buttons}<button id="home">q = 0</button></div><div class="stage">'
-        '<canvas id="arm" tabindex="0" aria-label="The arm in three dimensions; drag to turn"></canvas>'
-        '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Orange: axes to blame. Drag to turn, '
-        "double click to turn back.</div></div>"
-        f'<div><div id="verdict"></div><div id="sigma"></div><div id="told"></div><div class="sliders">'
-        f"{''.join(sliders)}</div></div></div></section>"
+        '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" role="group" tabindex="0" '
+        f'aria-label="families">{buttons}<button id="home">start posture</button></div><div class="stage">'
+        '<canvas id="arm" role="img" tabindex="0" aria-label="The arm"></canvas>'
+        '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Orange: axes to blame.'
+        '<span class="screen"> Drag or use the arrow keys to turn, double click to turn back.</span></div></div>'
+        '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="told"></div>'
+        f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}'
+        f'<div class="sliders">{"".join(sliders)}</div></div></div>{_SAVE}</section>'
     )
+
+
+_SAVE = (
+    '<div class="save screen" role="group" aria-label="downloads">Download: '
+    '<button id="save-csv">families (CSV)</button> <button id="save-json">analysis (JSON)</button> '
+    '<button id="save-png">this picture (PNG)</button></div>'
+)
+
+
+def _button(analysis: Analysis, family: Family) -> str:
+    """The button that goes to a family, and how the family stands to the limits."""
+    word = STANDING[standing(analysis, family)]
+    note = f' <small class="limit">{word}</small>' if word else ""
+    return (
+        f'<button data-go="{family.id}" aria-pressed="false"><b>{family.id}</b> {escape(family.name)}{note}</button>'
+    )
+
+
+def _limits_box(robot: Robot) -> str:
+    """The switch for the joint limits, on; a sentence where none are known."""
+    if not any(limit_range(robot, i) for i in range(robot.n)):
+        return '<p class="small">No joint limits are known: sliders go all the way round.</p>'
+    return '<label class="small screen"><input type="checkbox" id="limits" checked> keep to the joint limits</label>'
 
 
 def _beside(content: Content) -> str:
     if not content.beside:
         return ""
-    return f'<section id="ideal"><h2>Ideal arm</h2><div class="scroll">{html(content.beside)}</div></section>'
+    return f'<section id="ideal"><h2>Ideal arm</h2>{scrolled(html(content.beside), "ideal arm")}</section>'
+
+
+def _seen(family: Family) -> str:
+    """What a picture of a family shows, for those who do not see it."""
+    return escape(f"The arm in {family.id}, {family.name}. Lost: {'; '.join(family.lost_words)}.")
 
 
 def _tables(content: Content) -> str:
@@ -149,7 +177,7 @@ def _tables(content: Content) -> str:
         lost = "".join(f"<p>{escape(text)}</p>" for text in family.lost_words)
         blame = f'<p class="small">{escape("; ".join(words))}</p>' if words else ""
         cards.append(
-            f'<div class="card"><canvas data-still="{family.id}" aria-label="The arm at the witness of {family.id}">'
+            f'<div class="card"><canvas data-still="{family.id}" role="img" aria-label="{_seen(family)}">'
             f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from html import escape
+from math import degrees
 
 from rankdrop.families import Slice
 from rankdrop.report.charts import (
@@ -17,6 +19,8 @@ from rankdrop.report.charts import (
 )
 from rankdrop.report.checked import checks
 from rankdrop.report.content import Content
+from rankdrop.report.tables import scrolled
+from rankdrop.robot import Robot
 
 _WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
 
@@ -40,13 +44,20 @@ def slice_section(content: Content) -> str:
 
 
 def _slice_words(content: Content, plane: Slice) -> str:
-    names = names_of(content.analysis.robot)
+    robot = content.analysis.robot
     keys = " ".join(_key(content, trace.family) for trace in plane.traces)
-    held = ", ".join(
-        f"{names[i]} = {value:.4g}".replace("-", "−") for i, value in enumerate(plane.q) if i + 1 not in plane.joints
-    )
+    held = _held(robot, plane.q, plane.joints)
     filled = "".join(f" The whole slice lies in {one}." for one in plane.filled)
     return f"{keys} Through a point of <b>{plane.family}</b>{': ' + held if held else ''}.{filled}"
+
+
+def _held(robot: Robot, q: Iterable[float], moving: Sequence[int]) -> str:
+    """Values of the joints that stand still: "θ2 = 30°, q3 = 0.2 m"."""
+    parts = []
+    for number, (joint, name, value) in enumerate(zip(robot.variables, names_of(robot), q, strict=True), start=1):
+        if number not in moving:
+            parts.append(f"{name} = {degrees(value):.4g}°" if joint.unit == "rad" else f"{name} = {value:.4g} m")
+    return ", ".join(parts).replace("-", "−")
 
 
 def _key(content: Content, family: str) -> str:
@@ -62,15 +73,14 @@ def solid_section(content: Content) -> str:
     names = names_of(robot)
     for number, one in enumerate(content.solids, start=1):
         axes = ", ".join(names[joint - 1] for joint in one.joints)
-        held = ", ".join(f"{names[i]} = {x:.4g}" for i, x in enumerate(one.q) if i + 1 not in one.joints).replace(
-            "-", "−"
-        )
+        held = _held(robot, one.q, one.joints)
         what = _curves(len(one.curves), one.closed) if one.curves else f"a surface, {len(one.triangles):,} triangles"
         figures.append(
-            f'<figure><canvas id="solid{number}" tabindex="0" aria-label="{one.family} in {axes}; drag to turn">'
-            "</canvas>"
+            f'<figure><canvas id="solid{number}" role="img" tabindex="0" aria-label="The set of {one.family} in the '
+            f'cube of {axes}: {what}. Arrow keys turn it."></canvas>'
             f"<figcaption>{_key(content, one.family)} in ({axes}): {what}, up to whole turns"
-            f"{'; held: ' + escape(held) if held else ''}. Drag to turn.</figcaption></figure>"
+            f"{'; held: ' + escape(held) if held else ''}.<span class='screen'> Drag to turn.</span></figcaption>"
+            "</figure>"
         )
         for text in projections(robot, one, content.colours[one.family]) if one.curves else []:
             figures.append(f"<figure>{text}<figcaption>{_key(content, one.family)} projected.</figcaption></figure>")
@@ -95,7 +105,7 @@ def workspace_section(content: Content) -> str:
             f"<figure>{workspace_chart(section)}<figcaption>Grey: where the tip can be ({section.count:,} random "
             "configurations). Dots: postures in which the position of the tip loses a direction. <b>Dark</b>: to "
             f"second order no motion from that posture crosses the wall ({share}): boundaries of the workspace and of "
-            'voids, barriers inside. <b style="color:var(--f2)">Orange</b>: the arm passes by changing its posture.'
+            'voids, barriers inside. <b class="bad">Orange</b>: the arm passes by changing its posture.'
             "</figcaption>"
             "</figure>"
         )
@@ -104,7 +114,7 @@ def workspace_section(content: Content) -> str:
         if not len(points):
             continue
         fills = spread(section, points) > _WIDE
-        words = "its tips fill the workspace: posture decides, not place" if fills else "confined to these places"
+        words = "can occur anywhere in the workspace, it depends on the posture" if fills else "occurs at these places"
         figures.append(
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
@@ -142,7 +152,7 @@ def verification_section(content: Content) -> str:
     return (
         f'<section id="checks"><h2>How this was checked</h2><ul class="checks">{items}</ul>'
         "<p>These are tests on samples, not proofs. A corank that was not found is not thereby shown to be absent.</p>"
-        f"<details><summary>tolerances</summary><div class='scroll'><table>{tolerances}</table></div></details>"
+        f"<details><summary>tolerances</summary>{scrolled(f'<table>{tolerances}</table>', 'tolerances')}</details>"
         f"<p class='{'good' if content.verdict.holds else 'bad'}'>{escape(content.verdict.sentence)}</p>"
         "</section>"
     )

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
+from math import degrees
+
+import numpy as np
 
 from rankdrop.compare import Joined, conditions_of
 from rankdrop.families import (
     COUPLED,
     FREE,
+    MET,
     NOTHING,
+    TESTED,
     Inside,
     inside_limits,
     joint_cell,
@@ -25,10 +30,13 @@ from rankdrop.results import Analysis
 from rankdrop.robot import Robot
 from rankdrop.sections import html
 
+STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none found": "none found inside the limits"}
+"""How a family stands to the joint limits, where that needs saying (`content.standing`)."""
+
 
 def corank_tables(analysis: Analysis) -> str:
     """All tables, each with its title and what its starts did."""
-    key = f'<p class="small">{escape(legend(analysis.robot))}</p>' if analysis.families else ""
+    key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
     return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key + _near(analysis)
 
 
@@ -55,14 +63,23 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}"
     css = "good" if share.explained == share.tested else "bad"
     complete = (
-        f'<p>{count}, <span class="{css}">completeness {share_text(share.explained, share.tested)}</span> '
-        f"({share.explained:,} of {share.tested:,} fresh points).</p>"
+        f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained '
+        f"({share_text(share.explained, share.tested)})</span>.</p>"
     )
     body = "".join(_rows(analysis.robot, row, analysis.exact, limits=analysis.settings.limits) for row in rows)
+    table = f"<table><thead>{_head(analysis.robot, summary)}</thead><tbody>{body}</tbody></table>"
     return (
-        f'<h3>{heading}</h3>{complete}<div class="scroll"><table><thead>{_head(analysis.robot, summary)}</thead>'
-        f'<tbody>{body}</tbody></table></div><p class="small">{starts}</p>'
+        f"<h3>{heading}</h3>{complete}{_SWIPE}"
+        f"{scrolled(table, f'families of corank {summary.corank}')}<p class='small'>{starts}</p>"
     )
+
+
+_SWIPE = '<p class="swipe small">The table is wider than the screen: swipe it sideways.</p>'
+
+
+def scrolled(table: str, name: str) -> str:
+    """A table in a box that scrolls sideways, by the keyboard too."""
+    return f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(name)}">{table}</div>'
 
 
 def _head(robot: Robot, summary: CorankSummary) -> str:
@@ -72,8 +89,8 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
     )
     lost = "lost direction" if summary.corank == 1 else "lost directions"
     return (
-        f'<tr><th></th><th class="words">family</th>{joints}<th>dim</th><th class="words">{lost}</th><th>sound</th>'
-        "<th>share</th></tr>"
+        f'<tr><th><span class="hidden">id</span></th><th class="words">family</th>{joints}<th>dim</th>'
+        f'<th class="words">{lost}</th><th>{TESTED}</th><th>{MET}</th></tr>'
     )
 
 
@@ -88,12 +105,12 @@ def _rows(robot: Robot, row: Family, exact: Joined | None, *, limits: bool) -> s
     button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'
     first = (
         f'<tr><td>{button}</td><td class="words">{name}</td>{cells}<td class="num">{row.dimension}</td>'
-        f'<td class="words">{lost}</td><td class="{css}">{sound}</td><td class="num">{share}</td></tr>'
+        f'<td class="words lost">{lost}</td><td class="{css}">{sound}</td><td class="num">{share}</td></tr>'
     )
     span = robot.n + 5
     notes = "".join(
         f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>'
-        for text in (*_limits(inside, robot), *_notes(row, exact))
+        for text in (*_limits(inside, robot), *_notes(robot, row, exact))
     )
     return first + notes
 
@@ -103,13 +120,21 @@ def _limits(inside: Inside | None, robot: Robot) -> Iterator[str]:
         yield f'<i class="bad">limits</i>&ensp;{escape(outside_text(inside, robot))}'
 
 
-def _notes(row: Family, exact: Joined | None) -> Iterator[str]:
+def _notes(robot: Robot, row: Family, exact: Joined | None) -> Iterator[str]:
     for label, text in conditions_of(row, exact):
         css = "bad" if label == COUPLED else "good"
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if any("witness" in text for text in row.lost_words):
-        values = ", ".join(f"{value:.4g}" for value in row.witness).replace("-", "−")
-        yield f"witness q = ({values}) [rad, m]"
+        yield f"witness q = {degrees_text(robot, row.witness)}"
+
+
+def degrees_text(robot: Robot, q: Sequence[float]) -> str:
+    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
+    parts = (
+        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
+        for joint, value in zip(robot.variables, np.array(q) + 0.0, strict=True)
+    )
+    return f"({', '.join(parts)})".replace("-", "−")
 
 
 def _cell(row: Family, number: int, kind: str) -> str:

@@ -34,6 +34,7 @@ from rankdrop.results.codec import (
     summary_to_dict,
     task_from_dict,
 )
+from rankdrop.results.latex import latex_tables
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
@@ -264,6 +265,11 @@ class Analysis:
             rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
         return html(overview(self.robot, self.generic_rank, self.coranks, rows))
 
+    def latex(self) -> str:
+        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.results.latex_tables`."""
+        return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                            limits=self.settings.limits)  # fmt: skip
+
     def save(self, path: str | Path) -> None:
         """Write the analysis to a JSON file.
 
@@ -297,9 +303,10 @@ def sampled(analysis: Analysis) -> str:
     fresh = sum(row.completeness.tested for row in analysis.coranks)
     explained = sum(row.completeness.explained for row in analysis.coranks)
     return (
-        f"Sampled: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
-        f"(σ ≤ {analysis.settings.tolerances.singular:g}), and the rows explain {explained:,} of {fresh:,} fresh "
-        f"singular points, none of which made them ({share_text(explained, fresh)})."
+        f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
+        f"(σ ≤ {analysis.settings.tolerances.singular:g}). "
+        f"Explained: {explained:,} of {fresh:,} fresh singular points, none of which made the rows "
+        f"({share_text(explained, fresh)})."
     )
 
 
@@ -309,5 +316,6 @@ def unseen(analysis: Analysis) -> str:
     if not found:
         return ""
     worst = max(found, key=lambda row: row.unseen.upper)
-    share = f"an estimated {worst.unseen.estimate:.2%} of where searches end, {worst.unseen.upper:.2%} at most (95 %)"
-    return f"Not seen by sampling: {share}, worst at corank {worst.corank} ({worst.unseen.how})."
+    share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
+    how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
+    return f"Searches that end where none has ended: {share}, worst at corank {worst.corank}. {how}."

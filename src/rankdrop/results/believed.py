@@ -7,7 +7,6 @@ directions at the witness. What cannot be computed again without searching (shar
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from math import pi
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -21,6 +20,7 @@ from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.budgets import RANGE, allowed_range
 from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.numbers import wrapped
 from rankdrop.robot.transform import rigid
 from rankdrop.schema import load_schema
 from rankdrop.schema.violations import first_violation
@@ -285,7 +285,7 @@ def _check_pin(robot: Robot, family: Family, pin: Pinned, where: str, tolerance:
         raise damaged("the joint has another name", f"{where}.joint", pin.joint, joint.name)
     turns = bool(robot.periodic[pin.number - 1])
     gaps = [abs(value - at_witness) for value in pin.values]
-    if min(abs((gap + pi) % (2 * pi) - pi) if turns else gap for gap in gaps) > tolerance:
+    if min(abs(wrapped(gap)) if turns else gap for gap in gaps) > tolerance:
         raise damaged("the witness is at none of the values", f"{where}.values", at_witness)
     own = [equation for equation in family.equations if equation.joints == (pin.number,)]
     for value in pin.values:

@@ -161,6 +161,7 @@ def _joint_to_dict(joint: Joint) -> Record:
         "velocity": number_or_null(joint.velocity),
         "frame": joint.frame.tolist(),
         "mimic": asdict(joint.mimic) if joint.mimic else None,
+        **({"link": joint.link} if joint.link else {}),
     }
 
 
@@ -191,6 +192,7 @@ def _joint_from_dict(record: Record) -> Joint:
         velocity=inf if velocity is None else velocity,
         frame=np.array(record["frame"]),
         mimic=Mimic(**known(Mimic, record["mimic"])) if record["mimic"] else None,
+        link=record.get("link", ""),
     )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rankdrop.certify.coverfile import digest
 from rankdrop.certify.covering import Covering
-from rankdrop.compare.places import Spot
+from rankdrop.compare.covered import Spot
 from rankdrop.family.record import Family
 from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot

@@ -17,7 +17,7 @@ import numpy as np
 
 from rankdrop.errors import ResultFileError
 from rankdrop.family.record import Family, Pinned, family_from_metres
-from rankdrop.local.directions import lost_in_sparsest_frame
+from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.screws import words
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.fingerprint import coarse_fingerprint, geometry
@@ -30,11 +30,11 @@ STARTS = 10_000
 SEED = 0
 """Their seed."""
 INDEX = "index.json"
-"""File beside them: coarse fingerprint -> names of the arms that have it."""
+"""File beside them: coarse fingerprint, with the tip and without -> names of the arms that have it."""
 _SAME = 1e-12  # geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
 
 
-def known_analysis(robot: Robot, task: Task) -> Analysis | None:
+def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analysis | None:
     """The shipped analysis of an arm with this geometry and task, or None.
 
     The rows of the task have to be the same; unless the task has all six, so do its axes and its reference point. The
@@ -44,6 +44,8 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
     Args:
         robot: any arm.
         task: from `resolve_task`.
+        any_tip: an arm that differs in its end effector only is known too where the task has all six rows: a tool
+            neither makes nor removes a singularity. Motions lost are told at the arm's own tip.
 
     Returns:
         The analysis, read once and then kept.
@@ -59,12 +61,13 @@ def known_analysis(robot: Robot, task: Task) -> Analysis | None:
         9
     """
     there = in_metres(robot)
-    mine = geometry(there)
-    for name in candidates(there):
-        found = shipped(name)
-        if np.abs(geometry(found.robot) - mine).max() <= _SAME and _same_task(found.task, task):
-            named = _named_after(found, there)
-            return named if there is robot else _out_of_metres(named, robot)
+    for tip in (True, False)[: 1 + (any_tip and task.m == 6)]:
+        mine = geometry(there, tip=tip)
+        for name in candidates(there, tip=tip):
+            found = shipped(name)
+            if np.abs(geometry(found.robot, tip=tip) - mine).max() <= _SAME and _same_task(found.task, task):
+                named = _named_after(found, there)
+                return named if there is robot else _out_of_metres(named, robot)
     return None
 
 
@@ -78,17 +81,20 @@ def _out_of_metres(found: Analysis, robot: Robot) -> Analysis:
     )  # fmt: skip
 
 
-def candidates(robot: Robot) -> tuple[str, ...]:
+def candidates(robot: Robot, *, tip: bool = True) -> tuple[str, ...]:
     """Names of the arms with a shipped analysis that may be this one: their coarse fingerprint is the same.
+
+    Without the `tip`: this one but for its end effector.
 
     Makers build one geometry under several names: the robot's own name comes first.
     """
-    return tuple(sorted(_index().get(coarse_fingerprint(robot), ()), key=lambda name: (name != robot.name, name)))
+    found = _index().get(coarse_fingerprint(robot, tip=tip), ())
+    return tuple(sorted(found, key=lambda name: (name != robot.name, name)))
 
 
 def known_names() -> tuple[str, ...]:
     """Names of the arms that have a shipped analysis, sorted."""
-    return tuple(sorted(name for names in _index().values() for name in names))
+    return tuple(sorted({name for names in _index().values() for name in names}))
 
 
 @cache
@@ -116,7 +122,8 @@ def _named_after(found: Analysis, robot: Robot) -> Analysis:
     if names != [joint.name for joint in found.robot.variables]:
         families = tuple(_renamed(family, names) for family in families)
     pairs = zip(robot.joints, found.robot.joints, strict=True)
-    if any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
+    moved = np.abs(robot.home - found.robot.home).max() > _SAME
+    if moved or any(np.abs(mine.frame - other.frame).max() > _SAME for mine, other in pairs):
         families = tuple(_retold(family, robot, found.task) for family in families)
     return replace(found, robot=robot, families=families)
 
@@ -125,7 +132,7 @@ def _retold(family: Family, robot: Robot, task: Task) -> Family:
     """The family with its lost motions in words for other link frames than those of the file."""
     plain = lost_in_sparsest_frame(robot, family.witness, task, family.corank)
     told = tuple(f"{words(one, plain.name, counted(robot))} (at the witness)" for one in plain.directions)
-    return replace(family, lost_words=told)
+    return replace(family, lost_words=told, lost_directions=lost_directions(robot, family.witness, task, family.corank))
 
 
 def _renamed(family: Family, names: Sequence[str]) -> Family:

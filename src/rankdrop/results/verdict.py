@@ -21,7 +21,7 @@ VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
 )  # fmt: skip
 SAMPLED, EXACT = "sampled", "derived exactly"
 _BOTH = "too small and too large"
-_SAID = {CONTRADICTED: "Contradicted", UNSOUND: "Not sound", INCOMPLETE: "Incomplete", INEXACT: "Not exact"}
+_SAID = {CONTRADICTED: "Contradicted", UNSOUND: "A test failed", INCOMPLETE: "Incomplete", INEXACT: "Not exact"}
 _BROKEN = tuple(_SAID)  # worst first
 
 

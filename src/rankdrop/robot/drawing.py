@@ -24,13 +24,13 @@ import numpy as np
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.dh import DH_KEYS
+from rankdrop.robot.files import Element
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot, source_text
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.urdf_tree import Tree
-from rankdrop.robot.xml_file import Element
 
 FRAME = ("x", "y", "z", "roll", "pitch", "yaw")
 """Parts of a pose."""

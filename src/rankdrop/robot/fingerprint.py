@@ -16,9 +16,12 @@ GRID = 1e-9
 """Numbers that agree to this have one coarse fingerprint [1, m]."""
 
 
-def geometry(robot: Robot) -> Array:
-    """All numbers that decide the Jacobian: screws, then home pose, then multipliers and offsets of mimic joints."""
-    parts = [joint.screw for joint in robot.joints] + [robot.home.reshape(-1)]
+def geometry(robot: Robot, *, tip: bool = True) -> Array:
+    """All numbers that decide the Jacobian: screws, then home pose, then multipliers and offsets of mimic joints.
+
+    Without the `tip`, those that decide the rank of its six rows: another tip adds ω × r to the translation.
+    """
+    parts = [joint.screw for joint in robot.joints] + [robot.home.reshape(-1)] * tip
     parts += [np.array([joint.mimic.multiplier, joint.mimic.offset]) for joint in robot.joints if joint.mimic]
     return np.concatenate(parts)
 
@@ -32,9 +35,9 @@ def fingerprint(robot: Robot) -> str:
     return hashlib.sha256(_structure(robot) + numbers.tobytes()).hexdigest()
 
 
-def coarse_fingerprint(robot: Robot) -> str:
-    """24 hex digits, equal for arms that agree to `GRID` (but for numbers on the edge of a cell)."""
-    cells = np.rint(np.clip(geometry(robot), -1e9, 1e9) / GRID).astype("<i8")
+def coarse_fingerprint(robot: Robot, *, tip: bool = True) -> str:
+    """24 hex digits, equal for arms that agree to `GRID` (but for numbers on the edge of a cell); see `geometry`."""
+    cells = np.rint(np.clip(geometry(robot, tip=tip), -1e9, 1e9) / GRID).astype("<i8")
     return hashlib.sha256(_structure(robot) + cells.tobytes()).hexdigest()[:24]
 
 

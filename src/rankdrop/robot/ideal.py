@@ -10,11 +10,9 @@ from math import ceil, degrees, floor, log10, pi, radians
 
 from rankdrop.errors import OptionError
 from rankdrop.robot.budgets import LONGEST_TEXT
-from rankdrop.robot.changes import Change
+from rankdrop.robot.meant import meeting, squared
 from rankdrop.robot.model import JointKind, Robot
-from rankdrop.robot.normals import extent
-from rankdrop.robot.numbers import Numbers, along, numbers_of, parallel, parallel_runs
-from rankdrop.robot.structure import meeting, squared
+from rankdrop.robot.numbers import Change, Numbers, along, extent, numbers_of, parallel, parallel_runs
 from rankdrop.tolerances import NOTHING, SQUARE
 
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "μm": 1e-6, "um": 1e-6}

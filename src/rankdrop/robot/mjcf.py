@@ -20,13 +20,11 @@ import numpy as np
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.budgets import MOST_BODIES
 from rankdrop.robot.digits import Angles
-from rankdrop.robot.files import read_text
+from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.transform import about_axis, translation
-from rankdrop.robot.urdf_ends import choose_ends
-from rankdrop.robot.urdf_tree import Tree, TreeJoint, connected
-from rankdrop.robot.xml_file import Element, read_xml
+from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
 
 _KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
 _NOWHERE = Element("joint", {}, 0)  # the compiler keeps no lines
@@ -76,8 +74,38 @@ def from_mjcf(
         raise MissingExtraError("mujoco", "mujoco", "an MJCF file") from None
     name = root.attributes.get("model", visible(file.stem))
     model, couplings, changes = _compiled(mujoco, file, as_written)
+    return robot_of(mujoco, model, name, str(file), couplings, changes, base, tip, as_written=as_written)
+
+
+def robot_of(
+    mujoco: Any,
+    model: Any,
+    name: str,
+    place: str,
+    couplings: list[tuple[str, str]],
+    changes: dict[str, list[float]],
+    base: str | None,
+    tip: str | None,
+    *,
+    as_written: bool,
+) -> Robot:
+    """The chain from `base` to `tip` of a compiled model.
+
+    Args:
+        mujoco: the package.
+        model: its MjModel.
+        name: of the robot.
+        place: the file, for errors and `Robot.source`.
+        couplings: pairs of joints that a constraint couples.
+        changes: what was added to angles [rad], by body or site.
+        base, tip: names of bodies or sites; None: chosen.
+        as_written: take every number literally.
+
+    Raises:
+        RobotError: a ball or free joint in the chain, names that are not there.
+    """
     motions: dict[str, _Motion] = {}
-    tree, floating = _tree(mujoco, model, name, str(file), motions)
+    tree, floating = _tree(mujoco, model, name, place, motions)
     _refuse_floating(tree, floating, base, tip)
     ends = choose_ends(tree, base, tip)
     joints, home = _chain(tree, ends.path, motions)
@@ -87,7 +115,7 @@ def from_mjcf(
     if ends.base in floating:
         notes.insert(0, f"body {ends.base!r} floats freely: its own motion is not counted")
     found = Robot(
-        name, joints, home, source=Source("mjcf", str(file)), base=ends.base, tip=ends.tip,
+        name, joints, home, source=Source("mjcf", place), base=ends.base, tip=ends.tip,
         notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     on_chain = {"", *(link for step in ends.path for link in (step.parent, step.child))}
@@ -249,7 +277,7 @@ def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tu
         slides = kind is JointKind.PRISMATIC
         screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(point, direction), direction]) + 0.0
         pose = pose @ _back(motion, slides=slides)
-        joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose))
+        joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose, link=step.child))
     return tuple(joints), pose
 
 

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
-from rankdrop.robot.lengths import checked_lengths
+from rankdrop.robot.quantities import checked_lengths
+from rankdrop.sections import Section, html
 
 Array = NDArray[np.float64]
 
@@ -57,6 +58,7 @@ class Joint:
         frame: (4, 4) pose at q = 0, in the base frame, of the frame carried by the link after this joint
             (DH frame, URDF child link; else a frame on the axis).
         mimic: set when the joint follows another one; it is then not a variable of its own.
+        link: name of the link after this joint in the file; empty where it gives none.
     """
 
     name: str
@@ -67,10 +69,12 @@ class Joint:
     velocity: float = inf
     frame: Array = field(default_factory=lambda: np.eye(4))  # (4, 4)
     mimic: Mimic | None = None
+    link: str = ""
 
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
-        _check_name(self.name, where)
+        for label in (self.name, self.link):
+            _check_name(label, where)
         screw = _read_only(self.screw, (6,), where, "screw")
         object.__setattr__(self, "kind", JointKind(self.kind))
         axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]
@@ -187,6 +191,32 @@ class Robot:
                 turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
                 whole[index[joint.mimic.leader]] &= turns
         return np.array(whole)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the joints with their kinds and limits, angles in degrees."""
+        return html(_sections(self))
+
+
+def _sections(robot: Robot) -> tuple[Section, ...]:
+    rows = []
+    for number, joint in enumerate(robot.variables, start=1):
+        ends = (_end(limit, joint.unit) for limit in (joint.lower, joint.upper))
+        rows.append((str(number), joint.name, str(joint.kind), *ends))
+    followers = tuple(
+        f"{joint.name} follows {joint.mimic.leader}" for joint in robot.joints if joint.mimic is not None
+    )
+    title = f"{robot.n} joints from {robot.base} to {robot.tip}, task {robot.task}"
+    return (
+        Section(robot.name, title, (robot.about,) if robot.about else (), ("", "joint", "kind", "lower", "upper"),
+                tuple(rows), (1, 2), followers, robot.notes),
+    )  # fmt: skip
+
+
+def _end(limit: float, unit: str) -> str:
+    """A limit for reading: degrees, or metres; "none" where there is none."""
+    if not np.isfinite(limit):
+        return "none"
+    return (f"{np.degrees(limit):.4g}°" if unit == "rad" else f"{limit:.4g} m").replace("-", "−")
 
 
 def check_joints(moving: int, where: str, *, steps: int = 0) -> None:

@@ -1,4 +1,4 @@
-"""A robot by its name in the catalogue or by its file."""
+"""A robot by its name in the catalogue or by its file; with a note where its numbers are of an unlikely size."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import difflib
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -14,15 +14,14 @@ from os import PathLike
 from pathlib import Path
 
 from rankdrop.errors import RobotError, UnknownRobotError, visible
-from rankdrop.robot.files import read_text
+from rankdrop.reach import link_lengths
+from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import Robot
-from rankdrop.robot.screw_list import from_screw_list, is_screw_list
-from rankdrop.robot.size import with_size_note
+from rankdrop.robot.screws import from_screw_list, is_screw_list
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.xacro import from_xacro, uses_xacro
-from rankdrop.robot.xml_file import read_xml
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 _TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
@@ -284,3 +283,17 @@ def _unknown(name: str) -> UnknownRobotError:
     if fitting > _SUGGESTED:
         mend = f"{fitting} arms fit: rankdrop robots {name[:80]!r} lists them"
     return UnknownRobotError(what, got=repr(shown), allowed=allowed, mend=mend)
+
+
+_LARGEST = 30.0  # [m]; Canadarm2, the longest arm flown, reaches 17.6 m, and arms of 30 mm become 30 m
+_SMALLEST = 0.03  # [m]; the smallest arms sold reach some 0.2 m
+_NOTHING = 1e-9  # [m]; a bare wrist has no length at all, and none is missing
+
+
+def with_size_note(robot: Robot) -> Robot:
+    """The same robot, with a note where its reach (see `rankdrop.reach`) is above 30 m or below 3 cm."""
+    length = float(link_lengths(robot).sum())
+    if not (length > _LARGEST or _NOTHING < length < _SMALLEST):
+        return robot
+    note = f"the arm's reach is {length:.3g} m: are these numbers millimetres? Lengths are read as metres"
+    return replace(robot, notes=(*robot.notes, note))

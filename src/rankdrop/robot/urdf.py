@@ -1,26 +1,137 @@
-"""Robots from URDF: the chain from a base link to a tip link, fixed joints folded."""
+"""Robots from URDF: the chain from a base link to a tip link, fixed joints folded, numbers finite.
+
+Mimic joints: who leads, who follows, and what becomes of a leader outside the chain.
+"""
 
 from __future__ import annotations
 
+import re
 import shlex
-from collections.abc import Callable
-from math import inf
+from collections.abc import Callable, Mapping
+from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
 
 from rankdrop.errors import RobotError, visible
-from rankdrop.robot.budgets import RANGE
+from rankdrop.robot.budgets import LONGEST_TEXT, RANGE
 from rankdrop.robot.digits import Angles
-from rankdrop.robot.files import read_text
+from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.meant import as_meant
-from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
+from rankdrop.robot.quantities import in_range
 from rankdrop.robot.transform import from_xyz_rpy
-from rankdrop.robot.urdf_ends import choose_ends
-from rankdrop.robot.urdf_mimic import resolve_mimics
-from rankdrop.robot.urdf_numbers import finite, three
-from rankdrop.robot.urdf_tree import Tree, TreeJoint, read_tree
-from rankdrop.robot.xml_file import read_xml
+from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, read_tree
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+def number(text: str, where: str, key: str, measure: str = "number") -> float:
+    """One finite number in the range of its measure.
+
+    Args:
+        text: of the attribute.
+        where: file, line, element.
+        key: name of the attribute.
+        measure: "angle" [rad], "length" [m] or "number".
+
+    Raises:
+        RobotError: not a number, not finite, or too large.
+    """
+    return in_range(finite(text, where, key), measure, where=f"{where}, {key}", got=text.strip())
+
+
+def finite(text: str, where: str, key: str) -> float:
+    """One finite number of any size.
+
+    Raises:
+        RobotError: not a number, or not finite.
+    """
+    word = text.strip()
+    value = float(word) if len(word) <= LONGEST_TEXT and _NUMBER.fullmatch(word) else None
+    if value is None or not isfinite(value):
+        limits = key in {"lower", "upper", "velocity"}
+        raise RobotError(
+            f"{key} is not a finite number", where=where, got=repr(text[:60]), allowed="a finite number",
+            mend="leave the attribute out where there is no limit" if limits else "write the number out",
+        )
+    return value
+
+
+def three(text: str, where: str, key: str, measure: str = "number") -> list[float]:
+    """Three finite numbers in the range of their measure.
+
+    Raises:
+        RobotError: another count, or one of them is not a finite number, or too large.
+    """
+    words = text.split(None, 3)
+    if len(words) != 3:
+        raise RobotError(f"{key} is three numbers", where=where, got=repr(text[:60]), allowed=f'{key}="0 0 0"')
+    return [number(word, where, key, measure) for word in words]
+
+
+def resolve_mimics(tree: Tree, chain: list[TreeJoint]) -> tuple[dict[str, Mimic], list[str]]:
+    """How the followers among the moving joints of the chain depend on its variables.
+
+    A follower of a follower is traced to the first leader. Where that leader is outside the chain, the first follower
+    becomes a variable and leads the others: with q_j = m_j L + o_j, q_j = (m_j/m_1) q_1 + o_j − (m_j/m_1) o_1.
+
+    Returns:
+        follower's name -> Mimic with a leader in the chain, and notes.
+
+    Raises:
+        RobotError: a leader that is not in the file or fixed, a circle of leaders, a multiplier of zero.
+    """
+    inside = {joint.name for joint in chain}
+    mimics: dict[str, Mimic] = {}
+    outside: dict[str, tuple[str, Mimic]] = {}  # leader outside -> its first follower and how that one follows
+    notes: list[str] = []
+    away = "which is not in the chain"
+    for joint in chain:
+        if joint.element.first("mimic") is None:
+            continue
+        traced = _trace(tree, joint)
+        leader = traced.leader
+        if leader in inside:
+            mimics[joint.name] = traced
+            notes.append(f"joint {joint.name!r} follows joint {leader!r}")
+        elif leader not in outside:
+            outside[leader] = (joint.name, traced)
+            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it is taken as a variable")
+        else:
+            first, lead = outside[leader]
+            ratio = traced.multiplier / lead.multiplier
+            mimics[joint.name] = Mimic(first, ratio, traced.offset - ratio * lead.offset)
+            notes.append(f"joint {joint.name!r} follows {leader!r}, {away}: it follows {first!r} instead")
+    return mimics, notes
+
+
+def _trace(tree: Tree, joint: TreeJoint) -> Mimic:
+    multiplier, offset = 1.0, 0.0
+    met = [joint.name]
+    current = joint
+    while (element := current.element.first("mimic")) is not None:
+        where = tree.where(current, "mimic")
+        name = element.attributes.get("joint", "")
+        if name not in tree.joints:
+            raise RobotError("the mimic joint follows a joint that is not in the file", where=where, got=repr(name))
+        if name in met:
+            raise RobotError("mimic joints follow one another in a circle", where=where, got=" -> ".join([*met, name]))
+        factor = number(element.attributes.get("multiplier", "1"), where, "multiplier")
+        measure = "length" if current.kind == "prismatic" else "angle"
+        shift = number(element.attributes.get("offset", "0"), where, "offset", measure)
+        if factor == 0.0:
+            raise RobotError(
+                "the multiplier of a mimic joint is zero", where=where, got=0, allowed="a number other than 0",
+                mend='a joint that never moves has type "fixed"',
+            )
+        offset, multiplier = offset + multiplier * shift, multiplier * factor
+        current = tree.joints[name]
+        met.append(name)
+        if not current.moves:
+            raise RobotError("the mimic joint follows a fixed joint", where=where, got=repr(name))
+    return Mimic(current.name, multiplier, offset)
+
 
 _KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
 _NOT_READ = frozenset({"visual", "collision", "inertial", "material", "transmission", "gazebo", "sensor"})
@@ -43,7 +154,7 @@ def from_urdf(
 
     Args:
         source: path, or the text itself (anything that starts with "<").
-        base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_ends.choose_ends`).
+        base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_tree.choose_ends`).
         file: name of the text in errors and in `Robot.source`.
         as_written: take every number literally.
         edit: called with the tree before anything is computed of it; may change attributes of its elements.
@@ -64,6 +175,32 @@ def from_urdf(
     tree = read_tree(read_xml(text, place, _NOT_READ), place)
     if edit is not None:
         edit(tree)
+    return from_tree(tree, "urdf", base=base, tip=tip, as_written=as_written)
+
+
+def from_tree(
+    tree: Tree,
+    kind: str,
+    *,
+    base: str | None,
+    tip: str | None,
+    as_written: bool,
+    origins: Mapping[str, Array] | None = None,
+) -> Robot:
+    """The chain from `base` to `tip` of a tree of links and joints.
+
+    Args:
+        tree: with the elements of a URDF.
+        kind: of the source (`Source.kind`).
+        base, tip: names of links; None: chosen.
+        as_written: take every number literally.
+        origins: (4, 4) pose of each joint in the frame of its parent link, by joint (where none is told, they
+            coincide); None reads the elements.
+
+    Raises:
+        RobotError: names file, line, element, joint, value and mend.
+    """
+    place = tree.file
     ends = choose_ends(tree, base, tip)
     moving = [joint for joint in ends.path if joint.moves]
     check_joints(len(moving), place, steps=len(ends.path))
@@ -72,14 +209,15 @@ def from_urdf(
     angles = Angles(as_written)
     joints = []
     for joint in ends.path:
-        pose = pose @ joint_origin(tree, joint, angles)
+        pose = pose @ (joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4)))
         if joint.moves:
-            kind = _kind(tree, joint)
+            motion = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
-            screw = _screw(kind, _axis(tree, joint), pose)
-            joints.append(Joint(joint.name, kind, screw, lower, upper, velocity, pose, mimics.get(joint.name)))
+            screw = _screw(motion, _axis(tree, joint), pose)
+            mimic = mimics.get(joint.name)
+            joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
     found = Robot(
-        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source("urdf", place),
+        tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
         base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     return as_meant(found, angles)

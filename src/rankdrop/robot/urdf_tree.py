@@ -1,13 +1,18 @@
-"""The tree of a URDF or MJCF: which joint joins which links. Structure only, no numbers."""
+"""The tree of a URDF or MJCF: which joint joins which links, and which links are base and tip. Structure, no numbers.
+
+Where the user names neither end, what was chosen is said, and nothing is guessed where more than one would do.
+"""
 
 from __future__ import annotations
 
 import difflib
+import re
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.xml_file import Element
+from rankdrop.robot.files import Element
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,3 +197,172 @@ def _hint(name: str, known: Iterable[str]) -> dict[str, str]:
     if close:
         hint["mend"] = f"did you mean {' or '.join(close)}?"
     return hint
+
+
+_TIP_NAMES = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        r"tool_?0$",
+        r"(^|_)tcp(_link|_frame)?$|(^|_)tool(_link|_frame|_center_point)?$",
+        r"(^|_)(ee|eef|end_?effector)(_link|_frame)?$",
+        r"grasp|pinch|gripper_frame",
+        r"flange|attachment",
+        r"(hand|gripper|palm)(_link|_base|_base_link)?$",
+    )
+)
+"""Names that say "this is the tip", best first."""
+_JAW = re.compile(r"grip|finger|jaw|claw", re.IGNORECASE)
+_WRIST = re.compile(r"wrist|roll|rot|yaw|pitch|flex", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Base and tip, the joints between them, and what was chosen for the user."""
+
+    base: str
+    tip: str
+    path: list[TreeJoint]
+    notes: list[str]
+
+
+def choose_ends(tree: Tree, base: str | None, tip: str | None) -> Ends:
+    """Base and tip of the chain.
+
+    Base: the root of the tree (of `tip` if given). Tip: the end that most moving joints lead to. Where several branches
+    are equally long, or three and more meet, and all are shorter than the chain that carries them, they are fingers and
+    the arm ends there; so it does before a single last joint that is named as a jaw. Several arms of equal length are
+    an error that lists their tips. Among the links fixed together at the end of an arm, a usual name (tool0, tcp,
+    ee_link, flange, hand …) decides, then the only last one, then the link of the last joint itself.
+
+    Raises:
+        RobotError: a link that is not there, several roots or branches to choose from, a tip not below the base.
+    """
+    notes: list[str] = []
+    if tip is not None:
+        tree.check_link(tip, "tip")
+    if base is None:
+        base = _root(tree) if tip is None else tree.root_of(tip)
+        notes.append(f"base {base!r} chosen: the root link")
+    else:
+        tree.check_link(base, "base")
+    if tip is None:
+        tip, note = _default_tip(tree, base)
+        notes.append(note)
+    path = tree.path(base, tip)
+    if not any(joint.moves for joint in path):
+        raise RobotError(
+            f"there is no moving joint between {base!r} and {tip!r}", where=tree.file, mend="name another base or tip",
+            typed="name another --base or --tip",
+        )
+    return Ends(base, tip, path, notes)
+
+
+def _root(tree: Tree) -> str:
+    roots = [link for link in tree.links if link not in tree.above]
+    moving = [link for link in roots if _most_moving(tree, link)[link]]
+    if len(moving) == 1:
+        return moving[0]
+    if not moving:
+        raise RobotError("there is no moving joint in the file", where=tree.file, allowed="at least one")
+    raise RobotError("there are several root links", where=tree.file, got=", ".join(moving),
+                     mend=f"name the base: base={moving[0]!r}",
+                     typed=f"name the base: --base {shlex.quote(moving[0])}")  # fmt: skip
+
+
+def _most_moving(tree: Tree, base: str) -> dict[str, int]:
+    """For each link at or below `base`, the largest number of moving joints on a way down from it."""
+    order = [base]
+    for link in order:  # grows while it is walked
+        order.extend(joint.child for joint in tree.below.get(link, ()))
+    most: dict[str, int] = {}
+    for link in reversed(order):
+        most[link] = max((joint.moves + most[joint.child] for joint in tree.below.get(link, ())), default=0)
+    return most
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """Where a chain ends by itself: `link` after `passed` moving joints, or before the branches of a gripper."""
+
+    link: str
+    body: dict[str, int]  # `link` and what is fixed to it, see `_fixed_together`
+    passed: int
+    gripper: list[TreeJoint]
+
+
+def _default_tip(tree: Tree, base: str) -> tuple[str, str]:
+    ends = _longest(tree, base)
+    tips = [_name_of_tip(tree, end.link, end.body) for end in ends]
+    if len(ends) > 1:
+        names = [tip for tip, _ in tips]
+        raise RobotError(
+            f"several chains of {_moving(ends[0].passed)} start at {base!r}", where=tree.file,
+            got=f"tips {', '.join(names)}", mend=f"name the tip: tip={names[0]!r}",
+            typed=f"name the tip: --tip {shlex.quote(names[0])}",
+        )
+    (end,), ((tip, why),) = ends, tips
+    parts = ", ".join(joint.name for joint in end.gripper)
+    left_out = f"; the gripper after it is left out ({parts})" if parts else ""
+    return tip, f"tip {tip!r} chosen: end of the longest chain, {_moving(end.passed)}{why}{left_out}"
+
+
+def _longest(tree: Tree, base: str) -> list[_End]:
+    """The ends below `base` that most moving joints lead to, grippers not counted, in the order of the file."""
+    most = _most_moving(tree, base)
+    order = [(base, 0)]
+    bodies: dict[str, dict[str, int]] = {}
+    branches: dict[str, list[TreeJoint]] = {}
+    for link, passed in order:  # grows while it is walked
+        bodies[link] = _fixed_together(tree, link)
+        branches[link] = [joint for part in bodies[link] for joint in tree.below.get(part, ()) if joint.moves]
+        if not _is_gripper(branches[link], most, passed):
+            order.extend((joint.child, passed + 1) for joint in branches[link])
+    reached = dict(order)
+    below: dict[str, list[_End]] = {}
+    for link, passed in reversed(order):
+        found = [end for joint in branches[link] if joint.child in reached for end in below.pop(joint.child)]
+        longest = max((end.passed for end in found), default=passed)
+        own = _End(link, bodies[link], passed, branches[link])
+        below[link] = [end for end in found if end.passed == longest] or [own]
+    return below[base]
+
+
+def _is_gripper(branches: list[TreeJoint], most: dict[str, int], passed: int) -> bool:
+    """Are these, after `passed` moving joints, fingers or a jaw?"""
+    depths = [1 + most[joint.child] for joint in branches]
+    depth = max(depths, default=0)
+    hand = 0 < depth < passed and (depths.count(depth) > 1 or len(branches) > 2)
+    return hand or (depth == 1 and len(branches) == 1 and passed >= 4 and _is_jaw(branches[0]))
+
+
+def _moving(count: int) -> str:
+    """A count of moving joints in words."""
+    return f"{count} moving joint{'' if count == 1 else 's'}"
+
+
+def _is_jaw(joint: TreeJoint) -> bool:
+    names = f"{joint.name} {joint.child}"
+    return _JAW.search(names) is not None and _WRIST.search(names) is None
+
+
+def _fixed_together(tree: Tree, link: str) -> dict[str, int]:
+    """`link` and what is fixed to it below, with the number of fixed joints from `link`."""
+    body = {link: 0}
+    for part in (order := [link]):
+        for joint in tree.below.get(part, ()):
+            if not joint.moves:
+                body[joint.child] = body[part] + 1
+                order.append(joint.child)
+    return body
+
+
+def _name_of_tip(tree: Tree, link: str, body: dict[str, int]) -> tuple[str, str]:
+    last = [part for part in body if all(joint.moves for joint in tree.below.get(part, ()))]
+    tip = last[0] if len(last) == 1 else link
+    for pattern in _TIP_NAMES:
+        named = [part for part in body if pattern.search(part)]
+        if named:
+            tip = max(named, key=lambda part: body[part])  # the first of the farthest ones
+            break
+    others = [part for part in body if part != tip]
+    return tip, f"; fixed to it: {', '.join(others[:8])}{' …' if len(others) > 8 else ''}" if others else ""

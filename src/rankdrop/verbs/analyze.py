@@ -6,17 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined
+from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined, in_exact_terms
 from rankdrop.compare.match import Match, match
-from rankdrop.compare.partition import in_exact_terms
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.sampling import Setting
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families
 from rankdrop.family.record import CorankFamilies, family_out_of_units
 from rankdrop.local.block import generic_rank
+from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.known import known_conditions
@@ -97,17 +96,16 @@ def join(
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
         return list(found), Joined(NOT_DERIVED, exact, seconds, reason)
-    own, own_task = in_units(robot), task_in_units(task, robot)
     families = [family.in_units(derived.chain) for family in derived.families]
-    agreement = match(own, own_task, generic_rank, rows, families, limits=limits, seed=seed, tolerances=tolerances)
+    problem = Problem(in_units(robot), task_in_units(task, robot), tolerances=tolerances, limits=limits)
+    agreement = match(problem, rows, families, seed=seed)
     parted: list[CorankFamilies] = []
     matches: list[Match] = []
     now: dict[str, str] = {}
     for one in found:
         corank = one.summary.corank
-        setting = Setting(own, own_task, corank, generic_rank - corank, tolerances, limits)
         exactly = [family for family in families if family.corank == corank]
-        here, there, called = in_exact_terms(setting, one, exactly, agreement, seed)
+        here, there, called = in_exact_terms(problem.at(corank), one, exactly, agreement, seed)
         parted.append(here)
         matches += there
         now |= called

@@ -14,19 +14,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.families.members import lies, wrapped
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import rescaled, slides_of
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
+from rankdrop.problem import Problem, wrapped
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.explanation.data import ExplanationData
-from rankdrop.robot.changes import Change
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.meant import count
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import Change
 from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
@@ -218,7 +218,7 @@ def _points(given: Robot, model: Robot, task: Task, family: Place, seed: int) ->
     if equations:
         q, solved = System(equations).solve(sample(model, task, POINTS, seed))
         q = wrapped(model, q[solved])
-        found = q[lies(model, task, q, family.corank)]
+        found = q[Problem(model, task, family.corank).singular(q)]
     return found if len(found) else into_metres(given, [family.witness])
 
 

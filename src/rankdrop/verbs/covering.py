@@ -12,8 +12,7 @@ from rankdrop._handles import check_robot
 from rankdrop.certify.bittree import Cells
 from rankdrop.certify.coverfile import load, write_covering
 from rankdrop.certify.covering import BUDGET, Covering, covering, looked_into, plan_of
-from rankdrop.compare.covered import Explainer
-from rankdrop.compare.places import spots
+from rankdrop.compare.covered import Explainer, spots
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.local.block import joint_scale

@@ -26,7 +26,15 @@ from rankdrop.local.ways_out import JointEscape, escape
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Blame, ExplainSettings, Far
 from rankdrop.results.explanation.explanation import Explanation
-from rankdrop.results.explanation.parts import how_far, known_families, lost_of, met_at, verdict_of
+from rankdrop.results.explanation.parts import (
+    checked_frame,
+    how_far,
+    known_families,
+    lost_of,
+    met_at,
+    turned_task,
+    verdict_of,
+)
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, EVALUATIONS, NEAR, SMALL, Tolerances
@@ -51,6 +59,7 @@ def explain(
     seed: int = 0,
     length_scale: float | None = None,
     tolerances: Tolerances = DEFAULT,
+    frame: str | None = None,
 ) -> Explanation:
     """Explain one configuration: at, near, or far from a singularity.
 
@@ -75,6 +84,8 @@ def explain(
         seed: of every random choice.
         length_scale: translation rows are divided by it [m]; None is that of the task, else the arm's reach.
         tolerances: thresholds, recorded in the result.
+        frame: in whose axes lost motions and the cost of motion are told: "base", "tool", or "link", the one in which
+            they are simplest; None tells what is lost in all three.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -101,8 +112,9 @@ def explain(
     resolved = resolve_task(task, robot, length_scale=length_scale)
     families, source = known_families(robot, resolved, analysis, tolerances)
     settings = ExplainSettings(
-        near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION
-    )
+        near, small, limits, evaluations, step, seed, float(resolved.scale(robot)), tolerances, VERSION,
+        checked_frame(frame),
+    )  # fmt: skip
     rank = rank_at(robot, configuration, resolved, tolerances)
     return _explained(Asked(robot, configuration, resolved, rank, families, source, coranks, settings))
 
@@ -115,6 +127,7 @@ def _explained(asked: Asked) -> Explanation:
     at_hand = far.nearest if verdict == "near" and far.near_miss is None else None
     focus = q if at_hand is None else np.array(at_hand.q)
     corank = rank.corank if at_hand is None else at_hand.corank
+    lost = lost_of(asked, focus, corank or (1 if far.near_miss is not None else 0))
     way_out = escape(robot, q, task, tolerances=settings.tolerances, seed=settings.seed, step=settings.step)
     return Explanation(
         robot=robot,
@@ -128,10 +141,10 @@ def _explained(asked: Asked) -> Explanation:
         met=met_at(asked, focus, corank) if corank else (),
         source=asked.source,
         relations=relations_at(robot, focus),
-        lost=lost_of(asked, focus, corank or (1 if far.near_miss is not None else 0)),
+        lost=lost,
         blame=_blame(asked, focus, corank),
         escape=way_out,
-        rates=joint_rates(robot, q, task),
+        rates=joint_rates(robot, q, turned_task(task, settings.frame, lost)),
         far=far,
         failures=failures_at(robot, q, task, tolerances=settings.tolerances),
         ellipsoids=ellipsoids(robot, q, task),

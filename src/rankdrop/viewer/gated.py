@@ -8,18 +8,26 @@ import functools
 import io
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from http.client import HTTPConnection, HTTPException
 from typing import TYPE_CHECKING, Any
 
 from rankdrop.errors import MissingExtraError, OptionError
+from rankdrop.robot import LARGEST_FILE
 from rankdrop.viewer.gate import Gate
 
 if TYPE_CHECKING:
     import viser
 
+LARGEST_MESSAGE = 2 * 2**20
+"""Bytes of one message of a page; its uploads come in parts of half a megabyte."""
+MOST_CLIENTS = 32
+"""Pages that are connected at one time."""
+LARGEST_UPLOAD = LARGEST_FILE
+"""Bytes of a file that is uploaded, and of all that are under way at one time."""
 _LAST_PORT = 65535
+_LATER = 1013  # the websocket's code for "try again later"
 _TRIES = 100  # ports after the default one
 _starting = threading.Lock()
 
@@ -98,15 +106,79 @@ def _guarding(sockets: Any, gate: Gate) -> Iterator[None]:
     plain = sockets.serve
 
     @functools.wraps(plain)
-    def serve(*args: Any, **options: Any) -> Any:
+    def serve(handler: Any, *args: Any, **options: Any) -> Any:
         inner = options.get("process_request")
-        return plain(*args, **{**options, "process_request": _asking(gate, inner)})
+        bounds = {"max_size": LARGEST_MESSAGE, "max_queue": 4, "process_request": _asking(gate, inner)}
+        return plain(_few(handler), *args, **{**options, **bounds})
 
     sockets.serve = serve
     try:
         yield
     finally:
         sockets.serve = plain
+
+
+def _few(handler: Any) -> Any:
+    """The handler of connections, for so many at one time; the next one is told to try again later."""
+    connected = 0
+
+    async def handle(connection: Any) -> None:
+        nonlocal connected
+        if connected >= MOST_CLIENTS:
+            await connection.close(_LATER, f"{MOST_CLIENTS} pages are connected")
+            return
+        connected += 1
+        try:
+            await handler(connection)
+        finally:
+            connected -= 1
+
+    return handle
+
+
+class _Uploads(dict[str, Any]):
+    """viser's uploads under way: one that says it is too large is not begun, and none gets longer than it said."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        super().__init__()
+        self._say = say
+
+    def __setitem__(self, key: str, state: Any) -> None:
+        told = [one["total_bytes"] for one in (*self.values(), state)]
+        parts = state["part_count"]
+        if not all(isinstance(size, int) and size >= 0 for size in (*told, parts)) or len(told) > MOST_CLIENTS:
+            return
+        if sum(told) > LARGEST_UPLOAD or parts > max(1, state["total_bytes"]):
+            self._say(f"the file is too large to be opened; allowed: at most {LARGEST_UPLOAD // 2**20} MB")
+            return
+        super().__setitem__(key, {**state, "parts": _Parts(state["total_bytes"])})
+
+
+class _Parts(dict[int, bytes]):
+    """The parts of one upload; what goes beyond its length is not kept, and the length then shows it."""
+
+    def __init__(self, length: int) -> None:
+        super().__init__()
+        self._left = length
+
+    def __setitem__(self, key: int, content: bytes) -> None:
+        self._left -= len(content)
+        super().__setitem__(key, content if self._left >= 0 else b"")
+
+
+def bound_uploads(server: viser.ViserServer, say: Callable[[str], None]) -> None:
+    """Let uploads take no more than `LARGEST_UPLOAD` at one time; `say` is told of one that is refused.
+
+    Raises:
+        OptionError: this viser keeps its uploads elsewhere.
+    """
+    gui: Any = server.gui
+    if not isinstance(getattr(gui, "_current_file_upload_states", None), dict):
+        import viser
+
+        raise OptionError("uploads to this version of viser cannot be bounded, so it is not started", where="viewer",
+                          got=f"viser {viser.__version__}", mend="another version of viser, or tell us")  # fmt: skip
+    gui._current_file_upload_states = _Uploads(say)
 
 
 def _asking(gate: Gate, inner: Any) -> Any:

@@ -23,10 +23,12 @@ class Now:
 
     Attributes:
         q: (n,) [rad, m].
-        verdict: "regular", "near", "singular", "always-singular" by the first-order distance.
-        seen: what the monitor says: σ, corank, family, residual, distance.
+        verdict: "regular", "near", "singular", "always-singular" by the distance.
+        seen: what the monitor says: σ, corank, family, residual.
         family: the one q lies on; None at a regular configuration, or where no known one holds.
-        nearest: the one with the smallest residual.
+        nearest: the known one that is nearest; None where another singular configuration is, or none was reached.
+        distance: to it, or to that configuration, as `Monitor.distances` measures it [rad]; inf where none was reached.
+        at_least: no singular configuration is nearer than this: proven [rad].
         links: (N + 2, 4, 4) from `link_poses`.
         lost: (k, 6) lost directions in the task's frame; at a configuration that is not singular the weakest one.
         arrows: they as arrows.
@@ -39,6 +41,8 @@ class Now:
     seen: Sighting
     family: Family | None
     nearest: Family | None
+    distance: float
+    at_least: float
     links: Array
     lost: Array
     arrows: tuple[Arrow, ...]
@@ -70,6 +74,8 @@ class Live:
         """Everything that is cheap, at one configuration (n,) [rad, m]."""
         q = np.array(q, dtype=np.float64)
         seen = self.monitor.look_one(q)
+        far = self.monitor.distances(q[None])
+        nearest, distance = (one[0] for one in far.nearest())
         links = link_poses(self.robot, q)
         r = self.generic_rank
         lost = lost_directions(self.robot, q, self.task, max(1, seen.corank)) if r else np.zeros((0, 6))
@@ -79,10 +85,12 @@ class Live:
         sigma = float(seen.sigma[r - 1]) if r else 0.0
         return Now(
             q=q,
-            verdict=first_verdict(seen.corank, r, min(self.task.m, self.robot.n), sigma, seen.distance),
+            verdict=first_verdict(seen.corank, r, min(self.task.m, self.robot.n), sigma, float(distance)),
             seen=seen,
             family=self.families[seen.family] if seen.family >= 0 else None,
-            nearest=self.families[seen.nearest] if seen.nearest >= 0 else None,
+            nearest=self.families[nearest] if nearest >= 0 else None,
+            distance=float(distance),
+            at_least=float(far.at_least[0]),
             links=links,
             lost=lost,
             arrows=arrows(lost, links, self.task, self.body.size),

@@ -37,9 +37,9 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -
         f'font-weight:700">{sign} {now.verdict}</span>'
     )
     rank = f"rank {now.seen.rank} of {generic_rank}"
-    spare = length_of_chain - now.seen.rank
+    idle = length_of_chain - now.seen.rank
     lines = [
-        f"{badge} &nbsp;{rank}" + (f", {spare} spare" if spare else ""),
+        f"{badge} &nbsp;{rank}" + (f", {idle} idle joint motion{'s' if idle > 1 else ''}" if idle else ""),
         _family_line(now, known),
         _bars(now, generic_rank),
     ]
@@ -51,8 +51,9 @@ def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -
 def _family_line(now: Now, known: int) -> str:
     if now.family is not None:
         return f"on <b>{_name(now.family)}</b>"
-    distance = f"≈ {angle(now.seen.distance)}" if isfinite(now.seen.distance) else "unknown"
-    first = f"to the singular set {distance}"
+    first = f"to the singular set {angle(now.distance) if isfinite(now.distance) else 'unknown'}"
+    if now.at_least > 0.0:
+        first += f", proven: at least {angle_below(now.at_least)}"
     if now.seen.corank:
         first = "on none of the known families" if known else "no families are known beforehand"
     if now.nearest is None:
@@ -99,7 +100,12 @@ def details_html(found: Explanation) -> str:
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:
         what = "lost" if found.verdict == "singular" else "about to be lost"
-        lines += [f"<span style='{_QUIET}'>{what}:</span> {escape(words)}" for words in found.lost.words]
+        lines.append(f"<span style='{_QUIET}'>{what}:</span> the tool can only move so that")
+        lines += [
+            f"{escape(', '.join(seen.constraints))} <span style='{_QUIET}'>in {escape(seen.axes)}"
+            f"{escape(''.join(f'; {one}' for one in seen.short if one))}</span>"
+            for seen in found.lost.seen
+        ]
     lines += [
         f"<span style='{_QUIET}'>to blame:</span> <span style='color:{CIRCUITS[min(i, len(CIRCUITS) - 1)]}'>■</span> "
         f"{circuit_text(one)}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.local import start_posture
 from rankdrop.motion import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot
@@ -16,7 +17,7 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.gate import Gate, new_token
-from rankdrop.viewer.gated import free_port, start_gated, stop
+from rankdrop.viewer.gated import bound_uploads, free_port, start_gated, stop
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import meshes_of
 from rankdrop.viewer.session import Session
@@ -50,6 +51,7 @@ class Wishes:
         dark: a dark page.
         host, port: to listen on; port None for the default one or a later one that is free.
         expose: let other machines in, by a token.
+        frame: in whose axes motions are told, as in `explain`.
     """
 
     q: Array | None = None
@@ -62,6 +64,7 @@ class Wishes:
     host: str = HOST
     port: int | None = None
     expose: bool = False
+    frame: str | None = None
 
 
 class Viewer:
@@ -87,11 +90,13 @@ class Viewer:
         gate = Gate(port, new_token() if wishes.expose else None)
         self.server: viser.ViserServer = start_gated(wishes.host, gate)
         self.url = _url(wishes.host, gate)
-        start = plain_start(robot) if wishes.q is None else wishes.q
-        self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits)
+        start = start_posture(robot, task) if wishes.q is None else wishes.q
+        self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
+                               frame=wishes.frame)  # fmt: skip
         self.stage = Stage(self.server, live, meshes)
         self.stage.look_at_arm()
         self.controls = Controls(self.server, self.session, self.stage)
+        bound_uploads(self.server, self.controls.say)
         self._escape = EscapeTab(self.controls)
         self._families = FamiliesTab(self.controls, _SOURCES[source])
         self.path = PathTab(self.controls, deg=wishes.deg)
@@ -153,18 +158,6 @@ class Viewer:
         """End all threads and the server."""
         self.session.close()
         stop(self.server)
-
-
-def plain_start(robot: Robot) -> Array:
-    """(n,) where a viewer begins: small different angles inside the limits, where arms are seldom singular [rad, m]."""
-    q = np.resize([0.3, 0.6, -0.5, 0.7, 0.8, 0.4, 0.2], robot.n)
-    for i, joint in enumerate(robot.variables):
-        low, high = joint.lower, joint.upper
-        if joint.unit == "m":
-            q[i] = 0.5 * (low + high) if np.isfinite(low) and np.isfinite(high) else 0.1
-        elif not low < q[i] < high:
-            q[i] = -q[i] if low < -q[i] < high else 0.5 * (max(low, -np.pi) + min(high, np.pi))
-    return q
 
 
 def _url(host: str, gate: Gate) -> str:

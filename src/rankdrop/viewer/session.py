@@ -55,7 +55,8 @@ class Session:
     """
 
     def __init__(self, live: Live, listener: Listener, q: Array, *, analysis: Analysis | None = None,
-                 limits: bool = False) -> None:  # fmt: skip
+                 limits: bool = False, frame: str | None = None) -> None:  # fmt: skip
+        self.frame = frame
         self.live, self.listener, self.analysis, self.limits = live, listener, analysis, limits
         self.looked = self.thought = 0  # how many times
         self._changed = threading.Condition()
@@ -192,7 +193,7 @@ class Session:
                 known, q = self._version, self._q
             try:
                 found = explain(self.live.robot, q, self.live.task, analysis=self.analysis, limits=self.limits,
-                                evaluations=EVALUATIONS)  # fmt: skip
+                                evaluations=EVALUATIONS, frame=self.frame)  # fmt: skip
                 with self._changed:
                     if not self._open:
                         return

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rankdrop.motion import Trajectory, parse_trajectory
 from rankdrop.results import angle, short
@@ -21,7 +19,6 @@ from rankdrop.viewer.trajectory import Track, track_of
 if TYPE_CHECKING:
     import viser
 
-PLOTTED = 600  # points of a plot: more than a panel has pixels
 _SMALLEST = 1e-12  # σ is plotted from here up, its logarithm being shown
 _GREY = "#888888"
 
@@ -71,7 +68,7 @@ class PathTab:
         r = self.controls.live.generic_rank
         at = trajectory.times[track.worst]
         lines.append(f"smallest σ{r} = {short(float(track.sigma[track.worst]), 3)} at {at:.4g} s, "
-                     f"{angle(float(track.distance[track.worst]))} from the singular set (first order)")  # fmt: skip
+                     f"{angle(self._distance_at(track, track.worst))} from the singular set")  # fmt: skip
         lines.append(f"singular rows: {track.singular}")
         self._about.content = "".join(panel.message_html(line) for line in lines)
         first, last = float(trajectory.times[0]), float(trajectory.times[-1])
@@ -83,15 +80,18 @@ class PathTab:
         self._plot(track, r)
         self.controls.session.go(trajectory.q[0])
 
+    @staticmethod
+    def _distance_at(track: Track, row: int) -> float:
+        return float(track.distance[int(np.searchsorted(track.shown, row))])
+
     def _plot(self, track: Track, r: int) -> None:
         for plot in self._plots:
             plot.remove()
-        keep = thinned(track)
-        times = track.times[keep]
-        self._times = times
-        distance = np.where(np.isfinite(track.distance), track.distance, 0.0)[keep]
+        keep = track.shown
+        self._times = track.times[keep]
+        distance = np.where(np.isfinite(track.distance), track.distance, 0.0)
         self._curves = [(f"log₁₀ σ{r}", np.log10(np.maximum(track.sigma[keep], _SMALLEST)), panel.BLUE),
-                        ("distance [rad], first order", distance, panel.VERMILION)]  # fmt: skip
+                        ("distance [rad]", distance, panel.VERMILION)]  # fmt: skip
         self._plots = [self._one_plot(*curve, order) for order, curve in enumerate(self._curves)]
 
     def _one_plot(self, name: str, values: Array, colour: str, order: int) -> viser.GuiUplotHandle:
@@ -145,18 +145,3 @@ class PathTab:
         if source is self:
             for plot, (_, values, _) in zip(self._plots, self._curves, strict=True):
                 plot.data = (self._times, values, self._marker(values))
-
-
-def thinned(track: Track, count: int = PLOTTED) -> NDArray[np.intp]:
-    """(P,) indices of rows to plot: at most about `count`, and of every stretch the one with the smallest σ.
-
-    A dip of one row between two that are plotted would be lost otherwise.
-    """
-    total = len(track.times)
-    if total <= count:
-        return np.arange(total)
-    edges = np.linspace(0, total, count // 2 + 1).astype(int)
-    keep = {0, total - 1}
-    for low, high in pairwise(edges.tolist()):
-        keep |= {low, low + int(track.sigma[low:high].argmin())}
-    return np.array(sorted(keep), dtype=np.intp)

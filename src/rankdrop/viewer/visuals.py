@@ -61,7 +61,7 @@ def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual
 
     Args:
         robot: from `open_robot`.
-        packages: package name -> folder, for package://; others are looked for (see `robot.packages.find_package`).
+        packages: package name -> folder, for package://; others are looked for (see `robot.xacro.find_package`).
 
     Returns:
         Shapes, and one line of text for every shape that was left out.

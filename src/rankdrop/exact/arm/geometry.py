@@ -21,9 +21,9 @@ import numpy as np
 
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.reach import reach
-from rankdrop.robot.lengths import LETTERS_ALLOWED, is_letter
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.normals import Line, Normal, axis_lines, common_normals, frame_at
+from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at
+from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
 from rankdrop.units import exponent, shifted
 

@@ -25,9 +25,8 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.methods.by_minors import cofactors, decomposition, determinant
 from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
 from rankdrop.exact.methods.draft import Draft
-from rankdrop.exact.methods.reciprocity import reciprocity
-from rankdrop.exact.methods.singular_vector import singular_vector
-from rankdrop.exact.suppression.basic_screws import check_basic
+from rankdrop.exact.methods.reciprocity import reciprocity, singular_vector
+from rankdrop.exact.suppression.factors import check_basic
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
 

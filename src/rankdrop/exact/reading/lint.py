@@ -26,6 +26,7 @@ from rankdrop.exact.tree import rank_on
 from rankdrop.exact.writing.condition import RADIANS, Condition, pin_text
 from rankdrop.family.equation import Equation
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
+from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
 from rankdrop.units import into_units, out_of_units
 
@@ -163,7 +164,7 @@ def real_points(piece: Variety, chain: Chain, *, seed: int = 0) -> Iterator[Arra
             if not _solve(equations, theta, chosen):
                 continue
             turning = [j - 1 for j in piece.ring.revolute]
-            theta[turning] = np.pi - np.remainder(np.pi - theta[turning], 2 * np.pi)
+            theta[turning] = wrap(theta[turning])
         yield out_of_units(chain.robot, theta)
 
 
@@ -358,7 +359,7 @@ class _Comparison:
         robot, task = self.chain.robot, self.chain.task
         q = theta - self.chain.shifts
         turning = [j - 1 for j in self.ring.revolute]
-        q[turning] = np.pi - np.remainder(np.pi - q[turning], 2 * np.pi) + 0.0
+        q[turning] = wrap(q[turning]) + 0.0
         values = [float(one(theta, self.chain.numbers)) for one in self.parsed]
         sigma = singular_values(self.chain.own, into_units(robot, q), self.chain.own_task)
         slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]

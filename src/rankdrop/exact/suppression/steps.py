@@ -11,9 +11,8 @@ from itertools import combinations, product
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.basic_screws import Basic, triples
 from rankdrop.exact.suppression.dependence import Dependence, Proof
-from rankdrop.exact.suppression.factors import Product
+from rankdrop.exact.suppression.factors import Basic, Product, triples
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.writing.notation import SUPERSCRIPT
 from rankdrop.exact.writing.value import condition_text, text_of

@@ -18,9 +18,17 @@ from rankdrop.exact.algebra.ring import letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.basic_screws import Basic, check_basic, choose, determinants, why
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
-from rankdrop.exact.suppression.factors import Product, joined, taken_apart
+from rankdrop.exact.suppression.factors import (
+    Basic,
+    Product,
+    check_basic,
+    choose,
+    determinants,
+    joined,
+    taken_apart,
+    why,
+)
 from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.steps import Case, SuppressedFamily, Suppression, conditions_text
 from rankdrop.exact.suppression.stratum import Stratum

@@ -59,6 +59,16 @@ inline void advance(Motion& g, const JointConstants& joint, Pack value) {
     for (int i = 0; i < 3; ++i) t[i] = value * joint.a[i] + d * joint.b[i] - s * joint.c[i];
     for (int i = 0; i < 3; ++i) g.t[i] = g.t[i] + (g.r[3 * i] * t[0] + g.r[3 * i + 1] * t[1] + g.r[3 * i + 2] * t[2]);
     if (!joint.turns) return;
+    if (joint.axis >= 0) {  // as most joints of most arms: the same numbers without the products by 0 and 1
+        const int i = (joint.axis + 1) % 3, j = (joint.axis + 2) % 3;
+        const Pack cosine = fill(1.0) - d, sine = s * joint.w[joint.axis];
+        for (int row = 0; row < 9; row += 3) {
+            const Pack a = g.r[row + i], b = g.r[row + j];
+            g.r[row + i] = a * cosine + b * sine;
+            g.r[row + j] = b * cosine - a * sine;
+        }
+        return;
+    }
     const double x = joint.w[0], y = joint.w[1], z = joint.w[2];
     const double ww[9] = {x * x - 1, x * y, x * z, x * y, y * y - 1, y * z, x * z, y * z, z * z - 1};
     const double skew[9] = {0, -z, y, z, 0, -x, -y, x, 0};
@@ -110,7 +120,10 @@ inline void forward(const Chain& chain, const View& view, const Pack* q, Placed&
         if (link == joints) continue;  // the tip moves with the last joint
         const JointConstants& joint = chain.joints[link];
         Twist& screw = out.screws[link];
-        rotate(g, joint.w, screw.w);
+        if (joint.axis >= 0)
+            for (int i = 0; i < 3; ++i) screw.w[i] = g.r[3 * i + joint.axis] * joint.w[joint.axis];
+        else
+            rotate(g, joint.w, screw.w);
         rotate(g, joint.v, screw.v);
         Pack moment[3];
         cross(g.t, screw.w, moment);

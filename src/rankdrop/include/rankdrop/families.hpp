@@ -37,6 +37,10 @@ struct Families {
     std::vector<double> phase_m{};                  // multiple of the joint, or the constant
     std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
     std::vector<int> node{};                        // of every term: e^(i angle)
+    // of every family: may Newton walk to it (its coupled equations are short enough), and what its equations are made of
+    std::vector<char> walked{};
+    std::vector<int> first_phase{}, own_phase{}, first_node{}, own_node{};
+    int widest = 0;                                 // coupled equations of a family that is walked to, at most
 
     int angles() const { return static_cast<int>(shift.size()); }
     int phases() const { return static_cast<int>(phase_m.size()); }
@@ -63,7 +67,33 @@ struct Families {
         for (std::size_t i = 0; i < powers.size(); ++i)
             if (powers[i] != 0) powered[i / n] = 1;
         multiply_out();
+        prepare_walks();
         return true;
+    }
+
+    void prepare_walks() {
+        constexpr int kLong = 100;  // terms: eight steps of a walk take some microseconds
+        walked.clear(), first_phase.assign(1, 0), first_node.assign(1, 0), own_phase.clear(), own_node.clear();
+        for (std::size_t family = 0; family < corank.size(); ++family) {
+            std::vector<char> nodes_met(node_phase.size(), 0), phases_met(phase_m.size(), 0);
+            int rows = 0, count = 0;
+            for (std::size_t e = (std::size_t)equations[family]; e < (std::size_t)equations[family + 1]; ++e) {
+                if (!coupled[e]) continue;
+                ++rows, count += terms[e + 1] - terms[e];
+                for (int t = terms[e]; t < terms[e + 1]; ++t)
+                    for (int k = node[(std::size_t)t]; k >= 0 && !nodes_met[(std::size_t)k]; k = node_before[(std::size_t)k])
+                        nodes_met[(std::size_t)k] = 1, phases_met[(std::size_t)node_phase[(std::size_t)k]] = 1;
+            }
+            walked.push_back(rows > 0 && count <= kLong);
+            if (walked.back()) {
+                widest = std::max(widest, rows);
+                for (std::size_t k = 0; k < nodes_met.size(); ++k)
+                    if (nodes_met[k]) own_node.push_back((int)k);
+                for (std::size_t k = 0; k < phases_met.size(); ++k)
+                    if (phases_met[k]) own_phase.push_back((int)k);
+            }
+            first_node.push_back((int)own_node.size()), first_phase.push_back((int)own_phase.size());
+        }
     }
 
     void multiply_out() {
@@ -96,7 +126,7 @@ struct MonitorSettings {
     double loose = 1e-3;        // where none of its corank does: the nearest one of its corank, up to here [rad]
     double start = 0.2;         // motion towards a family is slowed nearer than this [rad]
     double stop = 0.02;         // and stopped nearer than this [rad]
-    bool beyond = false;        // there may be singularities beyond the families: sigma's first-order distance counts
+    bool beyond = false;        // there may be singularities beyond the families: sigma over its slope counts as a distance
     std::vector<double> rates{};  // (n) largest joint rates, infinite for none; or empty
 };
 

@@ -65,6 +65,7 @@ inline double abs(double x) { return std::fabs(x); }
 inline double max(double a, double b) { return a > b ? a : b; }
 inline double min(double a, double b) { return a < b ? a : b; }
 inline double sqrt(double x) { return std::sqrt(x); }
+inline bool any(bool mask) { return mask; }
 #endif
 inline Pack select(Mask mask, Pack yes, Pack no) { return mask ? yes : no; }
 inline Pack abs(Pack x) { return select(x < fill(0.0), -x, x); }

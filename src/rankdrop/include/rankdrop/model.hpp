@@ -10,6 +10,7 @@ struct JointConstants {
     double v[3], w[3];            // screw at q = 0, linear part first
     double a[3], b[3], c[3];      // translation of the exponential: v + WWv, Wv, WWv (prismatic: v, 0, 0)
     bool turns;                   // revolute or helical
+    int axis;                     // 0, 1, 2 where w is exactly ± that axis of the base, else −1
     int variable;                 // which entry of q drives it
     double multiplier, offset;    // joint value = multiplier * q[variable] + offset
 };
@@ -18,9 +19,12 @@ struct JointConstants {
 inline JointConstants joint_constants(const double* screw, bool turns, int variable, double multiplier, double offset) {
     JointConstants joint{};
     for (int c = 0; c < 3; ++c) joint.v[c] = screw[c], joint.w[c] = screw[3 + c], joint.a[c] = screw[c];
+    joint.axis = -1;
     joint.turns = turns, joint.variable = variable, joint.multiplier = multiplier, joint.offset = offset;
     if (!turns) return joint;
     const double *w = joint.w, *v = joint.v;
+    for (int c = 0; c < 3; ++c)
+        if (w[c] * w[c] == 1.0 && w[(c + 1) % 3] == 0.0 && w[(c + 2) % 3] == 0.0) joint.axis = c;
     const double along = w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
     const double wv[3] = {w[1] * v[2] - w[2] * v[1], w[2] * v[0] - w[0] * v[2], w[0] * v[1] - w[1] * v[0]};
     for (int c = 0; c < 3; ++c) {

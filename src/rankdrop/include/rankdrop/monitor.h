@@ -59,8 +59,7 @@ typedef struct rankdrop_step {
     int family;             /* the one the configuration lies on */
     int nearest;            /* the one that the smallest motion reaches */
     double residual;        /* |f|/|grad f| of family, or of nearest [rad] */
-    double distance;        /* sigma_r over its slope, a first-order distance [rad] */
-    double reach;           /* distance to nearest [rad] */
+    double distance;        /* to nearest [rad]; where `beyond`, sigma over its slope if that is smaller */
     double approach;        /* share of the motion that leads towards nearest, -1 to 1 */
     double scaling;         /* 0 to 1: what the motion is to be multiplied by; 1 for every motion that leads away */
     double rate_scaling;    /* 0 to 1: the same, for the joint rates to keep their limits */
@@ -78,9 +77,9 @@ void rankdrop_monitor_free(rankdrop_monitor* monitor);
 /* q and velocity have as many entries as the arm has variables; velocity may be NULL for none. Returns 1, or 0 where one
  * of them is not finite: then `out` says rank -1 and scaling 0. */
 int rankdrop_monitor_step(rankdrop_monitor* monitor, const double* q, const double* velocity, rankdrop_step* out);
-/* Of one family at the last step: its reach and residual [rad], and `away` (variables), the gradient of the reach by q.
+/* Of one family at the last step: its distance and residual [rad], and `away` (variables), the gradient of the distance by q.
  * Returns 1, or 0 for a number that is no family's. */
-int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* reach, double* residual, double* away);
+int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* distance, double* residual, double* away);
 
 #ifdef __cplusplus
 }

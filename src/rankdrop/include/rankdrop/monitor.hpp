@@ -6,7 +6,7 @@
 //     velocity *= std::min(seen.scaling, seen.rate_scaling);
 //
 // With x = velocity / scale, joint by joint (scale: 1 for angles, the length scale for slides), and for each family the
-// distance d (`reach`) and its gradient g by the scaled variables (`away`, there by q itself),
+// distance d and its gradient g by the scaled variables (`away`, there by q itself),
 //
 //     c = max(0, -g.x / |x|)                          the share of the motion that leads towards the family
 //     k = (d - stop) / (start - stop), in 0 ... 1
@@ -40,9 +40,9 @@ namespace rankdrop {
 
 class Monitor {
   public:
-    // Of one family at the last step; `away`: (variables) gradient of the reach by q.
+    // Of one family at the last step; `away`: (variables) gradient of the distance by q.
     struct Nearness {
-        double reach, residual;
+        double distance, residual;
         const double* away;
     };
 
@@ -66,10 +66,10 @@ class Monitor {
             throw std::invalid_argument("rankdrop: one rate for each variable");
         const std::size_t n = size(), m = static_cast<std::size_t>(view_.m), count = families_.corank.size() + 1;
         const std::size_t nodes = static_cast<std::size_t>(families_.nodes());
-        work_ = std::make_unique<Work>(chain_, view_.m);
+        work_ = std::make_unique<Work>(chain_, view_.m, families_);
         sigma_.resize(std::min(m, n)), u_.resize(m * m), phase_.resize(2 * static_cast<std::size_t>(families_.phases()));
         sine_.resize(nodes), cosine_.resize(nodes);
-        reach_.resize(count), residual_.resize(count), away_.resize(count * n), slope_.resize(count * n);
+        each_.resize(count), away_.resize(count * n), slope_.resize(count * n);
         inner_.resize(count * n), square_.resize(count), active_.resize(count);
         basis_.resize(n * n), gradient_.resize(n), null_.resize(n);
         held_.resize(n * n), upper_.resize(n * n), bound_.resize(n), pull_.resize(n), wish_.resize(n);
@@ -99,7 +99,7 @@ class Monitor {
 
     Nearness family(int number) const noexcept {
         const std::size_t f = static_cast<std::size_t>(number);
-        return {reach_[f], residual_[f], slope_.data() + f * size()};
+        return {each_[f].distance, each_[f].residual, slope_.data() + f * size()};
     }
 
   private:
@@ -110,11 +110,12 @@ class Monitor {
         Arena arena;
         RANKDROP_ISA::Workspace ws;
         Pack *x, *scratch, *gradient;
+        RANKDROP_ISA::WalkRoom<double> walks;
 
-        Work(const Chain& chain, int m)
+        Work(const Chain& chain, int m, const Families& families)
             : ws(chain, m, arena), x(arena.take<Pack>(static_cast<std::size_t>(chain.variables))),
               scratch(arena.take<Pack>(static_cast<std::size_t>(chain.variables) * static_cast<std::size_t>(m))),
-              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))) {}
+              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))), walks(families, arena) {}
     };
 
     static constexpr double kAlong = 1e-9;  // a share of motion that rounding makes [1]
@@ -135,31 +136,30 @@ class Monitor {
         out.corank = settings_.generic - out.rank;
         RANKDROP_ISA::waves_of_one(families_, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
-        const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, [&](int family) {
-            const auto one = RANKDROP_ISA::apart<double>(families_, family, q, waves, gradient_.data(), away_.data() + family * n);
-            reach_[family] = one.reach, residual_[family] = one.residual;
-            return one;
-        });
+        for (int f = 0; f < families(); ++f)
+            each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
+        RANKDROP_ISA::walk_all<double>(families_, settings_.start, q, work_->walks, each_.data(), away_.data());
+        const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, each_.data());
         out.family = static_cast<int>(met.family), out.nearest = static_cast<int>(met.nearest), out.residual = met.residual;
-        out.distance = RANKDROP_ISA::get(
-            RANKDROP_ISA::first_order_distance(chain_, view_, families_, settings_, ws, work_->scratch, work_->gradient), 0);
+        out.distance = met.distance;
         beyond(out);
         for (int f = 0; f < count(); ++f)
             for (int j = 0; j < n; ++j) slope_[f * n + j] = away_[f * n + j] / families_.scale[j];
-        out.reach = out.nearest < 0 ? HUGE_VAL : reach_[out.nearest];
-        if (settings_.beyond && out.distance < out.reach) out.reach = out.distance;
     }
 
     // Where families are not all there is, sigma's slope is one more: its distance, and where it leads.
-    void beyond(const rankdrop_step& out) noexcept {
+    void beyond(rankdrop_step& out) noexcept {
         if (!settings_.beyond) return;
+        const double slope = RANKDROP_ISA::get(
+            RANKDROP_ISA::first_order_distance(chain_, view_, families_, settings_, work_->ws, work_->scratch, work_->gradient), 0);
         const int n = chain_.variables, f = families();
         double square = 0.0;
         for (int j = 0; j < n; ++j) {
             gradient_[j] = RANKDROP_ISA::get(work_->gradient[j], 0);
             square += gradient_[j] * gradient_[j];
         }
-        reach_[f] = residual_[f] = square > 0.0 ? out.distance : out.corank > 0 ? 0.0 : HUGE_VAL;
+        each_[f].distance = each_[f].residual = square > 0.0 ? slope : out.corank > 0 ? 0.0 : HUGE_VAL;
+        out.distance = std::min(out.distance, slope);
         for (int j = 0; j < n; ++j) away_[f * n + j] = square > 0.0 ? gradient_[j] / std::sqrt(square) : 0.0;
     }
 
@@ -170,7 +170,7 @@ class Monitor {
     int first() const {
         int best = -1;
         for (int f = 0; f < count(); ++f)
-            if (std::isfinite(reach_[f]) && (best < 0 || reach_[f] < reach_[best])) best = f;
+            if (std::isfinite(each_[f].distance) && (best < 0 || each_[f].distance < each_[best].distance)) best = f;
         return best;
     }
 
@@ -190,9 +190,9 @@ class Monitor {
             for (int j = 0; j < n; ++j) share -= slope_[f * n + j] * velocity[j];
             share /= length;
             if (f == nearest) out.approach = share;
-            if (reach_[f] <= settings_.on || share <= kAlong || !(reach_[f] < settings_.start)) continue;
+            if (each_[f].distance <= settings_.on || share <= kAlong || !(each_[f].distance < settings_.start)) continue;
             const double c = std::min(share, 1.0);
-            const double k = std::max(0.0, (reach_[f] - settings_.stop) / (settings_.start - settings_.stop));
+            const double k = std::max(0.0, (each_[f].distance - settings_.stop) / (settings_.start - settings_.stop));
             out.scaling = std::min(out.scaling, k / (k * (1.0 - c) + c));
         }
     }
@@ -206,7 +206,7 @@ class Monitor {
         int columns = 0;
         for (int i = rank; i < n; ++i) columns += null_column(i, columns);
         for (int f = 0; f < count(); ++f) {
-            active_[f] = f == nearest || (reach_[f] < settings_.start && reach_[f] > settings_.on);
+            active_[f] = f == nearest || (each_[f].distance < settings_.start && each_[f].distance > settings_.on);
             if (active_[f]) project(f, columns);
         }
         if (!(square_[nearest] > 1e-18)) return;
@@ -411,8 +411,9 @@ class Monitor {
     std::string name_;
     std::vector<std::string> ids_, names_;
     std::unique_ptr<Work> work_;
-    std::vector<double> sigma_, u_, phase_, sine_, cosine_, reach_, residual_;
-    std::vector<double> away_, slope_, inner_;  // (families + 1, n) gradients of reach: by scaled variables, by q, internal
+    std::vector<double> sigma_, u_, phase_, sine_, cosine_;
+    std::vector<RANKDROP_ISA::Apart<double>> each_;  // of families, and sigma over its slope
+    std::vector<double> away_, slope_, inner_;  // (families + 1, n) gradients of distances: by scaled variables, by q, internal
     std::vector<double> square_, basis_, gradient_, null_, held_, upper_, pull_, wish_;
     std::vector<int> bound_;
     std::vector<char> active_;

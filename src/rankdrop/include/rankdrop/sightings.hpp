@@ -1,7 +1,8 @@
-// What a monitor sees: families, residuals, ways away and first-order distance, of packs of configurations or of one.
+// What a monitor sees: families, residuals, distances and ways away, of packs of configurations or of one.
 #pragma once
 
 #include <type_traits>
+#include <vector>
 
 #include "block.hpp"
 #include "families.hpp"
@@ -25,15 +26,18 @@ struct Waves {
     const T *sine, *cosine;
 };
 
+template <class T>
+inline void multiply_one(const Families& table, int k, const T* phase, T* sine, T* cosine) {
+    const int before = table.node_before[k], last = table.node_phase[k];
+    const T s = phase[last], c = phase[table.phases() + last];
+    sine[k] = before < 0 ? s : sine[before] * c + cosine[before] * s;
+    cosine[k] = before < 0 ? c : cosine[before] * c - sine[before] * s;
+}
+
 // `phase`: sines of all phases, then their cosines.
 template <class T>
 inline void multiply(const Families& table, const T* phase, T* sine, T* cosine) {
-    for (int k = 0; k < table.nodes(); ++k) {
-        const int before = table.node_before[k], last = table.node_phase[k];
-        const T s = phase[last], c = phase[table.phases() + last];
-        sine[k] = before < 0 ? s : sine[before] * c + cosine[before] * s;
-        cosine[k] = before < 0 ? c : cosine[before] * c - sine[before] * s;
-    }
+    for (int k = 0; k < table.nodes(); ++k) multiply_one(table, k, phase, sine, cosine);
 }
 
 template <class T>
@@ -47,19 +51,23 @@ inline void waves_at(const Families& table, const Pack* q, Pack* phase, Pack* si
     multiply(table, phase, sine, cosine);
 }
 
-// One configuration, one phase in each lane: the same bits.
-inline void waves_of_one(const Families& table, const double* q, double* phase, double* sine, double* cosine) {
-    const int count = table.phases();
+// One configuration, one phase in each lane: the same bits. `number` gives the phases, `count` of them.
+template <class Number>
+inline void phases_of_one(const Families& table, int count, Number number, const double* q, double* phase) {
     for (int first = 0; first < count; first += W) {
         const int here = count - first < W ? count - first : W;
         Pack angle = fill(0.0), s, c;
-        for (int lane = 0; lane < here; ++lane) set(angle, lane, phase_at(table, first + lane, q));
+        for (int lane = 0; lane < here; ++lane) set(angle, lane, phase_at(table, number(first + lane), q));
         sincos(angle, s, c);
         for (int lane = 0; lane < here; ++lane) {
-            phase[first + lane] = get(s, lane);
-            phase[count + first + lane] = get(c, lane);
+            phase[number(first + lane)] = get(s, lane);
+            phase[table.phases() + number(first + lane)] = get(c, lane);
         }
     }
+}
+
+inline void waves_of_one(const Families& table, const double* q, double* phase, double* sine, double* cosine) {
+    phases_of_one(table, table.phases(), [](int i) { return i; }, q, phase);
     multiply(table, phase, sine, cosine);
 }
 
@@ -96,16 +104,31 @@ inline T equation_at(const Families& table, int equation, const T* q, const Wave
     return f;
 }
 
+// The way from the nearest value of a pinned joint to where it is.
+template <class T>
+inline T way_of(const Families& table, int pin, const T* q) {
+    const int j = table.pinned[pin];
+    const T turn = T{} + 6.283185307179586, round = T{} + 6755399441055744.0;  // 1.5 * 2^52
+    T least = T{} + HUGE_VAL, way{};
+    for (int v = table.at[pin]; v < table.at[pin + 1]; ++v) {
+        T gap = q[j] - table.values[v];
+        if (table.periodic[j]) gap = gap - turn * ((gap / turn + round) - round);
+        way = select(abs(gap) < least, gap, way);
+        least = min(least, abs(gap));
+    }
+    return way;
+}
+
 // Of one family: `residual`, largest |f|/|grad f| over its equations, with |f|^(1/2) where the gradient is small, never
-// far above the distance; `reach`, the motion of the pinned joints to their nearest values, exactly, and of the coupled
-// ones by that measure [rad].
+// far above the distance; `distance`, the motion of the pinned joints to their nearest values, exactly, and of the coupled
+// ones by that measure or, after `walk`, to the nearest point that Newton's steps come to [rad].
 template <class T>
 struct Apart {
-    T residual, reach;
+    T residual, distance;
 };
 
-// `away`, of one configuration only and where not null: the gradient of `reach` by the scaled joint variables, along the
-// steepest of the coupled equations; zero on the family.
+// `away`, of one configuration only and where not null: the gradient of the distance by the scaled joint variables, along
+// the steepest of the coupled equations; zero on the family.
 template <class T>
 inline Apart<T> apart(const Families& table, int family, const T* q, const Waves<T>& waves, T* gradient, double* away) {
     const int n = table.variables;
@@ -128,55 +151,171 @@ inline Apart<T> apart(const Families& table, int family, const T* q, const Waves
                 for (int j = 0; j < n; ++j) away[j] = gradient[j] * ((f < 0.0 ? -size : size) / slope);
         coupled = max(coupled, size);
     }
-    const T turn = T{} + 6.283185307179586, round = T{} + 6755399441055744.0;  // 1.5 * 2^52
-    T reach = coupled * coupled;
+    T distance = coupled * coupled;
     for (int p = table.pins[family]; p < table.pins[family + 1]; ++p) {
         const int j = table.pinned[p];
-        T least = T{} + HUGE_VAL, way{};
-        for (int v = table.at[p]; v < table.at[p + 1]; ++v) {
-            T gap = q[j] - table.values[v];
-            if (table.periodic[j]) gap = gap - turn * ((gap / turn + round) - round);
-            way = select(abs(gap) < least, gap, way);
-            least = min(least, abs(gap));
-        }
-        least = least / (T{} + table.scale[j]);
-        reach = reach + least * least;
+        const T way = way_of(table, p, q) / (T{} + table.scale[j]);
+        distance = distance + way * way;
         if constexpr (std::is_same_v<T, double>)
-            if (away) away[j] += way / table.scale[j];
+            if (away) away[j] += way;
     }
-    reach = sqrt(reach);
+    distance = sqrt(distance);
     if constexpr (std::is_same_v<T, double>)
-        if (away && reach > 0.0)
-            for (int j = 0; j < n; ++j) away[j] /= reach;
-    return {worst, reach};
+        if (away && distance > 0.0)
+            for (int j = 0; j < n; ++j) away[j] /= distance;
+    return {worst, distance};
+}
+
+// Room for walks: `foot` and `step` (n), `rows` (widest, n), `right` (widest), and waves of all phases and products.
+template <class T>
+struct WalkRoom {
+    T *foot, *step, *rows, *right, *phase, *sine, *cosine;
+    bool* pinned;  // (n)
+
+    WalkRoom(const Families& table, Arena& arena) {
+        const std::size_t n = (std::size_t)table.variables, widest = (std::size_t)table.widest;
+        foot = arena.take<T>(n), step = arena.take<T>(n), rows = arena.take<T>(widest * n), right = arena.take<T>(widest);
+        phase = arena.take<T>(2 * (std::size_t)table.phases()), pinned = arena.take<bool>(n);
+        sine = arena.take<T>((std::size_t)table.nodes()), cosine = arena.take<T>((std::size_t)table.nodes());
+    }
+};
+
+inline void own_phases(const Families& table, int family, const Pack* q, Pack* phase) {
+    for (int i = table.first_phase[family]; i < table.first_phase[family + 1]; ++i) {
+        const int k = table.own_phase[i];
+        sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]);
+    }
+}
+
+#if RANKDROP_WIDTH > 1
+inline void own_phases(const Families& table, int family, const double* q, double* phase) {
+    const int* own = table.own_phase.data() + table.first_phase[family];
+    const int count = table.first_phase[family + 1] - table.first_phase[family];
+    phases_of_one(table, count, [own](int i) { return own[i]; }, q, phase);
+}
+#endif
+
+inline constexpr int kWalk = 8;          // Newton steps of a walk at most
+inline constexpr double kStill = 0.05;   // a step this much shorter than the distance changes that by a thousandth of it
+inline constexpr double kStride = 0.7;   // of a step at most [rad]
+
+// step <- step - A^+ (f + A step), by Gram and Schmidt; a row that depends on those before it is left out.
+template <class T>
+inline void onto_tangent_plane(const Families& table, int family, const WalkRoom<T>& room) {
+    const int n = table.variables;
+    const Waves<T> waves{room.sine, room.cosine};
+    int rows = 0;
+    for (int e = table.equations[family]; e < table.equations[family + 1]; ++e) {
+        if (!table.coupled[e]) continue;
+        T* row = room.rows + rows * n;
+        T right = equation_at(table, e, room.foot, waves, row), before{}, after{};
+        for (int j = 0; j < n; ++j) {
+            row[j] = room.pinned[j] ? T{} : row[j] * table.scale[j];
+            right = right + row[j] * room.step[j];
+            before = before + row[j] * row[j];
+        }
+        for (int b = 0; b < rows; ++b) {
+            const T* other = room.rows + b * n;
+            T overlap{};
+            for (int j = 0; j < n; ++j) overlap = overlap + row[j] * other[j];
+            for (int j = 0; j < n; ++j) row[j] = row[j] - overlap * other[j];
+            right = right - overlap * room.right[b];
+        }
+        for (int j = 0; j < n; ++j) after = after + row[j] * row[j];
+        const T length = sqrt(max(after, T{} + 1e-300));
+        const T factor = select(after > before * 1e-14 + (T{} + 1e-28), (T{} + 1.0) / length, T{});
+        for (int j = 0; j < n; ++j) row[j] = row[j] * factor;
+        room.right[rows++] = right * factor;
+    }
+    for (int b = 0; b < rows; ++b)
+        for (int j = 0; j < n; ++j) room.step[j] = room.step[j] - room.right[b] * room.rows[b * n + j];
+}
+
+// The distance of one family by Newton's steps onto the tangent plane at x, nearest to q,
+//     x <- q - A^+ (f(x) + A (q - x)),    A = df/dx in scaled variables,
+// over the joints that are not pinned, these at their nearest values. Where they do not come to rest it stays `first`.
+// `away`, as in `apart`: from the foot to q.
+template <class T>
+inline T walk(const Families& table, int family, const T* q, T first, const WalkRoom<T>& room, double* away) {
+    const int n = table.variables;
+    const T zero{};
+    T held = zero;  // square of the pinned joints' way
+    for (int j = 0; j < n; ++j) room.foot[j] = q[j], room.pinned[j] = false;
+    for (int p = table.pins[family]; p < table.pins[family + 1]; ++p) {
+        const int j = table.pinned[p];
+        const T way = way_of(table, p, q), scaled = way / (zero + table.scale[j]);
+        room.pinned[j] = true, room.foot[j] = q[j] - way, held = held + scaled * scaled;
+    }
+    T distance = first, last = zero + HUGE_VAL;
+    Said<T> going = zero == zero;
+    for (int count = 0; count < kWalk && any(going); ++count) {
+        own_phases(table, family, room.foot, room.phase);
+        for (int i = table.first_node[family]; i < table.first_node[family + 1]; ++i)
+            multiply_one(table, table.own_node[i], room.phase, room.sine, room.cosine);
+        for (int j = 0; j < n; ++j) room.step[j] = room.pinned[j] ? zero : (q[j] - room.foot[j]) / (zero + table.scale[j]);
+        onto_tangent_plane(table, family, room);
+        T square{}, far = held;
+        for (int j = 0; j < n; ++j) square = square + room.step[j] * room.step[j];
+        const T length = sqrt(square), part = min(zero + 1.0, (zero + kStride) / max(length, zero + 1e-300));
+        for (int j = 0; j < n; ++j) {
+            if (room.pinned[j]) continue;
+            room.foot[j] = select(going, room.foot[j] + room.step[j] * part * table.scale[j], room.foot[j]);
+            const T way = (q[j] - room.foot[j]) / (zero + table.scale[j]);
+            far = far + way * way;
+        }
+        far = sqrt(far);
+        distance = select(going, far, distance), last = select(going, length, last);
+        going = going & (length > (zero + kStill) * far + (zero + 1e-9));
+    }
+    const Said<T> rests = last <= (zero + kStill) * distance + (zero + 1e-9);
+    if constexpr (std::is_same_v<T, double>)
+        if (away && rests && distance > 1e-6)  // nearer, the direction of the tangent plane is the better one
+            for (int j = 0; j < n; ++j) away[j] = (q[j] - room.foot[j]) / table.scale[j] / distance;
+    return select(rests, distance, first);
+}
+
+// Distances in `each` that Newton's steps may change: of the nearest family, of those that may be, and of those nearer
+// than `start`. `away` (families, n) or null.
+template <class T>
+inline void walk_all(const Families& table, double start, const T* q, const WalkRoom<T>& room, Apart<T>* each, double* away) {
+    const int count = (int)table.corank.size();
+    T least = T{} + HUGE_VAL;
+    for (int family = 0; family < count; ++family) least = min(least, each[family].distance);
+    const T within = max(least + least, T{} + start);
+    for (int family = 0; family < count; ++family) {
+        const Said<T> may = each[family].distance <= within;
+        if (!table.walked[family] || !any(may)) continue;
+        const T found = walk(table, family, q, each[family].distance, room, away ? away + family * table.variables : nullptr);
+        each[family].distance = select(may, found, each[family].distance);
+    }
 }
 
 template <class T>
 struct Attribution {
-    T family, nearest, residual;  // family: -1 for none
+    T family, nearest, residual, distance;  // family: -1 for none; distance: of `nearest`
 };
 
-// The first family in the order of preference that a singular configuration lies on, and the one of least reach of all;
-// `apart_of` gives the `Apart` of a family.
-template <class T, class Look>
-inline Attribution<T> attribute(const Families& table, const MonitorSettings& set, T corank, Look apart_of) {
+// The first family in the order of preference that a singular configuration lies on, and the nearest one of all.
+template <class T>
+inline Attribution<T> attribute(const Families& table, const MonitorSettings& set, T corank, const Apart<T>* each) {
     const T none = T{} - 1.0, far = T{} + HUGE_VAL, zero{};
     T chosen = none, own = far, chosen_corank = none, nearest = none, least = far, its = far, close = none, closest = far;
     for (int family = 0; family < (int)table.corank.size(); ++family) {
-        const Apart<T> one = apart_of(family);
+        const Apart<T> one = each[family];
         const T residual = one.residual, index = zero + (double)family;
         const T lost = zero + (double)table.corank[family];
         const Said<T> first = (chosen < zero) & (lost <= corank) & (residual <= zero + set.on);
         chosen = select(first, index, chosen), own = select(first, residual, own);
         chosen_corank = select(first, lost, chosen_corank);
-        const Said<T> nearer = one.reach < least;
-        nearest = select(nearer, index, nearest), least = select(nearer, one.reach, least), its = select(nearer, residual, its);
+        const Said<T> nearer = one.distance < least;
+        nearest = select(nearer, index, nearest), least = select(nearer, one.distance, least);
+        its = select(nearer, residual, its);
         const Said<T> alike = (lost == corank) & (residual < closest);
         close = select(alike, index, close), closest = select(alike, residual, closest);
     }
     const Said<T> loose = (chosen_corank < corank) & (closest <= zero + set.loose);
     chosen = select(loose, close, chosen), own = select(loose, closest, own);
-    return {chosen, nearest, select(chosen < zero, its, own)};
+    return {chosen, nearest, select(chosen < zero, its, own), least};
 }
 
 // sigma_r / |d sigma_r / dq|, joint motions divided by their scale; 0 where sigma_r is zero. `scratch`: n * m packs;

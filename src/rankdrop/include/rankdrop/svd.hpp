@@ -7,7 +7,7 @@
 namespace rankdrop::RANKDROP_ISA {
 
 inline constexpr int kMaxSweeps = 16;
-inline constexpr int kMaxColumns = 16;  // on the narrow side of a matrix (a task has 6)
+inline constexpr int kMaxColumns = 64;  // on the narrow side of a matrix (a task has 6, a family one equation for each joint at most)
 inline constexpr int kMaxPairs = kMaxColumns / 2;
 // When the Jacobi sweeps may stop.
 struct Precision {
@@ -32,19 +32,29 @@ inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
 // Every pair of columns once, in rounds of pairs without a common column (the circle method of tournaments), so that the
 // processor overlaps their chains of quotients and roots. With an odd number of columns one sits out each round.
 struct RoundRobin {
-    int rounds, pairs;
-    unsigned char left[kMaxColumns][kMaxPairs]{}, right[kMaxColumns][kMaxPairs]{};
+    int columns, rounds, pairs;
 
-    explicit constexpr RoundRobin(int columns) : rounds(columns - 1 + columns % 2), pairs(columns / 2) {
-        for (int round = 0; round < rounds; ++round) {
-            int count = 0;
-            for (int seat = 0; seat < (rounds + 1) / 2; ++seat) {
-                const int a = (round + seat) % rounds, b = seat == 0 ? rounds : (round - seat + rounds) % rounds;
-                if (a >= columns || b >= columns) continue;
-                left[round][count] = (unsigned char)(a < b ? a : b);
-                right[round][count++] = (unsigned char)(a < b ? b : a);
-            }
+    explicit constexpr RoundRobin(int count) : columns(count), rounds(count - 1 + count % 2), pairs(count / 2) {}
+
+    constexpr void pair_up(int round, unsigned char* left, unsigned char* right) const {
+        int count = 0;
+        for (int seat = 0; seat < (rounds + 1) / 2; ++seat) {
+            const int a = (round + seat) % rounds, b = seat == 0 ? rounds : (round - seat + rounds) % rounds;
+            if (a >= columns || b >= columns) continue;
+            left[count] = (unsigned char)(a < b ? a : b);
+            right[count++] = (unsigned char)(a < b ? b : a);
         }
+    }
+};
+
+// The pairs of a number of columns known to the compiler, so that loops over them unroll.
+template <int COLUMNS>
+struct Pairs {
+    unsigned char left[COLUMNS][COLUMNS / 2 + 1]{}, right[COLUMNS][COLUMNS / 2 + 1]{};
+
+    constexpr Pairs() {
+        const RoundRobin schedule(COLUMNS);
+        for (int round = 0; round < schedule.rounds; ++round) schedule.pair_up(round, left[round], right[round]);
     }
 };
 
@@ -73,16 +83,19 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
             for (int j = 0; j < columns; ++j) basis[i * columns + j] = fill(i == j ? 1.0 : 0.0);
     const Pack tolerance = fill(precision.orthogonal * precision.orthogonal);
     const Pack coarse = fill(precision.settled * precision.settled), one = fill(1.0), zero = fill(0.0);
-    constexpr RoundRobin fixed(COLUMNS ? COLUMNS : 2);
-    const RoundRobin schedule = COLUMNS ? fixed : RoundRobin(columns);
+    constexpr Pairs<COLUMNS ? COLUMNS : 2> fixed;
+    const RoundRobin schedule(columns);
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         bool settled = true;
         for (int round = 0; round < schedule.rounds; ++round) {
             // all sums first, then all angles: the chains of one stage overlap
             Pack difference[kMaxPairs], product[kMaxPairs], sine[kMaxPairs], half[kMaxPairs];
             bool turns[kMaxPairs];
+            unsigned char drawn[2][kMaxPairs];
+            if (!COLUMNS) schedule.pair_up(round, drawn[0], drawn[1]);
+            const unsigned char *left = COLUMNS ? fixed.left[round] : drawn[0], *right = COLUMNS ? fixed.right[round] : drawn[1];
             for (int pair = 0; pair < schedule.pairs; ++pair) {
-                const Pack *x = w + schedule.left[round][pair] * rows, *y = w + schedule.right[round][pair] * rows;
+                const Pack *x = w + left[pair] * rows, *y = w + right[pair] * rows;
                 Pack xx = zero, yy = zero, xy = zero;
                 for (int k = 0; k < rows; ++k) {
                     xx = xx + x[k] * x[k];
@@ -101,7 +114,7 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
             }
             for (int pair = 0; pair < schedule.pairs; ++pair) {
                 if (!turns[pair]) continue;
-                const int i = schedule.left[round][pair], j = schedule.right[round][pair];
+                const int i = left[pair], j = right[pair];
                 turn_pair(w + i * rows, w + j * rows, rows, sine[pair], half[pair]);
                 if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, sine[pair], half[pair]);
             }

@@ -87,6 +87,7 @@ class Arm {
       }
     }
     this.scene.tube([0, 0, 0], [0, 0, 0.02 * size], 0.07 * size, ink("--base"), { sides: 28, pieces: 1 });
+    if (this.scene.width > 260) this.scene.text([0, 0, -0.05 * size], "base", ink("--soft"), { size: 11 });
   }
 
   slider(at, axis, colour, size) {

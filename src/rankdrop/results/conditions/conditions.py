@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
 from rankdrop.exact.reading.lint import LintResult, lint
 from rankdrop.exact.writing.code import Code
+from rankdrop.exact.writing.mathml import typeset
 from rankdrop.results.codec import Record, save_record
 from rankdrop.results.conditions.data import ConditionsData, conditions_to_dict
 from rankdrop.results.conditions.text import sections_of
@@ -113,8 +115,16 @@ class Conditions(ConditionsData):
         return Code(self.robot.name, self.robot.n, self.families, self.letters, self.shifts, said)
 
     def _repr_html_(self) -> str:
-        """For notebooks."""
-        return html(self._told())
+        """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
+        rows = "".join(
+            f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
+            f"<td>{'<br>'.join(map(typeset, family.latex))}</td></tr>"
+            for family in self.families
+        )
+        head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th></tr>"
+        table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
+        verdict, *told = self._told()
+        return html([verdict]) + table + html(told)
 
     def _told(self) -> tuple[Section, ...]:
         """The verdict first and last."""

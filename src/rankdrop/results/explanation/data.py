@@ -48,6 +48,8 @@ class ExplainSettings:
         length_scale: translation rows were divided by it [m].
         tolerances: thresholds.
         version: of rankdrop.
+        frame: in whose axes motions are told: "base", "tool" or "link"; empty for base, tool, and a link where they
+            are simpler there.
     """
 
     near: float
@@ -59,6 +61,7 @@ class ExplainSettings:
     length_scale: float
     tolerances: Tolerances
     version: str
+    frame: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +88,25 @@ class Asked:
 
 
 @dataclass(frozen=True, eq=False)
+class Seen:
+    """What is lost as it is seen from one part of the arm.
+
+    Attributes:
+        frame: "base", "tool" or "link".
+        axes: whose axes, as a heading: "base axes", "tool axes", "axes of link 5 (wrist_2_link) at its origin".
+        directions: (k, 6) the lost directions, readable, in this frame.
+        constraints: of each, what all motions that remain obey: "0.63 vy + 0.7 vz + 0.098 m·ωx = 0".
+        short: of each, what that comes to: "no motion along Y", "nearly no turning about X"; else empty.
+    """
+
+    frame: str
+    axes: str
+    directions: Array
+    constraints: tuple[str, ...]
+    short: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Lost:
     """What cannot be done, or is about to be lost.
 
@@ -99,6 +121,7 @@ class Lost:
         twist_screws, wrench_screws: axis and pitch of each direction, read as twist and as wrench, in that frame.
         never: (p, 6) directions that this arm cannot make anywhere near, where its generic rank is below that of the
             task.
+        seen: the same directions in axes of the base, of the tool, and of a link where they are simpler there.
     """
 
     directions: Array
@@ -109,6 +132,7 @@ class Lost:
     twist_screws: tuple[Screw, ...]
     wrench_screws: tuple[Screw, ...]
     never: Array
+    seen: tuple[Seen, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,12 @@ from math import isinf
 
 import numpy as np
 
+from rankdrop.frames import BASE, TIP
 from rankdrop.local.rates import DirectionRates
+from rankdrop.local.second_order import proof_of
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.explanation.data import ExplanationData
+from rankdrop.results.explanation.parts import turned_task
 from rankdrop.results.explanation.words import angle, angle_below, motion, numbers, plural, power, raised, short
 from rankdrop.sections import Section
 
@@ -35,16 +38,37 @@ def _out(found: ExplanationData, full: bool) -> Section:
     if out.best_pair is not None and (full or not helpful):
         after.append(f"best two joints: {_direction(found, out.best_pair)}")
     after.append(f"best direction: {_direction(found, out.best_direction)}")
-    after.append(f"with the end effector still: {out.avoidable_words}")
+    after.append(_sentence(out.avoidable_words))
     for words in dict.fromkeys(one.words for one in out.types):
         which = [i for i, one in enumerate(out.types, start=1) if one.words == words]
-        told = words if len(which) == 1 else words.replace("along it", "along them")
-        after.append(f"along lost {plural('direction', len(which))} {numbers(which)}: {told}")
-    after.append(f"workspace: {out.boundary_words}")
+        one = words if len(out.types) == 1 else words.replace("the lost direction", _which_of(which, len(out.types)))
+        slowly = "it can be passed slowly: " if out.boundary is False and out.types[0].type == 1 else ""
+        after.append(_sentence(f"{slowly}{one}"))
+    after.append(_sentence(out.boundary_words))
     columns = ("joint", "order", f"σ{r} grows by", "try", f"σ{r} then", "carries out")
     notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
     return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows, (0, 5),
                    tuple(after), notes if rows and full else ())  # fmt: skip
+
+
+def proofs_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+    """Why the sentences on ways out hold, with the formulas."""
+    out = found.escape
+    said = (out.avoidable_words, *(one.words for one in out.types), out.boundary_words)
+    lines = tuple(f"{_sentence(words)} {proof_of(words)}" for words in dict.fromkeys(said) if proof_of(words))
+    if lines and found.rank.corank:
+        yield Section("Why", "for the ways out", lines)
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _which_of(which: list[int], count: int) -> str:
+    """Which of several lost directions."""
+    if len(which) == count:
+        return "each lost direction"
+    return f"lost {plural('direction', len(which))} {numbers(which)}"
 
 
 def _away(found: ExplanationData, full: bool) -> Section:
@@ -130,26 +154,57 @@ def _deltas(delta: tuple[float, ...], units: list[str]) -> tuple[str, ...]:
 
 def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     """Joint rates for unit speed along the axes, the weakest and the lost directions."""
-    rates = found.rates
+    rates, n = found.rates, found.robot.n
+    losing = any(rates.lost_shares)
     rows: list[tuple[str, ...]] = []
-    for one in (*rates.axes, rates.weakest, *rates.lost):
-        if one is None:
-            continue
-        if not one.possible:
-            rows.append((one.name, "impossible", "", "0", *([""] * found.robot.n if full else [])))
-            continue
-        each = tuple(short(round(rate, 6)) for rate in one.joint_rates) if full else ()
-        rows.append((one.name, short(one.norm), "" if one.worst is None else f"{one.worst} {one.worst_joint}",
-                     _largest(one), *each))  # fmt: skip
+    for axis, share, left in zip(rates.axes, rates.lost_shares, rates.remaining, strict=True):
+        lost = (_percent(share),) if losing else ()
+        if left is None:
+            rows.append((axis.name, *lost, *(["–"] if full else []), "", "0", *([""] * n if full else [])))
+        else:
+            rows.append((axis.name, *lost, *_costs(left, axis.unit, full, brief=losing)))
+    if rates.weakest is not None:
+        rows.append((rates.weakest.name, *(("",) if losing else ()), *_costs(rates.weakest, "", full, brief=losing)))
     unlimited = [number for number, limit in enumerate(rates.limits, start=1) if isinf(limit)]
-    columns = ("unit speed", "joint rates", "held back by" if len(unlimited) < found.robot.n else "fastest", "at most")
-    notes = ["joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]", _limits_in_words(unlimited, found)]
+    held = "held back by" if len(unlimited) < n else "fastest"
+    columns = ("unit speed", *(("lost",) if losing else ()), *(("joint rates",) if full or not losing else ()), held,
+               "at most")  # fmt: skip
+    notes = [_limits_in_words(unlimited, found)]
+    if "joint rates" in columns:
+        notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
+    if losing:
+        rest = ("lost: the share of this motion that cannot be made",
+                "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis")
+        notes = [*rest, *notes]
     if rates.weakest is not None:
         kept = f"σ{found.rank.rank}"
         notes.append(f"weakest direction: that of {kept}, the smallest that is not zero; 1 rad/s, or "
                      f"{short(rates.length_scale)} m/s")  # fmt: skip
-    per_joint = tuple(f"{number}" for number in range(1, found.robot.n + 1)) if full else ()
-    yield Section("What motion costs", "", (), (*columns, *per_joint), tuple(rows), (0, 2, 3), notes=tuple(notes))
+    per_joint = tuple(f"{number}" for number in range(1, n + 1)) if full else ()
+    texts = (0, columns.index(held), columns.index("at most"))
+    yield Section("What motion costs", _axes_of(found), (), (*columns, *per_joint), tuple(rows), texts,
+                  notes=tuple(notes))  # fmt: skip
+
+
+def _axes_of(found: ExplanationData) -> str:
+    """Along whose axes."""
+    axes = turned_task(found.task, found.settings.frame, found.lost).frame.axes
+    return {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
+
+
+def _percent(share: float) -> str:
+    """A share in percent: never rounded to all or nothing."""
+    if share in (0.0, 1.0):
+        return f"{share:.0%}".replace("%", " %")
+    return "< 0.1 %" if share < 1e-3 else "> 99.9 %" if share > 0.999 else f"{100 * share:.3g} %"
+
+
+def _costs(one: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[str, ...]:
+    """Joint rates (not where it is `brief`), the joint that holds back, the largest speed [`unit` or mixed]."""
+    each = tuple(short(round(rate, 6)) for rate in one.joint_rates) if full else ()
+    most = _largest(one) if not unit or isinf(one.speed) else f"{short(one.speed, 3)} {unit}"
+    held = "" if one.worst is None else f"{one.worst} {one.worst_joint}"
+    return (held, most) if brief and not full else (short(one.norm), held, most, *each)
 
 
 def _limits_in_words(unlimited: list[int], found: ExplanationData) -> str:

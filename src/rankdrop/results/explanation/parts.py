@@ -7,7 +7,7 @@ proven free.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,19 +20,26 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Family
 from rankdrop.family.which import Met, families_at
+from rankdrop.frames import BASE, TIP
 from rankdrop.local.block import decompose
-from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, readable_basis
+from rankdrop.local.directions import (
+    FramedDirections,
+    lost_directions,
+    lost_in_frame,
+    lost_in_sparsest_frame,
+    readable_basis,
+)
 from rankdrop.local.nearest import Nearest, nearest_singularity
-from rankdrop.local.screws import blocked_words, screw_of, words
+from rankdrop.local.screws import blocked_words, constraint, in_short, screw_of, words
 from rankdrop.local.verdict import Rank
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.data import Asked, Far, Lost
+from rankdrop.results.explanation.data import Asked, Far, Lost, Seen
 from rankdrop.results.explanation.words import angle, angle_below, short
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.fingerprint import geometry
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
-from rankdrop.tolerances import NEAR, SMALL, Tolerances
+from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length
 
 
@@ -45,11 +52,11 @@ def known_families(
         OptionError: the analysis is about another arm or other rows.
     """
     if analysis is None:
-        known = known_analysis(robot, task)
+        known = known_analysis(robot, task, any_tip=True)
         return (known.families, "catalogue") if known else ((), "on the spot")
     if not isinstance(analysis, Analysis):
         raise OptionError("an analysis is needed", got=repr(analysis)[:80], allowed="an Analysis, or None")
-    mine, other = geometry(robot), geometry(analysis.robot)
+    mine, other = (geometry(one, tip=task.m < 6) for one in (robot, analysis.robot))
     if mine.shape != other.shape or np.abs(mine - other).max() > tolerances.value:
         raise OptionError("the analysis is about another arm", got=analysis.robot.name, allowed=robot.name)
     if analysis.task.rows != task.rows or analysis.task.frame != task.frame:
@@ -69,7 +76,7 @@ def met_at(asked: Asked, q: Array, corank: int) -> tuple[Met, ...]:
 
 def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
     """What is lost at the focus (`corank` directions; none where it is 0), and what is weakest at q."""
-    robot, q, task, rank = asked.robot, asked.q, asked.task, asked.rank
+    robot, q, task, rank, settings = asked.robot, asked.q, asked.task, asked.rank, asked.settings
     never = _never(robot, q, task, rank)
     empty = np.zeros((0, 6))
     weakest = lost_directions(robot, q, task, 1)[0] if rank.generic_rank else np.zeros(6)
@@ -86,7 +93,84 @@ def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
         twist_screws=tuple(screw_of(one).in_lengths(length) for one in framed.directions),
         wrench_screws=tuple(screw_of(np.roll(one, 3)).in_lengths(length) for one in framed.directions),
         never=never,
+        seen=tuple(_seen(robot, focus, task, corank, framed, settings.frame)),
     )
+
+
+FRAMES = ("base", "tool", "link")
+"""In whose axes a motion can be told."""
+
+
+def _seen(
+    robot: Robot, q: Array, task: Task, corank: int, sparsest: FramedDirections, asked: str
+) -> Iterator[Seen]:
+    """What is lost in the axes asked for; in those of a link, where none are, only if they are the simplest."""
+    length = counted_length(robot)
+    found = [(name, lost_seen_from(robot, q, task, corank, name)) for name in FRAMES[:2]]
+    fewest = min(int((np.abs(one.directions) > ENTRY).sum()) for _, one in found)
+    simpler = int((np.abs(sparsest.directions) > ENTRY).sum()) < fewest
+    if asked == "link" or (not asked and simpler):
+        found.append(("link", sparsest))
+    for name, framed in found:
+        if not asked or asked == name:
+            yield Seen(
+                name, axes_text(robot, framed), framed.directions,
+                tuple(constraint(one, length) for one in framed.directions),
+                tuple(in_short(one) for one in framed.directions),
+            )  # fmt: skip
+
+
+def lost_seen_from(robot: Robot, q: Array, task: Task, corank: int, frame: str) -> FramedDirections:
+    """What is lost in axes of the base or of the tool, at the task's point, or in those of the sparsest frame.
+
+    Args:
+        robot, q, task, corank: as in `lost_directions`.
+        frame: one of `FRAMES`.
+    """
+    if frame == "link":
+        return lost_in_sparsest_frame(robot, q, task, corank)
+    return lost_in_frame(robot, q, task, corank, replace(task.frame, axes=BASE if frame == "base" else TIP))
+
+
+def checked_frame(frame: str | None) -> str:
+    """The axes asked for; empty for None.
+
+    Raises:
+        OptionError: there are no such axes.
+    """
+    if frame is not None and frame not in FRAMES:
+        raise OptionError("these are no axes", where="frame", got=repr(frame), allowed=", ".join(FRAMES))
+    return frame or ""
+
+
+def axes_text(robot: Robot, framed: FramedDirections) -> str:
+    """Whose axes: "base axes", "tool axes", "axes of link 5 (wrist_2_link) at its origin"."""
+    frame = framed.frame
+    if frame.origin == TIP and frame.axes in (BASE, TIP):
+        return f"{'base' if frame.axes == BASE else 'tool'} axes"
+    text = framed.name
+    if frame.axes in (BASE, TIP):
+        return f"axes of {text}"
+    joint, link = robot.joints[frame.axes - 1], f"link {frame.axes}"
+    known = joint.link or f"after {joint.name}"
+    return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
+
+
+def turned_task(task: Task, frame: str, lost: Lost) -> Task:
+    """The same task with rows along the axes that were asked for; as it is where other axes would make it another one.
+
+    Args:
+        task: the rows that matter.
+        frame: "base", "tool", "link", or empty for the task's own axes.
+        lost: gives the axes of the link.
+    """
+    whole = all(len(block & set(task.rows)) in (0, 3) for block in ({0, 1, 2}, {3, 4, 5}))
+    if not frame or not whole:
+        return task
+    if frame == "link":
+        other = task.frame if lost.framed is None else lost.framed.frame
+        return replace(task, frame=other) if task.m == 6 else task
+    return replace(task, frame=replace(task.frame, axes=BASE if frame == "base" else TIP))
 
 
 def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
@@ -172,8 +256,8 @@ def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, st
     sigma = float(rank.sigma[r - 1]) if r else 0.0
     lost = f"rank {rank.rank} of {r}"
     if rank.corank:
-        times = "task freedom is" if rank.corank == 1 else "task freedoms are"
-        return "singular", f"{lost}: {rank.corank} {times} lost{_nearly(rank, small)}"
+        are = "is" if rank.corank == 1 else "are"
+        return "singular", f"{rank.corank} of {r} directions of the tool {are} lost{_nearly(rank, small)}"
     if rank.always_singular:
         return "always-singular", f"rank {r} here and at almost every configuration: the arm never does more"
     if far.near_miss is not None:
@@ -192,14 +276,14 @@ def verdict_of(rank: Rank, far: Far, near: float, small: float) -> tuple[str, st
 
 def first_verdict(corank: int, generic_rank: int, smallest: int, sigma: float, distance: float, near: float = NEAR,
                   small: float = SMALL) -> str:  # fmt: skip
-    """The verdict by what a monitor sees, before any search: near within the first-order distance.
+    """The verdict by what a monitor measures, before any search.
 
     Args:
         corank: at the configuration.
         generic_rank: r.
         smallest: min(m, n) of the task and the arm.
         sigma: σ_r [1].
-        distance: σ_r/‖∇σ_r‖ [rad].
+        distance: to the nearest singular configuration known [rad].
         near, small: as in `rankdrop.verbs.explain`.
     """
     if corank:
@@ -213,7 +297,9 @@ def _several(rank: Rank, small: float) -> str:
     """Where more is small than what vanishes nearby: an arm without its offsets would lose it all."""
     count = int((rank.sigma[: rank.rank] <= small).sum())
     first = rank.rank - count
-    return f"; {count} task freedoms are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}" if count > 1 else ""
+    if count < 2:
+        return ""
+    return f"; {count} directions of the tool are nearly lost, σ{first + 1} = {short(rank.sigma[first], 3)}"
 
 
 def _nearly(rank: Rank, small: float) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import degrees, isinf, pi
+from math import degrees, isinf
 
 import numpy as np
 
@@ -16,8 +16,9 @@ from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
-from rankdrop.results.explanation.motion import escape_part, far_part, rates_part
+from rankdrop.results.explanation.motion import escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
+    degrees_hint,
     fixed,
     minus,
     numbers,
@@ -31,9 +32,12 @@ from rankdrop.results.explanation.words import (
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section
 
+TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
+"""How the verdict is coloured."""
 _LONG = 160  # characters of an equation that is printed
-_TURNS = 4 * pi  # a joint angle beyond it was hardly meant in rad
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
+_TWIST = "v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]"
+_COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
 
@@ -52,10 +56,12 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
+    hint = degrees_hint(found.q, robot)
+    if hint is not None:
+        yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
     lines = [
         *_warnings(found),
-        f"corank {rank.corank}: task freedoms lost, of {r}",
-        f"nullity {rank.nullity}: independent joint motions without effect on the task",
+        f"{f'rank {rank.rank} of {r}, corank {rank.corank}; ' * bool(rank.corank)}{_idle(found)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
     ]
@@ -68,24 +74,30 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     yield Section(
         of_explanation(found), "", tuple(lines),
         ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
+        tone=TONE[found.verdict],
     )  # fmt: skip
 
 
+def _idle(found: ExplanationData) -> str:
+    """What the null space is to people."""
+    count = found.rank.nullity
+    what = "move the tool" if found.task.m == 6 else "change what the task asks for"
+    if not count:
+        return f"every joint motion {what.replace(' ', 's ', 1)}"
+    return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
+
+
 def _warnings(found: ExplanationData) -> Iterator[str]:
-    """Values that the arm cannot have, or that nobody means."""
+    """Values that the arm cannot have."""
     reach = found.settings.length_scale
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
     for number, (joint, value) in enumerate(zip(found.robot.variables, found.q, strict=True), start=1):
         where = f"joint {number} at {short(value)} {joint.unit}"
-        degrees_meant = joint.unit == "rad" and abs(value) > _TURNS
-        doubt = "; is it in degrees?" if degrees_meant else ""
         if number in found.outside_limits:
-            yield f"{where} is outside its limits, {short(joint.lower)} … {short(joint.upper)} {joint.unit}{doubt}"
-        elif degrees_meant:
-            yield f"{where} is more than two turns{doubt}"
+            yield f"{where} is outside its limits, {short(joint.lower)} … {short(joint.upper)} {joint.unit}"
         elif number in found.at_limits:
-            yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)})"
+            yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)} {joint.unit})"
 
 
 def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
@@ -128,16 +140,23 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
     lost = found.lost
     if lost.framed is not None:
         miss = found.far.near_miss is not None and not found.rank.corank
-        lines = []
-        screws = zip(lost.words, lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True)
-        for sentence, direction, twist, wrench in screws:
-            lines.append(sentence.replace("cannot", "can hardly", 1) if miss else sentence)
-            lines.append(f"    twist {vector(direction)}: {pitch_text(twist.pitch)}")
-            torque = "with hardly any joint torque" if miss else "without joint torque"
-            lines.append(f"    carried {torque}: {wrench_text(wrench)}")
+        only = "can hardly move other than" if miss else "can only move"
+        lines = [f"The tool {only} so that"]
+        for seen in lost.seen:
+            lines.append(f"  in {seen.axes}: {', '.join(seen.constraints)}")
+            lines += [f"      {'; '.join(told)}" for told in [[one for one in seen.short if one]] if told]
+        if full:
+            lines.append(f"In the {_seen(found)}:")
+            for direction, twist, wrench in zip(
+                lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True
+            ):
+                lines.append(f"  lost twist {vector(direction)}: {pitch_text(twist.pitch)}")
+                torque = "with hardly any joint torque" if miss else "without joint torque"
+                lines.append(f"      carried {torque}: {wrench_text(wrench)}")
         title = "What is lost" if found.rank.corank else "What is nearly lost"
-        where = _focus(found)
-        yield Section(title, f"{where}; {_seen(found)}" if where else _seen(found), tuple(lines))
+        mixed = any("·" in one for seen in lost.seen for one in seen.constraints)
+        notes = (_TWIST, *((_COUNTED,) if mixed else ()))
+        yield Section(title, _focus(found), tuple(lines), notes=notes)
     if len(lost.never):
         rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)
         yield Section("Never possible", "twists that this arm makes nowhere around here",
@@ -149,7 +168,7 @@ def _seen(found: ExplanationData) -> str:
     assert found.lost.framed is not None
     frame, name = found.lost.framed.frame, found.lost.framed.name
     at_tip = frame.origin == TIP and not any(frame.point)
-    return f"in the axes of {name}" + (", reference point at the end effector" if at_tip else "")
+    return f"axes of {name}" + (", reference point at the end effector" if at_tip else "")
 
 
 def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
@@ -217,7 +236,7 @@ def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
 
 
 def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
-    yield Section(of_explanation(found))
+    yield Section(of_explanation(found), tone=TONE[found.verdict])
 
 
 def _deg(value: float, unit: str) -> str:
@@ -279,6 +298,7 @@ def _lengths(values: Iterable[float]) -> str:
 
 
 DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+    "proofs": proofs_part,
     "ellipsoids": ellipsoids_part,
     "redundancy": redundancy_part,
     "representation": representation_part,

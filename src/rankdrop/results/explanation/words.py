@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from math import ceil, degrees, floor, inf, isinf, log10
+from math import ceil, degrees, floor, inf, isinf, log10, pi
+
+import numpy as np
 
 from rankdrop.local.screws import Screw
+from rankdrop.robot.model import Array, Robot
 
 _ZERO = 1e-9  # a motion below it is not shown as one [rad, m]
+_TURNS = 4 * pi  # joint values beyond it look like degrees [rad]
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _EXPONENT = re.compile(r"e([+-])0*(\d+)$")
 
@@ -27,6 +31,23 @@ def short(value: float, digits: int = 4) -> str:
 
 def _exponent(match: re.Match[str]) -> str:
     return f"e{'-' if match[1] == '-' else ''}{match[2]}"
+
+
+def degrees_hint(q: Array, robot: Robot) -> str | None:
+    """A line of warning where angles look like degrees that were taken as radians; None where they do not.
+
+    Args:
+        q: (..., n) [rad, m].
+        robot: whose joints they are.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> degrees_hint(np.array([0.0, 90.0]), open_robot("planar2r"))
+        'angles up to 90 look like degrees and are taken as radians'
+    """
+    angles = np.abs(q[..., [joint.unit == "rad" for joint in robot.variables]])
+    most = float(angles.max(initial=0.0))
+    return f"angles up to {most:.4g} look like degrees and are taken as radians" if most > _TURNS else None
 
 
 def minus(text: str) -> str:

@@ -1,0 +1,9 @@
+from .ball import Certificate as Certificate
+from .ball import certified_radius as certified_radius
+from .displaced import ModelTolerance as ModelTolerance
+from .proof.verifying import Verified as Verified
+from .proof.verifying import verify as verify
+from .proof.writing import ball_certificate as ball_certificate
+from .proof.writing import covering_certificate as covering_certificate
+from .proof.writing import existence_certificate as existence_certificate
+from .proof.writing import write_certificate as write_certificate

@@ -1,0 +1,92 @@
+"""Arms near one arm: how far its Jacobian can change when every joint may stand a little elsewhere.
+
+A measured arm is not the described one. *Within δ_p and δ_a of this arm* means: every joint stands, in the link before
+it, turned by at most δ_a [rad] about a point of its axis and moved by at most δ_p [m]. Zero positions of the joints
+are among these errors, each being a turn about the axis itself. How far it is to the tip does not matter for the rank.
+
+Seen from link c at a point P, column i is carried by the displacements of the joints between, its own included on the
+far side of c: N_i of them. One that turns about p_k carries an axis through a point a with direction z and turns by
+θ, |θ| ≤ δ_a, with |z' − z| ≤ δ_a; of the moment m = (a − P) × z changes (p_k − P) × z by at most |p_k − P| δ_a, the
+rest of m, which is turned, by at most |a − p_k| δ_a, and the move adds δ_p. |p_k − P| + |a − p_k| is at most the
+length R_i of the polygon from P over the points of the joints to that of joint i, which the moves before have made
+longer by at most N_i δ_p. So, lengths divided by ℓ,
+
+    ‖ΔJ_i‖ ≤ D_i = N_i √(δ_a² + ((δ_a (R_i + N_i δ_p) + δ_p) / ℓ)²)        turning joints
+
+and |(U₁ᵀ ΔJ V₁)_rj| ≤ Σ_i D_i |v_ij|, which is added to the bound of an enclosure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rankdrop.certify.setting import Setting
+from rankdrop.errors import OptionError
+from rankdrop.robot.model import Array, JointKind, Robot
+
+MOST_ANGLE = 0.1
+"""Larger errors are another arm [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelTolerance:
+    """How far an arm may be from the one that is described.
+
+    Attributes:
+        length: every joint is moved by at most this in the link before it [m].
+        angle: … and turned by at most this [rad].
+
+    Raises:
+        OptionError: below zero, not finite, or an angle above `MOST_ANGLE`.
+    """
+
+    length: float
+    angle: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.length < np.inf:
+            raise OptionError("this is no length", where="model_tolerance", got=self.length, allowed="0 or more [m]")
+        if not 0.0 <= self.angle <= MOST_ANGLE:
+            raise OptionError("this is no small angle", where="model_tolerance", got=self.angle,
+                              allowed=f"0 … {MOST_ANGLE} [rad]")  # fmt: skip
+
+
+def points_of(robot: Robot) -> Array:
+    """(N, 3) the point of each axis nearest to the origin of the joint's frame, at q = 0 in base coordinates [m]."""
+    found = []
+    for joint in robot.joints:
+        v, w = joint.screw[:3], joint.screw[3:]
+        foot = np.cross(w, v)
+        found.append(foot + w * (w @ (joint.frame[:3, 3] - foot)))
+    return np.array(found)
+
+
+def displaced_columns(robot: Robot, setting: Setting, tolerance: ModelTolerance) -> Array:
+    """(N,) D_i: how far each column, seen as the setting has it, can change for any arm within the tolerance.
+
+    Raises:
+        OptionError: the arm has joints that do not turn or that follow others, or the task takes no rotation.
+    """
+    if any(joint.kind is not JointKind.REVOLUTE or joint.mimic is not None for joint in robot.joints):
+        raise OptionError("a tolerance of the model is for arms whose joints all turn, each for itself",
+                          where="model_tolerance", got=robot.name)  # fmt: skip
+    if setting.rows == (0, 1, 2):
+        raise OptionError("a tolerance of the model is for tasks with rotation: where the tool's point is, is another "
+                          "error", where="model_tolerance", got="a task of translation")  # fmt: skip
+    points, count = points_of(robot), len(robot.joints)
+    frame = robot.home if setting.link == count + 1 else np.eye(4) if not setting.link else (
+        robot.joints[setting.link - 1].frame
+    )
+    start = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
+    found = np.zeros(count)
+    linear, angular = 0 in setting.rows, 3 in setting.rows
+    for side, own in ((range(setting.link, count), 1), (range(setting.link - 1, -1, -1), 0)):
+        at, reach = start, 0.0
+        for place, i in enumerate(side):
+            reach += float(np.linalg.norm(points[i] - at))
+            at, times = points[i], place + own
+            moment = tolerance.angle * (reach + times * tolerance.length) + tolerance.length
+            found[i] = times * np.hypot(tolerance.angle * angular, moment * linear / setting.length)
+    return found * (1 + 1e-12)

@@ -1,0 +1,453 @@
+"""An arm in interval arithmetic (Arb, through python-flint), and the proof that its rank is kept in a region.
+
+Nothing here comes from what made a certificate: the core, `setting`, `kinematics`. The mathematics differs as well. The
+second derivatives are enclosed over the whole region, so that no bound on lengths is needed for what is beyond them:
+
+    A(δ) = U^T J(c + δ) V  ∈  A(c) + Σ_k g_k δ_k + ½ Σ_kl H_kl([region]) δ_k δ_l
+
+U and V are any matrices of doubles (the singular vectors at c). Where the comparison matrix of A, |A_ii| from below on
+the diagonal and −|A_ij| from above elsewhere, takes a positive vector to a positive one, A is regular, and the rank of
+J is at least its size. Every number is an interval that holds the exact one: rounding is part of the proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from rankdrop.errors import MissingExtraError
+from rankdrop.robot.model import Array
+
+Interval = Any
+"""A `flint.arb`."""
+Matrix = Any
+"""A `flint.arb_mat`."""
+
+BITS = 90
+"""Of the midpoints: a path next to a singularity has σ of 1e-9, and half of these digits are left."""
+SLIDE, TURN, SCREW = "prismatic", "revolute", "helical"
+_LEAST = 1e-13  # share of the terms of a product that must be left of it: a thousand times what doubles round
+
+
+def flint() -> ModuleType:
+    """The module `flint`.
+
+    Raises:
+        MissingExtraError: python-flint is not installed.
+    """
+    try:
+        import flint as module
+    except ImportError as error:
+        raise MissingExtraError("python-flint", None, "checking certificates") from error
+    return module
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One joint of a chain, as a certificate has it.
+
+    Attributes:
+        kind: "revolute", "prismatic" or "helical".
+        screw: six doubles (v; ω) at q = 0 in base coordinates. The axis has the direction of ω (of v for a slide),
+            whatever its length, and goes through ω × v / |ω|²; the pitch of a helical joint is ω · v / |ω|².
+        driver: place of the variable that moves it.
+        multiplier, offset: its value is multiplier · q[driver] + offset.
+    """
+
+    kind: str
+    screw: tuple[float, ...]
+    driver: int
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerance:
+    """How far the arms meant may be from the one of the numbers: every joint stands in the link before it so near.
+
+    Attributes:
+        length, angle: a joint is turned by at most `angle` about its point and moved by at most `length` [m, rad].
+        points: (N, 3) the point of each joint at q = 0, in base coordinates [m].
+    """
+
+    length: float
+    angle: float
+    points: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Configurations c + Σ_k h_k s_k + Δ τ, |s_k| ≤ 1, |τ| ≤ 1.
+
+    Attributes:
+        centre, half: (n,) intervals c and h.
+        along: (n,) intervals Δ; None for a box.
+    """
+
+    centre: list[Interval]
+    half: list[Interval]
+    along: list[Interval] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Screws over a box.
+
+    Attributes:
+        columns: (6, 1) each.
+        motions: (6, 6) what brought each of them there; None where nothing did.
+    """
+
+    columns: list[Matrix]
+    motions: list[Matrix | None]
+
+
+class Arm:
+    """A chain seen from a point of link `link` (0 … N), lengths divided by `length`.
+
+    Attributes:
+        moving: places of the variables on which some column depends, seen from there.
+        variables: n.
+    """
+
+    def __init__(self, links: list[Link], variables: int, link: int, point: list[Interval], length: Interval) -> None:
+        self._f = flint()
+        self.links, self.link, self.variables = links, link, variables
+        self._point, self._length = point, length
+        self._screws = [self._screw(one) for one in links]
+        self._ads = [self._ad(screw) for screw in self._screws]
+        self._squares = [one * one for one in self._ads]
+        after, before = list(range(link, len(links))), list(range(link - 1, -1, -1))
+        self._sides = ((after, 1), (before, -1))
+        self.moving = sorted({links[i].driver for side, _ in self._sides for i in side[:-1]})
+
+    def _number(self, value: float) -> Interval:
+        return self._f.arb(value)
+
+    def _screw(self, one: Link) -> list[Interval]:
+        """The unit screw about the point, lengths scaled: axis, foot and pitch made exactly what they are called."""
+        v, w = ([self._number(x) for x in part] for part in (one.screw[:3], one.screw[3:]))
+        zero = self._number(0)
+        if one.kind == SLIDE:
+            size = _norm(v)
+            return [x / size / self._length for x in v] + [zero] * 3
+        square = _dot(w, w)
+        size = square.sqrt()
+        foot = [x / square for x in _cross(w, v)]
+        axis = [x / size for x in w]
+        arm = [x - y for x, y in zip(foot, self._point, strict=True)]
+        moment = _cross(arm, axis)
+        if one.kind == SCREW:
+            pitch = _dot(w, v) / square
+            moment = [x + pitch * y for x, y in zip(moment, axis, strict=True)]
+        return [x / self._length for x in moment] + axis
+
+    def _ad(self, screw: Any) -> Matrix:
+        """(6, 6) ad_S, with [S, T] = ad_S T, linear part first."""
+        v1, v2, v3, w1, w2, w3 = screw
+        return self._f.arb_mat([
+            [0, -w3, w2, 0, -v3, v2], [w3, 0, -w1, v3, 0, -v1], [-w2, w1, 0, -v2, v1, 0],
+            [0, 0, 0, 0, -w3, w2], [0, 0, 0, w3, 0, -w1], [0, 0, 0, -w2, w1, 0],
+        ])  # fmt: skip
+
+    def _motion(self, i: int, middle: Interval, half: Interval, sign: int) -> Matrix:
+        """(6, 6) Ad(exp(± S_i q)) for q in an interval."""
+        arb, one = self._f.arb, self.links[i]
+        middle, half = one.multiplier * middle + one.offset, abs(self._number(one.multiplier)) * half
+        unit = self._f.arb_mat(6, 6, [int(r == c) for r in range(6) for c in range(6)])
+        value = _ball(arb, middle, half)
+        if one.kind == SLIDE:
+            return unit + self._ads[i] * (sign * value)
+        sine, cosine = _sine_cosine(arb, middle, half)
+        if one.kind == TURN:
+            return unit + self._ads[i] * (sign * sine) + self._squares[i] * (1 - cosine)
+        axis = self._screws[i][3:]
+        pitch = _dot(axis, self._screws[i][:3])
+        turn = self._ad([x - pitch * y for x, y in zip(self._screws[i][:3], axis, strict=True)] + axis)
+        slide = self._ad([pitch * x for x in axis] + [arb(0)] * 3)
+        return (unit + turn * (sign * sine) + turn * turn * (1 - cosine)) * (unit + slide * (sign * value))
+
+    def seen(self, centre: list[Interval], half: list[Interval]) -> Seen:
+        """All screws as the link sees them, over a box; multipliers are left out."""
+        found: list[Matrix] = [None] * len(self.links)
+        motions: list[Matrix | None] = [None] * len(self.links)
+        for side, sign in self._sides:
+            motion = None
+            for place, i in enumerate(side):
+                column = self._f.arb_mat(6, 1, self._screws[i])
+                found[i] = column if motion is None else motion * column
+                motions[i] = motion
+                if place + 1 < len(side):
+                    driver = self.links[i].driver
+                    step = self._motion(i, centre[driver], half[driver], sign)
+                    motion = step if motion is None else motion * step
+        return Seen(found, motions)
+
+    def jacobian(self, columns: list[Matrix]) -> Array:
+        """(6, n) middles of the Jacobian, as doubles."""
+        out = np.zeros((6, self.variables))
+        for one, column in zip(self.links, columns, strict=True):
+            out[:, one.driver] += one.multiplier * np.array([float(x.mid()) for x in column.entries()])
+        return out
+
+    def keeps_rank(self, region: Region, rows: list[int], rank: int, tolerance: Tolerance | None = None) -> bool:
+        """Is the rank of the rows proven to be at least `rank` everywhere in a region?
+
+        Args:
+            region: where.
+            rows: of the twist about the point.
+            rank: how many.
+            tolerance: for every arm so near as well.
+        """
+        f = self._f
+        zeros = [f.arb(0)] * self.variables
+        at = self.seen(region.centre, zeros).columns
+        u, sigma, vt = np.linalg.svd(self.jacobian(at)[rows])
+        if len(sigma) < rank or not sigma[rank - 1] > 0.0:
+            return False
+        left = f.arb_mat(rank, 6, [0.0] * (6 * rank))
+        for place, row in enumerate(rows):
+            for k in range(rank):
+                left[k, row] = float(u[place, k])
+        weights = [
+            f.arb_mat(1, rank, [f.arb(one.multiplier) * float(x) for x in vt[:rank, one.driver]]) for one in self.links
+        ]
+        along = region.along if region.along is not None else zeros
+        wide = [h + abs(d) for h, d in zip(region.half, along, strict=True)]
+        seen = self.seen(region.centre, wide)
+        over = seen.columns
+        total = left * _sum(c * w for c, w in zip(at, weights, strict=True))
+        for side, sign in self._sides:
+            first = self._first(side, at if region.along is None else over, weights, region.half)
+            for moved, size in first:
+                total += left * moved * _ball(f.arb, f.arb(0), size)
+            if region.along is not None:
+                total += self._along(side, sign, at, over, weights, along, left)
+            else:
+                total += self._second(side, over, weights, region.half, left)
+        if tolerance is not None:
+            total += self._shifted(seen, weights, tolerance, left, rank)
+        return regular(total.tolist(), rank)
+
+    def sign(self, q: list[Interval], rows: list[int]) -> int:
+        """Sign of the determinant of the rows at a configuration, 0 where it is not decided; as many rows as variables.
+
+        Times a constant sign that does not depend on the configuration.
+        """
+        f = self._f
+        columns = self.seen(q, [f.arb(0)] * self.variables).columns
+        entries = [[f.arb(0)] * self.variables for _ in rows]
+        for one, column in zip(self.links, columns, strict=True):
+            values = column.entries()
+            for place, row in enumerate(rows):
+                entries[place][one.driver] += one.multiplier * values[row]
+        value = f.arb_mat(entries).det()
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    def brackets(self, columns: list[Matrix]) -> Iterator[tuple[int, int, Matrix]]:
+        """(joint i, variable k, (6, 1) derivative of the screw of i by k) wherever it is not zero."""
+        for side, sign in self._sides:
+            for place, by in enumerate(side):
+                ad = self._ad(columns[by].entries()) * (sign * self._number(self.links[by].multiplier))
+                for i in side[place + 1 :]:
+                    yield i, self.links[by].driver, ad * columns[i]
+
+    def _beyond(self, side: list[int], columns: list[Matrix], weights: list[Matrix]) -> list[Matrix]:
+        """For each place on a side, Σ of the columns farther from the link, times their weights."""
+        found: list[Matrix] = [None] * len(side)
+        rank = weights[0].ncols()
+        total = self._f.arb_mat(6, rank, [0] * (6 * rank))
+        for place in range(len(side) - 1, -1, -1):
+            found[place] = total
+            total = total + columns[side[place]] * weights[side[place]]
+        return found
+
+    def _first(
+        self, side: list[int], columns: list[Matrix], weights: list[Matrix], half: list[Interval]
+    ) -> list[tuple[Matrix, Interval]]:
+        """(derivative of J V by a joint, ± and how far the joint goes), joints of one variable together."""
+        beyond = self._beyond(side, columns, weights)
+        moved: dict[int, Matrix] = {}
+        for place, i in enumerate(side[:-1]):
+            one = self.links[i]
+            part = self._ad(columns[i].entries()) * beyond[place] * self._number(one.multiplier)
+            moved[one.driver] = moved[one.driver] + part if one.driver in moved else part
+        return [(part, half[driver]) for driver, part in moved.items() if half[driver] > 0]
+
+    def _second(
+        self, side: list[int], over: list[Matrix], weights: list[Matrix], half: list[Interval], left: Matrix
+    ) -> Matrix:
+        """½ Σ H δ δ of a box, each pair of joints for itself."""
+        beyond = self._beyond(side, over, weights)
+        rank = weights[0].ncols()
+        total = self._f.arb_mat(rank, rank, [0] * (rank * rank))
+        ads = [self._ad(over[i].entries()) for i in side[:-1]]
+        steps = [abs(self._number(self.links[i].multiplier)) * half[self.links[i].driver] for i in side[:-1]]
+        for b, outer in enumerate(ads):
+            if not steps[b] > 0:
+                continue
+            moved = outer * beyond[b]
+            for a in range(b + 1):
+                if steps[a] > 0:
+                    size = steps[a] * steps[b] / (2 if a == b else 1)
+                    total += left * (ads[a] * moved) * _ball(self._f.arb, self._f.arb(0), size)
+        return total
+
+    def _along(
+        self, side: list[int], sign: int, at: list[Matrix], over: list[Matrix], weights: list[Matrix],
+        along: list[Interval], left: Matrix,
+    ) -> Matrix:  # fmt: skip
+        """g(Δ) τ + ½ H(Δ, Δ) τ²: joints that move together."""
+        f, rank = self._f, weights[0].ncols()
+        slope, bend = f.arb_mat(6, rank, [0] * (6 * rank)), f.arb_mat(6, rank, [0] * (6 * rank))
+        near, far = self._beyond(side, at, weights), self._beyond(side, over, weights)
+        nearer = f.arb_mat(6, 1, [0] * 6)
+        for place, i in enumerate(side[:-1]):
+            one = self.links[i]
+            step = self._number(one.multiplier) * along[one.driver]
+            slope += self._ad((at[i] * step).entries()) * near[place]
+            moved = self._ad((over[i] * step).entries()) * far[place]
+            bend += self._ad((over[i] * step + nearer * 2).entries()) * moved
+            nearer = nearer + over[i] * step
+        whole, share = _ball(f.arb, f.arb(0), f.arb(1)), _ball(f.arb, f.arb(0.25), f.arb(0.25))
+        return left * slope * (whole * sign) + left * bend * share
+
+    def _shifted(
+        self, over: Seen, weights: list[Matrix], tolerance: Tolerance, left: Matrix, rank: int
+    ) -> Matrix:
+        """What arms within the tolerance add: by the mean value theorem along the way from this arm to that one.
+
+        Each joint is turned about its point by a vector θ and moved by t; all that is beyond it goes along. The
+        derivative is the bracket with that motion, linear in θ and t, so that its entries are at most
+        |θ| times the length of the three for unit turns, plus |t| times that of the three for unit moves. It is taken
+        over all arms on the way: screws and points are widened by how far they can be carried.
+        """
+        f = self._f
+        shift, angle = f.arb(tolerance.length) / self._length, f.arb(tolerance.angle)
+        points = [[(f.arb(float(x)) - p) / self._length for x, p in zip(row, self._point, strict=True)]
+                  for row in tolerance.points]  # fmt: skip
+        total = [[f.arb(0)] * rank for _ in range(rank)]
+        for side, sign in self._sides:
+            for motions, carried in self._carried(side, sign, points, shift, angle, over, weights):
+                for three, size in ((motions[:3], angle), (motions[3:], shift)):
+                    parts = [(left * (self._ad(one) * carried)).tolist() for one in three]
+                    for r in range(rank):
+                        for c in range(rank):
+                            total[r][c] += size * _norm([part[r][c] for part in parts])
+        zero = f.arb(0)
+        return f.arb_mat([[_ball(f.arb, zero, x) for x in row] for row in total])
+
+    def _carried(
+        self, side: list[int], sign: int, points: list[list[Interval]], shift: Interval, angle: Interval, over: Seen,
+        weights: list[Matrix],
+    ) -> Iterator[tuple[list[list[Interval]], Matrix]]:  # fmt: skip
+        """For each joint that may be displaced: six unit motions at its point, and Σ of the columns it carries.
+
+        The joint before the link is fixed in it; on that side a joint carries those before it, not itself.
+        """
+        f = self._f
+        zero, reach, at, total = f.arb(0), [], [f.arb(0)] * 3, f.arb(0)
+        for i in side:
+            total = total + _norm([x - y for x, y in zip(points[i], at, strict=True)])
+            at = points[i]
+            reach.append(total)
+        grown = []
+        for place, i in enumerate(side):
+            times = place + 1 if sign > 0 else place
+            linear = times * (shift + angle * (reach[place] + times * shift + self._foot(i, points[i])))
+            column = over.columns[i].entries()
+            wide = [linear] * 3 + [times * angle] * 3
+            grown.append(f.arb_mat(6, 1, [x + _ball(f.arb, zero, y) for x, y in zip(column, wide, strict=True)]))
+        for place, i in enumerate(side):
+            beyond = range(place if sign > 0 else place + 1, len(side))
+            if not len(beyond):
+                continue
+            carried = _sum([grown[k] * weights[side[k]] for k in beyond])
+            slack = place * (shift + angle * (reach[place] + place * shift)) + 2 * self._foot(i, points[i])
+            yield self._motions_at(points[i], over.motions[i], slack), carried
+
+    def _motions_at(self, point: list[Interval], motion: Matrix | None, slack: Interval) -> list[list[Interval]]:
+        """Unit turns about a point that was moved, and unit moves, each six intervals."""
+        f = self._f
+        zero, one = f.arb(0), f.arb(1)
+        found = []
+        for k in range(6):
+            axis = [one if r == k % 3 else zero for r in range(3)]
+            twist = f.arb_mat(6, 1, _cross(point, axis) + axis if k < 3 else axis + [zero] * 3)
+            seen = (twist if motion is None else motion * twist).entries()
+            wide = _ball(f.arb, zero, slack)
+            found.append([x + wide for x in seen[:3]] + seen[3:] if k < 3 else seen)
+        return found
+
+    def _foot(self, i: int, point: list[Interval]) -> Interval:
+        """How far the axis of a joint is from its point: 0 but for rounding."""
+        screw = self._screws[i]
+        moment = _cross(point, screw[3:])
+        return _norm([x - y for x, y in zip(screw[:3], moment, strict=True)])
+
+
+def regular(rows: list[list[Interval]], rank: int) -> bool:
+    """Is every matrix in a matrix of intervals regular: does its comparison matrix keep some vector positive?
+
+    The doubles that bound the entries are rounded to the safe side; the vector is multiplied out.
+    """
+    matrix = np.empty((rank, rank))
+    for r in range(rank):
+        for c in range(rank):
+            value = rows[r][c]
+            if r == c:
+                matrix[r, c] = float(value.abs_lower()) * (1 - 1e-15)
+            else:
+                matrix[r, c] = -float(value.abs_upper()) * (1 + 1e-15) - 1e-300
+    if not np.isfinite(matrix).all():
+        return False
+    try:
+        vector = np.linalg.solve(matrix, np.ones(rank))
+    except np.linalg.LinAlgError:
+        return False
+    if not ((vector > 0.0) & np.isfinite(vector)).all():
+        return False
+    return bool((matrix @ vector > _LEAST * (np.abs(matrix) @ vector)).all())
+
+
+def _ball(arb: Any, middle: Interval, half: Interval) -> Interval:
+    """The interval middle ± half, of intervals."""
+    return middle + arb(0, half.abs_upper())
+
+
+def _sine_cosine(arb: Any, middle: Interval, half: Interval) -> tuple[Interval, Interval]:
+    """Sine and cosine of middle ± half, tight for half up to a quarter turn: by the sums of angles."""
+    if half.is_zero():
+        sine, cosine = middle.sin_cos()
+        return sine, cosine
+    if not half < 1.5:
+        return arb(0, 1), arb(0, 1)
+    s, c = middle.sin_cos()
+    low, most = half.cos(), half.sin()
+    cosine = _ball(arb, (1 + low) / 2, (1 - low) / 2)
+    sine = _ball(arb, arb(0), most)
+    return s * cosine + c * sine, c * cosine - s * sine
+
+
+def _sum(parts: Iterable[Matrix]) -> Matrix:
+    total = None
+    for one in parts:
+        total = one if total is None else total + one
+    return total
+
+
+def _dot(a: list[Interval], b: list[Interval]) -> Interval:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _norm(a: list[Interval]) -> Interval:
+    total = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    return total.nonnegative_part().sqrt()
+
+
+def _cross(a: list[Interval], b: list[Interval]) -> list[Interval]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,0 +1,77 @@
+"""`rankdrop verify`: does what a certificate claims hold?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from rankdrop.certify import Verified
+
+
+def verify(
+    file: str,
+    /,
+    *,
+    robot: str | None = None,
+    arm: ArmOptions = NO_OPTIONS,
+    enclosures: Whole = 500_000,
+    sample: Whole | None = None,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Check a certificate: its claim is proven again, by other code than made it.
+
+    Interval arithmetic, rounding included, on the arm's numbers in the file.
+    What nearest, explain, path and cover prove, they write with --certificate.
+
+    For example:
+        rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0 --certificate here.json
+        rankdrop verify here.json
+        rankdrop verify here.json --robot ur5
+        rankdrop verify cell.json --sample 1000
+
+    Exit code 0: it holds; 3: it does not, or could not be confirmed, with the
+    reason; 2: no certificate, or a malformed one.
+
+    Args:
+        file: A certificate.
+        robot: The arm it must be about: name or file. Default: the arm whose numbers are in it.
+        enclosures: What the check may cost, about a millisecond each.
+        sample: Of a covering, look at so many free boxes only, chosen at random: quick, but never exit code 0.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+        quiet: No progress.
+    """
+    from rankdrop.certify import verify as check
+    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.progress import reporter
+
+    check_target(json, "--json")
+    model = None if robot is None else open_arm(robot, arm)[0]
+    with reporter(quiet=quiet) as report:
+        found = check(
+            file, model, enclosures=enclosures, sample=sample,
+            progress=lambda done, total: report("checked", done, total),
+        )  # fmt: skip
+    steps: list[Callable[[], None]] = []
+    if json != STDOUT:
+        steps.append(lambda: _print(found))
+    if json is not None:
+        steps.append(lambda: write_json(found.to_dict(), json))
+    do_all(steps)
+    if not found.complete:
+        return exits.INTERRUPTED
+    return exits.FINE if found.holds else exits.UNEXPLAINED
+
+
+def _print(found: Verified) -> None:
+    from rankdrop.cli.sections import print_sections
+
+    print_sections(found.sections())

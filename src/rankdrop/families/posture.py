@@ -1,0 +1,94 @@
+"""The posture in which a family is shown: one of its members that people would choose, see `rankdrop.local.fault`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rankdrop.families.walk import within_travel
+from rankdrop.family.naming import told
+from rankdrop.family.record import Family, family_from_metres, family_in_metres
+from rankdrop.family.system import System
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.posture import candidates, fault
+from rankdrop.problem import Problem, wrapped
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.units import in_metres, metre_exponent, task_in_metres
+
+_CANDIDATES = 256
+_WORTH = 0.15  # the witness stays unless another member is better by this much of `fault`
+_POINTS = 24  # members from which the frame of the words is chosen
+_ROOM = 1e-3  # the singular value that is kept is at least this [1]: not on a more special family
+
+
+def posed(robot: Robot, task: Task, family: Family) -> Family:
+    """The family with its witness in a good posture: inside the limits, above the base, not self-folded.
+
+    The equations are solved from round configurations inside the limits; of the members found, each checked in the
+    Jacobian itself (σ ≤ 1e-9, of exactly the corank), the one with the least `fault` becomes the witness. Lost
+    directions and their words are told there anew. Everything else stays, and so does the witness where no member is
+    clearly better, or where the family has no equations.
+
+    Args:
+        robot, task: the arm.
+        family: of this arm and task.
+
+    Example:
+        >>> from rankdrop.results.known import shipped
+        >>> from rankdrop.local import fault
+        >>> found = shipped("ur5")
+        >>> before = found.families[0]
+        >>> after = posed(found.robot, found.task, before)
+        >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
+        True
+    """
+    if metre_exponent(robot):
+        there = posed(in_metres(robot), task_in_metres(task, robot), family_in_metres(family, robot))
+        return family_from_metres(there, robot, metre_exponent(robot))
+    found = _members(robot, task, family)
+    own = np.array(family.witness)
+    if not len(found):
+        return family
+    rank = generic_rank(robot, task) - family.corank
+    gap = singular_values(robot, found, task)[:, rank - 1] if rank else np.ones(len(found))
+    found, gap = found[gap > _ROOM], gap[gap > _ROOM]
+    if not len(found):
+        return family
+    faults = fault(robot, found)
+    best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
+    if faults[best] > fault(robot, own[None])[0] - _WORTH:
+        return family
+    directions, words = told(robot, found[best], found[:_POINTS], task, family.corank)
+    return replace(family, witness=tuple(float(x) for x in found[best]), lost_directions=directions, lost_words=words)
+
+
+def _members(robot: Robot, task: Task, family: Family) -> Array:
+    """(≤ 256, n) members near round configurations, free joints exactly at these, turned into the limits."""
+    if not family.named or not family.equations:
+        return np.empty((0, robot.n))
+    bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
+    starts = candidates(robot, task, _CANDIDATES, 0)
+    points, solved = System(family.equations).solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
+    points = wrapped(robot, points[solved])
+    problem = Problem(robot, task, family.corank)
+    points = points[problem.singular(points) & within_travel(problem, family, points)]
+    return _into_limits(robot, points)
+
+
+def _into_limits(robot: Robot, q: Array) -> Array:
+    """Turning joints by whole turns to where their limits are, if they can be there."""
+    turned = q.copy()
+    for sign in (-1, 1):
+        other = q + sign * 2 * np.pi
+        better = robot.periodic & ((turned < robot.lower) | (turned > robot.upper))
+        better = better & (other >= robot.lower) & (other <= robot.upper)
+        turned = np.where(better, other, turned)
+    return turned
+
+
+def _turned(robot: Robot, q: Array) -> Array:
+    """(N,) how far from zero the turning joints stand, as a share of half a turn, the first one twice."""
+    away = np.where(robot.periodic, np.abs(q) / np.pi, 0.0)
+    return np.asarray(away.sum(axis=1) + away[:, 0])

@@ -1,0 +1,124 @@
+"""A judged path as a certificate: every span that is free, and every crossing, for `rankdrop.verify` to prove again."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.certify.ball import settings_of
+from rankdrop.certify.comparison import regular
+from rankdrop.certify.displaced import ModelTolerance, displaced_columns
+from rankdrop.certify.proof.reading import PATH, Record
+from rankdrop.certify.proof.regions import CLEAR, CROSSING, OPEN
+from rankdrop.certify.proof.writing import record_of
+from rankdrop.certify.setting import Setting, enclose
+from rankdrop.motion.bound import ROUNDED
+from rankdrop.motion.curve import boxes, halves
+from rankdrop.motion.data import CROSSING as CROSSES
+from rankdrop.motion.data import FREE, PathData, Place, Stretch
+from rankdrop.motion.prove import box_tree, chosen
+from rankdrop.robot.model import Array, Robot
+
+EVALUATIONS = 500_000
+"""Enclosures that the proof for near arms may cost."""
+_SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
+
+
+def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -> Record:
+    """What is proven of a path, with the numbers of the arm and the control points of the path.
+
+    Spans that touch the singular set or are undecided are open: nothing is claimed of them. Crossings are claimed where
+    the Jacobian is square; else they are open too. A distance that is kept (`min_distance`) is not part of it.
+
+    Args:
+        found: a judged path.
+        tolerance: the free spans are free for every arm so near to this one; found by the checker, not here.
+
+    Raises:
+        OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
+    """
+    setting = chosen(found.robot, settings_of(found.robot, found.task), found.curve)
+    if tolerance is not None:
+        displaced_columns(found.robot, setting, tolerance)  # refuses what it is not for
+    control = found.curve.control
+    points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
+    square = found.robot.n == setting.rank == len(setting.rows)
+    last = len(control)
+    spans: list[Record] = []
+    at = [0, 0.0]
+    met = [one for one in found.stretches if one.verdict != FREE]
+    for one in sorted(met, key=lambda one: (one.start.row, one.start.share)):
+        start, end = _place(one.start, last), _place(one.end, last)
+        if at != start:
+            spans.append({"from": at, "to": start, "kind": CLEAR})
+        spans.append(_met(one, square, last))
+        at = end
+    if at != [last - 1, 1.0]:
+        spans.append({"from": at, "to": [last - 1, 1.0], "kind": CLEAR})
+    claim = {
+        "verdict": CLEAR if not met else "met", "degree": found.curve.degree, "points": points.tolist(), "spans": spans,
+    }  # fmt: skip
+    return record_of(found.robot, found.task, PATH, setting, claim, {}, tolerance)
+
+
+def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:
+    """Is a path proven free for every arm within a tolerance of this one?
+
+    Boxes around runs of stretches, then around parts of one, are enclosed and halved; what arms within the tolerance
+    add to the bound is that of `rankdrop.certify.displaced`. False is no proof that some arm is singular.
+
+    Args:
+        found: a judged path.
+        tolerance: how far the arm may be from its numbers.
+        evaluations: enclosures to be spent at most.
+
+    Raises:
+        OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
+    """
+    robot = found.robot
+    setting = chosen(robot, settings_of(robot, found.task), found.curve)
+    drift = displaced_columns(robot, setting, tolerance)
+    tree = box_tree(found.curve)
+    nodes = np.zeros(1, dtype=np.int64)
+    spent = 0
+    for level in range(len(tree) - 1, 0, -1):
+        low, high = tree[level]
+        spent += len(nodes)
+        nodes = nodes[~_kept(robot, setting, drift, low[nodes], high[nodes])]
+        nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
+        nodes = nodes[nodes < len(tree[level - 1][0])]
+    control = found.curve.control[nodes]
+    while len(control):
+        low, high = boxes(control)
+        spent += len(control)
+        if spent > evaluations:
+            return False
+        left = ~_kept(robot, setting, drift, low, high)
+        if (np.abs(high - low)[left] < _SHORTEST * setting.scale).all(axis=1).any():
+            return False
+        control = halves(control[left])
+    return True
+
+
+def _kept(robot: Robot, setting: Setting, drift: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    """(P,) which boxes are free for every arm whose columns differ by at most `drift` (N,)."""
+    centre = np.ascontiguousarray((low + high) / 2)
+    half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
+    found = enclose(robot, setting, centre, half)
+    extra = np.einsum("i,bij->bj", drift, np.abs(found[5]))
+    return regular(found[3], found[2] + extra[:, None, :])
+
+
+def _met(one: Stretch, square: bool, last: int) -> Record:
+    start, end = _place(one.start, last), _place(one.end, last)
+    low, high = (_place(place, last) for place in one.bracket)
+    if one.verdict == CROSSES and square and not one.lies and start <= low < high <= end:
+        return {"from": start, "to": end, "kind": CROSSING, "bracket": [low, high]}
+    return {"from": start, "to": end, "kind": OPEN}
+
+
+def _place(place: Place, last: int) -> list[float]:
+    """[stretch from 0, share]; the last row is the end of the last stretch."""
+    if place.row > last:
+        return [last - 1, 1.0]
+    return [place.row - 1, float(place.share)]

@@ -1,0 +1,187 @@
+"""What is asked of an arm: where it loses k freedoms of a task, by which thresholds, and whether limits bind.
+
+    rank J(q) ≤ r,   r = generic rank − k
+
+A `Problem` knows what every step of an analysis needs and nobody should pass beside it: the rank r and the generic one,
+the scale of joint motions, the box that configurations are drawn from, the joints that do not matter, which joints go
+round; and the Jacobian as the problem sees it, `sigma(q)` and `block(q)`. Public functions take (robot, q, task) as
+people say it and make one of these; what they call takes the `Problem`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.local.block import (
+    Block,
+    block,
+    generic_rank,
+    joint_scale,
+    limit_box,
+    sample,
+    sampling_box,
+    singular_values,
+    structural_sample,
+)
+from rankdrop.robot.model import Array, Robot
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT, Tolerances
+
+Mask = NDArray[np.bool_]
+
+SAME_SIGMA = 1e-12  # singular values that differ by less are the same [1]
+_SAMPLES = 8  # configurations at which joints on one axis are told
+_EDGE = 1e-9  # a joint this far beyond a limit stands at it [rad, m]
+
+
+def wrap(angle: Array) -> Array:
+    """Angles in (−π, π]."""
+    return np.asarray(np.pi - np.mod(np.pi - angle, 2 * np.pi))
+
+
+def wrapped(robot: Robot, q: Array) -> Array:
+    """(..., n) the same configurations, turning joints in (−π, π]."""
+    return np.asarray(np.where(robot.periodic, wrap(q), q))
+
+
+def whole_turns(robot: Robot, way: Array) -> Array:
+    """(..., n) the whole turns in a joint motion: what is left without them is the shortest way to the same place."""
+    return np.asarray(2 * np.pi * np.where(robot.periodic, np.round(way / (2 * np.pi)), 0.0))
+
+
+class Twin(NamedTuple):
+    """Joints on one axis, from 0: wherever θ_j occurs it stands in θ_first + sign·θ_second."""
+
+    first: int
+    second: int
+    sign: int
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Where does this arm lose k freedoms of this task?
+
+    Attributes:
+        robot, task: the arm.
+        corank: k, freedoms lost; 0 asks for the generic rank.
+        tolerances: thresholds.
+        limits: only configurations within the joint limits count.
+    """
+
+    robot: Robot
+    task: Task
+    corank: int = 1
+    tolerances: Tolerances = DEFAULT
+    limits: bool = False
+
+    def at(self, corank: int) -> Problem:
+        """The same arm, asked for another corank."""
+        return replace(self, corank=corank)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.robot.n
+
+    @cached_property
+    def generic_rank(self) -> int:
+        """Rank of the task Jacobian at almost all configurations."""
+        return generic_rank(self.robot, self.task)
+
+    @property
+    def rank(self) -> int:
+        """r = generic rank − k, the rank that is kept; σ[r] vanishes on the set that is asked for."""
+        return self.generic_rank - self.corank
+
+    @cached_property
+    def scale(self) -> Array:
+        """(n,) what one unit of joint motion is measured by: 1 for a turning joint, the length scale for a slide."""
+        return joint_scale(self.robot, self.task)
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Lower and upper corner (n,) of the configurations worth sampling [rad, m]."""
+        return sampling_box(self.robot, self.task, limits=self.limits)
+
+    @cached_property
+    def walls(self) -> tuple[Array, Array] | None:
+        """Lower and upper corner (n,) of where a motion may go [rad, m]; None where no limits are asked for."""
+        return limit_box(self.robot, self.task) if self.limits else None
+
+    @cached_property
+    def idle(self) -> Mask:
+        """(n,) joints on which the singular values do not depend at all: the first and the last one for a pose, say."""
+        rng = np.random.default_rng(0)
+        q = np.repeat(self.random(16, rng)[None], self.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
+        j = np.arange(self.n)
+        q[j, :, j] = self.random(16, rng).T
+        sigma = self.sigma(q)
+        return np.asarray(np.abs(sigma[:-1] - sigma[-1]).max(axis=(1, 2)) < SAME_SIGMA)
+
+    @cached_property
+    def twins(self) -> tuple[Twin, ...]:
+        """Pairs of turning joints of which only the sum or the difference matters; of three on one axis two pairs.
+
+        Where the axes of joints i and j are one line at every configuration, singular values depend on θ_i + s θ_j
+        alone, s = ±1 as they turn the same way or not. Idle joints are nobody's twin.
+        """
+        q = structural_sample(self.robot, self.task, _SAMPLES)
+        sigma = self.sigma(q)
+        joints = [j for j in range(self.n) if self.robot.periodic[j] and not self.idle[j]]
+        found: list[Twin] = []
+        for place, first in enumerate(joints):
+            if any(first == twin.second for twin in found):
+                continue
+            for second in joints[place + 1 :]:
+                for sign in (1, -1):
+                    moved = q.copy()
+                    moved[:, first] += 0.7
+                    moved[:, second] -= sign * 0.7
+                    if np.abs(self.sigma(moved) - sigma).max() < SAME_SIGMA:
+                        found.append(Twin(first, second, sign))
+                        break
+        return tuple(found)
+
+    def sigma(self, q: Array) -> Array:
+        """(..., min(m, n)) singular values of the task Jacobian at q (..., n), descending [1]."""
+        return singular_values(self.robot, q, self.task)
+
+    def block(self, q: Array) -> Block:
+        """F and D at q (..., n), beyond the rank that is kept."""
+        return block(self.robot, q, self.task, self.rank)
+
+    def singular(self, q: Array) -> Mask:
+        """(N,) whether k freedoms or more are lost at q (N, n): σ[r] ≤ `singular`."""
+        if not len(q):
+            return np.zeros(0, dtype=np.bool_)
+        return np.asarray(self.sigma(q)[:, self.rank] <= self.tolerances.singular)
+
+    def random(self, count: int, rng: np.random.Generator) -> Array:
+        """(count, n) uniform configurations of the box."""
+        return rng.uniform(*self.box, size=(count, self.n))
+
+    def sample(self, count: int, seed: int) -> Array:
+        """(count, n) the same from a seed: the starts of a search."""
+        return sample(self.robot, self.task, count, seed, limits=self.limits)
+
+    def allowed(self, q: Array) -> Mask:
+        """(N,) whether configurations respect the limits, angles up to whole turns; all True without limits."""
+        ok = np.ones(len(q), dtype=np.bool_)
+        if not self.limits:
+            return ok
+        for j, joint in enumerate(self.robot.variables):
+            x = q[:, j]
+            if self.robot.periodic[j] and np.isfinite(joint.lower):
+                x = joint.lower - _EDGE + np.mod(x - joint.lower + _EDGE, 2 * np.pi)
+            ok &= (x >= joint.lower - _EDGE) & (x <= joint.upper + _EDGE)
+        return ok
+
+    def length(self, way: Array) -> Array:
+        """(...) norms of joint motions (..., n) in scaled joint coordinates [rad; metres divided by the length scale].
+        """
+        return np.asarray(np.linalg.norm(way / self.scale, axis=-1))

@@ -1,0 +1,298 @@
+"""Certificates as files: honest ones hold, and every change that makes one claim more is told."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from reference import arms, region
+
+from rankdrop.certify.coverfile import load
+from rankdrop.certify.displaced import ModelTolerance
+from rankdrop.certify.proof import covers, existence, intervals, reading, regions, verifying
+from rankdrop.certify.proof.reading import sealed
+from rankdrop.certify.proof.verifying import verify
+from rankdrop.certify.proof.writing import (
+    ball_certificate,
+    covering_certificate,
+    existence_certificate,
+    write_certificate,
+)
+from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.motion.certificate import path_certificate
+from rankdrop.motion.check import check_path
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+from rankdrop.verbs.covering import cover
+
+Q = {"ur5": [0.3, -0.8, 1.2, 0.4, 0.9, 0.1], "planar3r": [0.3, 1.2, 0.4]}
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory):
+    """One honest certificate of each kind, and the folder of the covering."""
+    folder = tmp_path_factory.mktemp("certificates")
+    robot = open_robot("ur5")
+    ball = ball_certificate(robot, Q["ur5"], radius=0.3)
+    near = ball_certificate(robot, Q["ur5"], radius=0.25, tolerance=ModelTolerance(3e-4, 1e-3))
+    rows = [[0.0, -1.0, 0.8, 0.4, 0.5, 0.0], [0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
+    crossing = path_certificate(check_path(robot, rows))
+    free = path_certificate(check_path(robot, rows[1:]))
+    there = existence_certificate(open_robot("puma560"), [0.1, 0.5, 0.4, 0.2, 0.0, 0.6])
+    small = open_robot("planar3r")
+    found = cover(small, width=0.2, out=folder / "small.cover", explain=False)
+    plan = load(folder / "small.cover")[0]
+    covering = covering_certificate(small, plan, found.sha256, "small.cover", resolve_task(None, small))
+    return {"ball": ball, "near": near, "crossing": crossing, "free": free, "existence": there, "covering": covering}, (
+        folder
+    )
+
+
+def judged(records, name, change=None, *, robot=None, seal=True):
+    """The verdict on a certificate, changed and hashed anew."""
+    record = copy.deepcopy(records[0][name])
+    if change is not None:
+        change(record)
+    return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), robot)
+
+
+@pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "existence", "covering"])
+def test_honest_certificates_hold(records, name):
+    found = judged(records, name)
+    assert found.holds, found
+    assert found.claim
+    assert not found.reason
+    arm = {"existence": "puma560", "covering": "planar3r"}.get(name, "ur5")
+    assert judged(records, name, robot=open_robot(arm)).holds
+    other = judged(records, name, robot=open_robot("panda"))
+    assert not other.holds
+    assert "another arm" in other.reason
+    Draft202012Validator(load_schema("certificate")).validate(records[0][name])
+    Draft202012Validator(load_schema("verified")).validate(found.to_dict())
+
+
+def entry(record, *keys):
+    for key in keys:
+        record = record[key]
+    return record
+
+
+def put(*keys, value=None, change=None):
+    """A change of one entry."""
+
+    def act(record):
+        place = entry(record, *keys[:-1])
+        place[keys[-1]] = value if change is None else change(place[keys[-1]])
+
+    return act
+
+
+def both(*acts):
+    def act(record):
+        for one in acts:
+            one(record)
+
+    return act
+
+
+def cut(record):
+    record["proof"]["tree"] = record["proof"]["tree"][:-1]
+
+
+LIES = {
+    "ball: a radius beyond the boxes": ("ball", put("claim", "radius", change=lambda r: r * 1.001), "radius"),
+    "ball: a larger ball altogether": (
+        "ball", both(put("claim", "radius", value=1.6), put("proof", "side", value=1.6)), "proven"),
+    "ball: another centre": ("ball", put("claim", "q", 4, value=0.2), "proven"),
+    "ball: the tree is cut off": ("ball", cut, "cut off"),
+    "ball: the tree goes on": ("ball", put("proof", "tree", change=lambda t: t + "."), "behind its end"),
+    "ball: a box is called outside": ("ball", put("proof", "tree", change=lambda t: t.replace(".", "-", 1)), "outside"),
+    "ball: a box is moved": ("ball", put("proof", "tree", change=lambda t: t.replace(".", "b", 1)), ""),
+    "ball: cut along a joint that does not matter": (
+        "ball", put("proof", "tree", change=lambda t: "a" + t + t), "means nothing"),
+    "ball: slides and turns in another scale": ("ball", put("claim", "scale", 2, value=4.0), "another unit"),
+    "ball: a tolerance that was not proven": (
+        "ball", put("tolerance", value={"length": 0.05, "angle": 0.05, "points": [[0.0, 0.0, 0.0]] * 6}), ""),
+    "near: a larger tolerance": ("near", put("tolerance", "angle", value=0.05), "proven"),
+    "near: points beside the axes": ("near", put("tolerance", "points", 3, 0, value=5.0), "not on its axis"),
+    "ball: an arm of other lengths": ("ball", put("arm", "joints", 2, "screw", 0, change=lambda x: x + 1e-9), "numbers of the arm"),
+    "ball: a lower rank": ("ball", put("rank", value=5), "above 5"),
+    "free: a segment is missing": ("free", put("claim", "spans", value=[]), "missing"),
+    "crossing: a span is missing": (
+        "crossing", put("claim", "spans", change=lambda spans: [spans[0], *spans[2:]]), "missing"),
+    "crossing: the last span is missing": ("crossing", put("claim", "spans", change=lambda s: s[:-1]), "missing"),
+    "crossing: a row is missing": ("crossing", put("claim", "points", change=lambda p: p[:-1]), "missing"),
+    "crossing: told to be free": (
+        "crossing", put("claim", "spans", 1, "kind", value="free"), "could not be proven free"),
+    "crossing: free in the verdict": ("crossing", put("claim", "verdict", value="free"), "said to be free"),
+    "free: a point of it moved": ("free", put("claim", "points", 1, 4, value=0.4), ""),
+    "existence: a regular place": ("existence", put("claim", "q", 4, value=0.3), "away"),
+    "existence: nearer than it is": (
+        "existence", both(put("claim", "q", 4, value=1e-7), put("claim", "radius", value=1e-9)), "away"),
+    "covering: other ranges": ("covering", put("claim", "lower", 0, value=-1.0), "other lower"),
+    "covering: another hash": ("covering", put("claim", "sha256", value="0" * 64), "another covering"),
+    "covering: another arm": ("covering", put("arm", "fingerprint", value="0" * 64), "fingerprint"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("lie", LIES)
+def test_a_certificate_that_was_changed_does_not_hold(records, lie):
+    name, change, reason = LIES[lie]
+    found = judged(records, name, change)
+    assert not found.holds, found
+    assert reason in found.reason
+    assert not found.claim
+
+
+def test_a_bracket_needs_two_signs(records):
+    def change(record):
+        low, high = record["claim"]["spans"][1]["bracket"]
+        record["claim"]["spans"][1]["bracket"] = [low, [low[0], (low[1] * 0.999 + high[1] * 0.001)]]
+
+    found = judged(records, "crossing", change)
+    assert not found.holds
+    assert "two signs" in found.reason or "inside" in found.reason
+
+
+@pytest.mark.parametrize("place", [("claim", "radius"), ("arm", "name"), ("arm", "joints", 1, "screw", 4), ("rank",)])
+def test_whatever_is_changed_without_a_new_hash_is_told(records, place):
+    found = judged(records, "ball", put(*place, change=lambda x: x * 2), seal=False)
+    assert not found.holds
+    assert "hash" in found.reason
+
+
+def test_a_file_that_is_cut_off_does_not_hold(records):
+    place = write_certificate(records[0]["ball"], records[1] / "whole.json")
+    whole = place.read_bytes()
+    for length in (200, len(whole) // 2, len(whole) - 3):
+        (records[1] / "part.json").write_bytes(whole[:length])
+        found = verify(records[1] / "part.json")
+        assert not found.holds
+        assert "cut off" in found.reason
+
+
+MALFORMED = {
+    "no list of joints": put("arm", "joints", value={}),
+    "no joint": put("arm", "joints", value=[]),
+    "a screw of five": put("arm", "joints", 0, "screw", value=[0.0] * 5),
+    "an axis that is no unit vector": put("arm", "joints", 0, "screw", value=[0.0, 0.0, 0.0, 0.0, 0.0, 2.0]),
+    "a turning joint with a pitch": put("arm", "joints", 0, "screw", value=[0.0, 0.0, 0.1, 0.0, 0.0, 1.0]),
+    "a variable that is not there": put("arm", "joints", 0, "variable", value=9),
+    "a radius in words": put("claim", "radius", value="0.3"),
+    "a radius that is true": put("claim", "radius", value=True),
+    "no radius": lambda record: record["claim"].pop("radius"),
+    "a configuration of five": put("claim", "q", value=[0.0] * 5),
+    "a tree of numbers": put("proof", "tree", value=[1, 2]),
+    "no claim": put("claim", value=None),
+    "rows twice": put("task", "rows", value=[0, 0, 1]),
+    "a link that is not there": put("view", "link", value=9),
+    "a length of zero": put("view", "length", value=0.0),
+    "a tip that is no rigid motion": put("arm", "home", 0, 0, value=3.0),
+    "another kind": put("kind", value="guess"),
+}
+
+
+@pytest.mark.parametrize("what", MALFORMED)
+def test_malformed_certificates_are_refused(records, what):
+    with pytest.raises(ResultFileError, match="malformed"):
+        judged(records, "ball", MALFORMED[what])
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b"{", b"\xff\xfe", b'{"schema": "rankdrop/path/1"}', b"[" * 100_000])
+def test_what_never_was_a_certificate_is_refused(tmp_path, content):
+    (tmp_path / "other.json").write_bytes(content)
+    with pytest.raises(ResultFileError, match="no certificate"):
+        verify(tmp_path / "other.json")
+    with pytest.raises(ResultFileError, match="cannot read"):
+        verify(tmp_path / "nothing.json")
+
+
+def test_numbers_that_are_none_are_refused(records):
+    text = json.dumps(records[0]["ball"]).replace(str(records[0]["ball"]["claim"]["radius"]), "NaN", 1)
+    (records[1] / "nan.json").write_text(text)
+    assert not verify(records[1] / "nan.json").holds
+
+
+def test_a_covering_that_lost_boxes_does_not_hold(records, tmp_path):
+    """A covering written anew, hash and all, without the boxes around one family."""
+    from dataclasses import replace
+
+    from rankdrop.certify.coverfile import write_covering
+
+    plan, tree, tested, freed = load(records[1] / "small.cover")
+    fewer = tuple(masks.copy() for masks in tree.masks)
+    assert len(fewer[-1]) > 1
+    fewer[-1][0] = fewer[-1][0] & (~fewer[-1][0] + 1) if bin(int(fewer[-1][0])).count("1") > 1 else fewer[-1][0]
+    roots = tree.roots.copy()
+    lost = replace(tree, masks=fewer, proven=tree.proven & fewer[-1])
+    if (fewer[-1] == tree.masks[-1]).all():  # one leaf each: take away a whole tree
+        roots[np.flatnonzero(roots)[0]] = False
+        lost = replace(tree, roots=roots, masks=tuple(masks[1:] for masks in tree.masks), proven=tree.proven[1:])
+    told = write_covering(tmp_path / "small.cover", plan, lost, tested, freed)
+    robot = open_robot("planar3r")
+    record = covering_certificate(robot, plan, told, "small.cover", resolve_task(None, robot))
+    found = verify(write_certificate(record, tmp_path / "c.json"), enclosures=20_000)
+    assert not found.holds
+    assert "could not be proven free" in found.reason
+
+
+def test_a_sample_of_a_covering_is_no_proof(records):
+    place = write_certificate(records[0]["covering"], records[1] / "c.json")
+    found = verify(place, sample=3)
+    assert not found.holds
+    assert "3 of" in found.reason
+    assert "not looked at" in found.reason
+
+
+def test_work_that_is_used_up_is_told(records):
+    found = verify(write_certificate(records[0]["ball"], records[1] / "b.json"), enclosures=3)
+    assert not found.holds
+    assert "used up" in found.reason
+    with pytest.raises(OptionError, match="whole number"):
+        verify(records[1] / "b.json", enclosures=0)
+
+
+ARMS = {
+    **{name: (lambda name=name: open_robot(name)) for name in ("scara", "stanford", "almarkhi4", "planar3r")},
+    "random screws": lambda: arms.random_chain(np.random.default_rng(5), "rhrphrr"),
+    "mimics": lambda: region.coupled(np.random.default_rng(6), "r p r1:0.3 p1:-0.4 r h0:2.5 r p0:0.3 r"),
+    "five joints": lambda: arms.random_chain(np.random.default_rng(7), "rrrrr"),
+}
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
+    robot = ARMS[name]()
+    q = np.random.default_rng(3).uniform(-1.5, 1.5, robot.n)
+    radius = ball_certificate(robot, q, evaluations=2_000)["claim"]["radius"] * 0.6
+    record = ball_certificate(robot, q, radius=radius)
+    assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
+
+
+def test_nothing_is_certified_at_a_singularity_and_nothing_singular_elsewhere():
+    robot = open_robot("ur5")
+    with pytest.raises(OptionError, match="singular"):
+        ball_certificate(robot, [0.3, -0.8, 1.2, 0.4, 0.0, 0.1])
+    with pytest.raises(OptionError, match="not singular"):
+        existence_certificate(robot, Q["ur5"])
+    with pytest.raises(OptionError, match="not proven"):
+        ball_certificate(robot, Q["ur5"], radius=2.0)
+
+
+def test_the_checker_shares_no_code_with_what_it_checks():
+    allowed = {
+        "robot.model", "robot.fingerprint", "errors", "version", "sections",
+        "certify.bittree", "certify.coverfile",  # the covering is read by them, which proves nothing
+    }  # fmt: skip
+    for module in (intervals, reading, regions, existence, covers, verifying):
+        for node in ast.walk(ast.parse(Path(module.__file__).read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rankdrop"):
+                name = node.module.removeprefix("rankdrop.")
+                assert name in allowed or name.startswith("certify.proof.")
+                assert not name.endswith("writing")

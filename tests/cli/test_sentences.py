@@ -1,0 +1,175 @@
+"""What people are shown by default: no sentence above 25 words but those listed here, no formula, no jargon.
+
+The verdict is coloured, degrees are suspected before the verdict.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from rankdrop.local.second_order import proof_of
+from rankdrop.robot.open import open_robot
+from rankdrop.verbs.explain import explain
+
+LONGEST = 25
+UR5E = ("ur5e", "--deg", "--q", "0,-60,0,40,50,0")
+OUTPUTS = {
+    "elbow": ("explain", *UR5E),
+    "regular": ("explain", "panda", "--q", "0,0.3,0,-1.8,0,1.9,0.7"),
+    "corank 3": ("explain", "pa10", "--q", "0,0,0,0,0,0,0"),
+    "near": ("explain", "ur5", "--deg", "--q", "0,-135,45,90,-0.5,0"),
+    "nearly ideal": ("explain", "gen3", "--deg", "--q", "0,0,0,0,0,0,0"),
+    "always": ("explain", "scara", "--q", "0,0,0.1,0", "--task", "pose"),
+    "degrees": ("explain", "ur5", "--q", "0,-135,45,90,-90,0"),
+    "escape": ("escape", "puma560", "--deg", "--q", "10,20,30,40,0,50"),
+    "nearest": ("nearest", "ur5", "--deg", "--q", "0,-135,45,90,0,0"),
+    "analyze": ("analyze", "planar3r", "--starts", "300"),
+    "conditions": ("conditions", "pa10"),
+    "robots": ("robots", "fanuc"),
+    "jacobian": ("jacobian", "ur5"),
+}
+ALLOWED = {
+    r"^lies on: ": "a list of families",
+    r"^(here|at every configuration): ": "a list of what the axes have in common",
+    r"^joints( |$)": "a list of names",
+    r"^source ": "quotes where the numbers come from",
+    r"^method +rank tree; corank 1 also by .* may make up for it": "why two methods, and what the second one assumes",
+    r" = 0( |$|;)": "a condition, not a sentence",
+}
+"""Sentences that may be longer, and why."""
+JARGON = re.compile(r"\bmend:|\bsound\b|\bcompleteness\b|others (coupled|fixed)|\bspare\b|u · dJ|task freedom|Δ")
+
+
+def sentences(text: str) -> list[str]:
+    """The lines of an output that is not wrapped, cut at the ends of sentences."""
+    return [one for line in text.splitlines() for one in re.split(r"(?<=[.!?]) +", line.strip()) if one]
+
+
+def words_of(sentence: str) -> list[str]:
+    """Tokens that are words: at least two letters in a row."""
+    return [token for token in sentence.split() if re.search(r"[^\W\d_]{2}", token)]
+
+
+def too_long(text: str) -> list[str]:
+    """Sentences above the limit that nothing excuses."""
+    return [
+        one for one in sentences(text)
+        if len(words_of(one)) > LONGEST and not any(re.search(pattern, one) for pattern in ALLOWED)
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def printed() -> dict[str, str]:
+    """What has been printed by then, by the key of `OUTPUTS`."""
+    return {}
+
+
+@pytest.mark.parametrize("key", OUTPUTS)
+def test_no_sentence_of_a_default_output_is_longer_than_can_be_read(
+    key: str, run: Any, printed: dict[str, str]
+) -> None:
+    printed[key] = run(*OUTPUTS[key], width=2000).out
+    assert printed[key]
+    assert too_long(printed[key]) == []
+    assert [line for line in printed[key].splitlines() if JARGON.search(line)] == []
+
+
+def test_every_exception_is_met(printed: dict[str, str]) -> None:
+    if len(printed) < len(OUTPUTS):
+        pytest.skip("runs after the outputs above")
+    whole = "\n".join(printed.values())
+    unmet = [pattern for pattern in ALLOWED if not any(re.search(pattern, one) for one in sentences(whole))]
+    assert unmet == []
+
+
+def test_the_limit_is_one() -> None:
+    assert too_long(f"{'word ' * 25}end.") == [f"{'word ' * 25}end."]
+    assert too_long(f"{'word ' * 12}end. {'word ' * 12}end.") == []
+
+
+def test_a_table_under_one_lost_freedom_calls_no_direction_impossible(run: Any) -> None:
+    out = run("explain", *UR5E).out
+    table = out[out.index("What motion costs") : out.index("more with --full")]
+    assert "impossible" not in out
+    assert "base axes" in table.splitlines()[0]
+    rows = [line for line in table.splitlines() if re.match(r"  (along|about) [XYZ]", line)]
+    assert len(rows) == 6
+    assert all("%" in row for row in rows)
+    assert all(re.search(r"\d (m/s|rad/s)$", row) for row in rows)
+    along = {row.split()[1]: float(row.split()[2]) for row in rows if row.startswith("  along")}
+    assert along == {"X": 23.4, "Y": 3.75, "Z": 70.2}
+
+
+def test_lost_motion_is_told_in_base_and_tool_axes_first_and_links_by_name(run: Any) -> None:
+    out = run("explain", *UR5E).out
+    lost = out[out.index("What is lost") : out.index("Joints to blame")]
+    axes = ("in base axes:", "in tool axes:", "in axes of link 5 (after wrist_2_joint)")
+    places = [lost.index(word) for word in axes]
+    assert places == sorted(places)
+    assert "cannot" not in lost
+    only = run("explain", *UR5E, "--frame", "tool").out
+    assert "in tool axes:" in only
+    assert "in base axes:" not in only
+    assert "What motion costs  tool axes" in only
+
+
+def test_the_proof_stands_in_the_full_output_alone(run: Any) -> None:
+    plain, full = (run("explain", *UR5E, *more).out for more in ((), ("--full",)))
+    for said in ("You cannot leave it with the tool held still.", "The tool is at an edge of its reach"):
+        assert said in plain
+        assert said in full
+    assert "u · dJ(Δ)Δ is definite" in full
+    assert "u · dJ" not in plain
+    found = explain(open_robot("ur5e"), [0, -1.0, 0, 0.7, 0.9, 0], evaluations=0)
+    assert proof_of(found.escape.avoidable_words)
+    assert proof_of(found.escape.boundary_words)
+
+
+def test_degrees_are_suspected_before_the_verdict(run: Any) -> None:
+    out = run("explain", "ur5", "--q", "0,-135,45,90,-90,0").out
+    assert 0 <= out.index("angles up to 135 look like degrees") < out.index("ur5: REGULAR")
+    assert "Degrees?" not in run("explain", "ur5", "--deg", "--q", "0,-135,45,90,-90,0").out
+
+
+def test_a_six_joint_arm_has_no_spare_joint_but_an_idle_motion(run: Any) -> None:
+    out = run("explain", *UR5E).out
+    assert "1 way to move the joints does not move the tool (nullity 1)" in " ".join(out.split())
+
+
+def test_the_verdict_is_coloured_where_colours_are_wanted(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert "\x1b" not in run("explain", *UR5E).out
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    assert run("explain", *UR5E).out.startswith("\x1b[1;31mur5e: SINGULAR")
+    assert "\x1b[1;32m" in run("explain", "panda", "--q", "0,0.3,0,-1.8,0,1.9,0.7").out
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert re.search(r"\x1b\[[\d;]*3\d", run("explain", *UR5E).out) is None
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (("find", "pa10"), "--corank is missing: "),
+        (("find", "pa10", "--corank"), "--corank needs a value: "),
+        (("explain",), "ROBOT is missing: name in the catalogue"),
+        (("explain", "ur5"), "--q is missing: one number per joint"),
+        (("explain", *UR5E, "--tcp", "1,2"), "a tool point is three lengths, then three angles if the tool is turned"),
+        (("explain", *UR5E, "--tcp", "1,2,x"), "--tcp: the unit is not one that fits here"),
+    ],
+)
+def test_what_is_missing_is_called_missing(line: tuple[str, ...], said: str, run: Any) -> None:
+    ended = run(*line)
+    assert ended.code == 2
+    assert said in ended.err
+
+
+@pytest.mark.parametrize("command", ["explain", "escape"])
+def test_a_tool_point_is_understood_in_millimetres_and_degrees(command: str, run: Any) -> None:
+    one = run(command, *UR5E, "--tcp", "0,0,120mm,0,0,90", "--frame", "tool").out
+    other = run(command, *UR5E, "--tcp", "0 0 0.12 0 0 pi/2rad", "--frame", "tool").out
+    assert "0.63 vx + 0.333 vy + 0.702 vz" in " ".join(one.split())
+    assert one == other

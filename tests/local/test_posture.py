@@ -1,0 +1,67 @@
+"""A good posture is inside the limits, above the base and not folded; start poses of the whole catalogue are such."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rankdrop.families.posture import posed
+from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.posture import fault, spine, start_posture
+from rankdrop.results.known import shipped
+from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.task import resolve_task
+
+
+def test_each_fault_counts_and_limits_count_most() -> None:
+    arm = open_robot("ur5")
+    up, under, folded, beyond = np.radians(
+        [[0, -90, 60, 0, 80, 0], [0, 60, 20, 0, 80, 0], [0, -90, 179, 0, 80, 0], [0, -90, 60, 0, 80, 400]]
+    )
+    good, low, doubled, outside = fault(arm, [up, under, folded, beyond])
+    assert good < 0.1
+    assert 1.0 < low < outside
+    assert 0.5 < doubled < outside
+    assert outside >= 6.0
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_an_arm_begins_regular_inside_its_limits_and_no_lower_than_it_must(name: str) -> None:
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    q = start_posture(arm, task)
+    assert ((q >= arm.lower - 1e-9) & (q <= arm.upper + 1e-9)).all()
+    rank = generic_rank(arm, task)
+    assert singular_values(arm, q, task)[rank - 1] > 1e-4
+    assert fault(arm, q)[0] <= 1.0 + 1e-9  # arms in one plane with the base have a tip on the floor
+
+
+def test_the_ur5_opens_above_the_floor() -> None:
+    arm = open_robot("ur5")
+    assert spine(arm, start_posture(arm, resolve_task(None, arm))[None])[0, :, 2].min() >= 0.0
+
+
+@pytest.mark.parametrize("name", ["ur5", "kr16", "puma560", "stanford", "gen3"])
+def test_a_posed_family_is_the_same_family_at_a_better_place(name: str) -> None:
+    found = shipped(name)
+    for family in found.families:
+        after = posed(found.robot, found.task, family)
+        before, there = fault(found.robot, [family.witness])[0], fault(found.robot, [after.witness])[0]
+        assert there <= before
+        assert (after.id, after.equations, after.pinned) == (family.id, family.equations, family.pinned)
+        rank = found.generic_rank - family.corank
+        sigma = singular_values(found.robot, after.witness, found.task)
+        assert sigma[rank] <= 1e-9
+        assert rank == 0 or sigma[rank - 1] > 1e-6
+        assert max(abs(float(equation(np.array(after.witness)))) for equation in family.equations) < 1e-8
+
+
+def test_a_posed_family_tells_what_is_lost_where_it_stands() -> None:
+    from rankdrop.local.directions import lost_directions
+
+    found = shipped("ur5")
+    family = posed(found.robot, found.task, found.families[0])
+    assert family.witness != found.families[0].witness
+    lost = lost_directions(found.robot, np.array(family.witness), found.task, 1)
+    assert abs(float((lost @ family.lost_directions.T).item())) == pytest.approx(1.0)
+    assert not np.allclose(family.lost_directions, found.families[0].lost_directions)

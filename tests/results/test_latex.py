@@ -1,0 +1,76 @@
+"""The tables of an analysis as LaTeX: they say what the analysis says, and they compile."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from rankdrop.results.known import shipped
+from rankdrop.results.latex import as_text, mathematics
+from rankdrop.robot.open import open_robot
+from rankdrop.verbs.analyze import analyze
+
+LATEX = shutil.which("pdflatex")
+needs_latex = pytest.mark.skipif(LATEX is None, reason="no pdflatex is installed: apt-get install texlive-latex-base")
+
+
+def compiled(text: str, folder: Path) -> str:
+    """The log of pdfLaTeX over a document that holds the text; a document that stops at an error fails the test."""
+    document = f"\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n{text}\n\\end{{document}}\n"
+    (folder / "tables.tex").write_text(document, encoding="utf-8")
+    command = [str(LATEX), "-interaction=nonstopmode", "-halt-on-error", "tables.tex"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout[-1500:]
+    return done.stdout
+
+
+@pytest.mark.slow
+@needs_latex
+@pytest.mark.parametrize("name", ["pa10", "ur5", "stanford", "planar2r", "panda", "canadarm2"])
+def test_the_tables_compile(name: str, tmp_path: Path) -> None:
+    log = compiled(shipped(name).latex(), tmp_path)
+    assert "Missing character" not in log
+    widths = [float(one) for one in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", log)]
+    assert max(widths, default=0.0) < 25.0  # the page is 345 pt wide
+
+
+@pytest.mark.slow
+@needs_latex
+def test_exact_conditions_and_strange_names_compile(tmp_path: Path) -> None:
+    found = analyze(open_robot("puma560"), starts=300, exact="on")
+    strange = replace(found, robot=replace(found.robot, name=r"50%_of \input{x} #1 $ ^~ & Ünïcode 腕"))
+    text = strange.latex()
+    assert r"\input" not in text
+    assert r"a_2 c_2" in text.replace("{", "").replace("}", "")
+    compiled(text, tmp_path)
+
+
+def test_a_table_for_each_corank_with_columns_dimension_and_loss() -> None:
+    found = shipped("pa10")
+    text = found.latex()
+    coranks = sorted({family.corank for family in found.families})
+    assert text.count(r"\begin{table}") == len(coranks)
+    heads = "".join(f" & $\\theta_{{{i}}}$" for i in range(1, 8))
+    assert text.count(f"{heads} & dim & motion") == len(coranks)
+    for corank in coranks:
+        assert f"singularities of corank {corank} " in text
+    elbow = next(line for line in text.splitlines() if line.startswith("1 & \\raggedright elbow"))
+    cells = [cell.strip() for cell in elbow.split(" & ")]
+    assert cells[2:9] == [r"$\times$"] * 3 + [r"0, $\pi$"] + [r"$\times$"] * 3
+    assert cells[9] == str(found.families[0].dimension)
+    assert as_text(found.families[0].lost_words[0]) in cells[10]
+    assert text.isascii()
+
+
+def test_no_families_are_told_as_no_proof() -> None:
+    found = shipped("pa10")
+    assert "no proof" in replace(found, families=()).latex()
+
+
+def test_conditions_become_mathematics() -> None:
+    assert mathematics("0.5 cos(2θ2−θ12) · sin θ4") == r"0.5 \cos(2\theta_{2}-\theta_{12}) \cdot  \sin \theta_{4}"

@@ -1,0 +1,106 @@
+"""Whatever the bytes of a file are, a reader gives what it is to give, or says what is wrong with them.
+
+Long runs, guided by coverage, are `.ci/fuzz`; here the committed corpus of each reader, what once failed included, and
+what hypothesis makes of it.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import zlib
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scripts import tool
+
+from rankdrop.certify.coverfile import MAGIC, load
+from rankdrop.errors import ResultFileError
+
+FUZZ = tool("fuzz_readers")
+
+
+@cache
+def reader(name: str) -> Any:
+    """The reader, with a folder for its files."""
+    return FUZZ.readers(Path(mkdtemp()))[name]
+
+
+@pytest.mark.parametrize("name", FUZZ.NAMES)
+def test_the_corpus_is_read_or_refused(name: str) -> None:
+    cases = FUZZ.seeds(name)
+    assert cases, "a corpus is committed for every reader"
+    assert any([FUZZ.judged(reader(name), data) for data in cases]), "some case is taken"
+
+
+@pytest.mark.parametrize("name", FUZZ.NAMES)
+@given(seed=st.integers(0, 2**32))
+def test_changed_files_are_read_or_refused(name: str, seed: int) -> None:
+    dice = random.Random(seed)
+    for _ in range(3):
+        FUZZ.judged(reader(name), FUZZ.mutated(dice, FUZZ.seeds(name)))
+
+
+@pytest.mark.parametrize("name", FUZZ.NAMES)
+@given(data=st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
+def test_any_bytes_are_read_or_refused(name: str, data: bytes) -> None:
+    FUZZ.judged(reader(name), data)
+
+
+def test_what_a_reader_may_not_do_is_seen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A reader that fails in another way, or that warns, or that passes a control character on, is told."""
+
+    def broken(data: bytes) -> object:
+        if data.startswith(b"w"):
+            import warnings
+
+            warnings.warn("of NumPy", RuntimeWarning, stacklevel=1)
+        if data.startswith(b"c"):
+            raise ResultFileError("\x1b[2J")
+        return {}[data]
+
+    for data, kind in ((b"w", RuntimeWarning), (b"k", KeyError)):
+        with pytest.raises(kind):
+            FUZZ.judged(broken, data)
+    assert FUZZ.blind("quantity", 5, 1, tmp_path) == 0
+    assert json.loads(capsys.readouterr().out)["failed"] == 0
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"depth": [10**9, 1], "top": 10**9}, "halvings are"),
+        ({"depth": [40] * 6, "top": 39}, "too few bytes"),
+        ({"depth": [1] * 40}, "entries"),
+        ({"depth": []}, "entries"),
+        ({"depth": [1, -1]}, "halvings are"),
+        ({"top": 9}, "halvings are"),
+    ],
+)
+def test_a_covering_of_more_boxes_than_bytes_is_refused(changed: dict[str, Any], words: str, tmp_path: Path) -> None:
+    """The number of boxes was believed: 2 to the power of what a file says."""
+    (whole,) = [data for data in FUZZ.seeds("cover") if FUZZ.judged(reader("cover"), data)][:1]
+    line, packed = whole.removeprefix(MAGIC).split(b"\n", 1)
+    record = json.loads(line)
+    record["plan"] |= changed
+    path = tmp_path / "a.cover"
+    path.write_bytes(MAGIC + json.dumps(record).encode() + b"\n" + packed)
+    with pytest.raises(ResultFileError, match=words):
+        load(path)
+
+
+def test_a_covering_that_unpacks_to_more_than_it_says_is_refused(tmp_path: Path) -> None:
+    (whole,) = [data for data in FUZZ.seeds("cover") if FUZZ.judged(reader("cover"), data)][:1]
+    line, _ = whole.removeprefix(MAGIC).split(b"\n", 1)
+    path = tmp_path / "a.cover"
+    path.write_bytes(MAGIC + line + b"\n" + zlib.compress(bytes(2**26)))
+    with pytest.raises(ResultFileError, match="ends too soon, or too late"):
+        load(path)
+    path.write_bytes(MAGIC + b"[" * 100_000 + b"\n")
+    with pytest.raises(ResultFileError, match="damaged"):
+        load(path)

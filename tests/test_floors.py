@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
-    "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0,
+    "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
     "robot": 1, "reach": 1,
     "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
     "local": 3, "problem": 3, "solve": 2,
@@ -28,14 +28,15 @@ FLOORS = {
     "compare": 6,
     "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
-    "cli": 9, "__main__": 9, "report": 9, "viewer": 9, "reproduce": 9,
+    "designs": 9,
+    "cli": 10, "__main__": 10, "report": 10, "viewer": 10, "reproduce": 10,
 }  # fmt: skip
-TOP = 9
+TOP = 10
 FACE_ROOMS = frozenset(room for room, place in FLOORS.items() if place == TOP)
 
 OPTIONAL = {"xacrodoc", "mujoco", "pinocchio", "viser", "sympy", "flint", "matplotlib", "mpl_toolkits", "plotly",
             "jinja2", "yourdfpy", "roboticstoolbox", "trimesh", "websockets", "playwright", "yaml",
-            "rosbags", "pyarrow"}  # fmt: skip
+            "rosbags", "pyarrow", "scipy", "distributed", "threadpoolctl"}  # fmt: skip
 """Not installed by default: only inside the function that needs them."""
 FACES = {"rich", "cyclopts"}
 """For the command line alone."""

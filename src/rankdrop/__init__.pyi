@@ -1,4 +1,5 @@
 from .certify.proof.verifying import verify as verify
+from .designs.sweeping import sweep as sweep
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor
 from .families.searching import search as search

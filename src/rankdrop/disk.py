@@ -58,3 +58,24 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def append_line(path: str | Path, line: str) -> None:
+    """Add a line to a journal, and bring it to the disk. A torn line before it, of a writer that died, is ended first.
+
+    Args:
+        path: of the journal; made where it is not there.
+        line: ASCII, without its end.
+
+    Raises:
+        OSError: disk full, no permission, no such folder.
+    """
+    with open(path, "ab+") as file:
+        if file.tell():
+            file.seek(-1, os.SEEK_END)
+            torn = file.read(1) != b"\n"
+        else:
+            torn = False
+        file.write(b"\n" * torn + line.encode("ascii") + b"\n")
+        file.flush()
+        os.fsync(file.fileno())

@@ -19,8 +19,9 @@ MEANING = {
     UNEXPLAINED: "analyze: some point is not explained, some row failed its test, or exact conditions differ; "
     "conditions: not complete, not verified, or the condition tested is not exact; explain: near a singularity; "
     "escape, nearest, tolerant: none found; path: a singularity is met or too near, or undecided; cover: not complete, "
-    "or known families do not explain all; aspects: undecided; through: not trackable, or undecided; verify: the claim "
-    "does not hold, or is not confirmed; reproduce: some item differs without a reason",
+    "or known families do not explain all; sweep, compare: a variant or an arm is not measured, or its families do not "
+    "hold; aspects: undecided; through: not trackable, or undecided; verify: the claim does not hold, or is not "
+    "confirmed; reproduce: some item differs without a reason",
     SINGULAR: "explain: the configuration is singular, or the arm deficient at every one",
     INTERRUPTED: "interrupted (Ctrl-C); what was done is printed and saved",
     BROKEN_PIPE: "the reader of the output has gone",

@@ -45,6 +45,9 @@ def find(
     out: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     history: str | None = None,
+    store: str | None = None,
+    workers: Whole = 0,
+    scheduler: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Find configurations in which the tool loses a given number of directions.
@@ -55,6 +58,7 @@ def find(
         rankdrop find pa10 --corank 2 --method almarkhi --history figure.csv
         rankdrop find pa10 --corank 1 --method reciprocal --starts 100000 --out exact.npz
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
+        rankdrop find ur5 --corank 1 --starts 10_000_000 --store cloud
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -75,6 +79,10 @@ def find(
         out: Write every start's outcome, configuration and singular values to this file: .csv, .json or .npz.
         json: Write the same as JSON to this file; - writes it to stdout in place of the summary.
         history: Write the singular values of every iteration to this file: .csv or .npz.
+        store: Keep the configurations as partitioned Parquet in this folder; no more than a part of them is in memory.
+            After an interruption, of any kind, the same command goes on there.
+        workers: Of --store: local processes; 0: one for every processor.
+        scheduler: Of --store: address of a Dask scheduler, whose workers do the work (tcp://HOST:8786).
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
@@ -89,6 +97,10 @@ def find(
     check_different({"--json": json, "--out": out, "--history": history})
     begun = monotonic()
     model, task = open_arm(robot, arm)
+    if store is not None:
+        _check_alone(method, {"--start": start, "--iterations": iterations, "--out": out, "--json": json,
+                              "--history": history})  # fmt: skip
+        return _stored(model, task, corank, store, starts, seed, limits, workers, scheduler, quiet)
     with reporter(quiet=quiet) as report:
         options: _Options = {
             "task": task, "seed": seed, "limits": limits, "method": method, "iterations": iterations,
@@ -115,6 +127,32 @@ def find(
         steps.append(lambda: _save_history(found, history))
     do_all(steps)
     return exits.FINE if found.complete else exits.INTERRUPTED
+
+
+def _check_alone(method: str, others: dict[str, object]) -> None:
+    """What is kept in a folder is a search by the standard method from random starts."""
+    if method != "lm":
+        raise OptionError("a cloud is found by lm", where="--method", got=method, mend="leave --method or --store out")
+    for option, value in others.items():
+        if value is not None:
+            raise OptionError("it does not go with --store", where=option, got=value, mend="leave one of them out")
+
+
+def _stored(
+    robot: Robot, task: Task, corank: int, folder: str, starts: int, seed: int, limits: bool, workers: int,
+    scheduler: str | None, quiet: bool,
+) -> int:  # fmt: skip
+    from rankdrop.cli.files import write_text
+    from rankdrop.cli.progress import reporter
+    from rankdrop.results import store_cloud
+
+    with reporter(quiet=quiet) as report:
+        count = store_cloud(
+            robot, corank, folder, task=task, starts=starts, seed=seed, limits=limits, workers=workers,
+            scheduler=scheduler, report=lambda done, total: report(f"corank {corank}: parts", done, total),
+        )  # fmt: skip
+    write_text(f"{count:,} of {starts:,} starts ended at corank {corank} or more: {folder}/parts/*.parquet\n", "-")
+    return exits.FINE
 
 
 class _Options(TypedDict):

@@ -35,6 +35,7 @@ try:
     from rankdrop.cli import exits
     from rankdrop.cli.analyze import analyze
     from rankdrop.cli.aspects import aspects
+    from rankdrop.cli.compare import compare
     from rankdrop.cli.conditions import conditions
     from rankdrop.cli.cover import cover
     from rankdrop.cli.escape import escape
@@ -47,6 +48,7 @@ try:
     from rankdrop.cli.report import report
     from rankdrop.cli.reproduce import reproduce
     from rankdrop.cli.robots import robots
+    from rankdrop.cli.sweep import sweep
     from rankdrop.cli.terminal import encode_plainly, say
     from rankdrop.cli.through import through
     from rankdrop.cli.tolerant import tolerant
@@ -67,6 +69,7 @@ For example:
     rankdrop explain ur5 --deg --q 0,-135,45,90,-90,0
     rankdrop path ur5e pick.csv
     rankdrop cover ur5
+    rankdrop compare ur5e gp7
     rankdrop report pa10 --out pa10.html
     rankdrop view pa10
 
@@ -96,6 +99,8 @@ app.command(aspects)
 app.command(through)
 app.command(monitor)
 app.command(cover)
+app.command(sweep)
+app.command(compare)
 app.command(verify)
 app.command(view)
 app.command(reproduce)

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, FitProblem, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
 from rankdrop.families.linear import FamilyPoints, Linear, Values, gathered_tangent
+from rankdrop.families.memory import Memory
 from rankdrop.families.row import on_combinations
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.family.system import System
@@ -189,6 +190,7 @@ def _free(linear: Linear, held: list[int], n: int) -> Array:
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off
 SEED = 12  # points at which ranks are looked at
+RECALLED = 100  # starts from which equations of a known form are solved before they are taken
 ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
 
 
@@ -218,6 +220,23 @@ def residual_equations(supply: FamilyPoints, budget: Budget, *, thorough: bool) 
         if equations is not None:
             return equations
     return _from_ideal(supply, ground, joints) if thorough and len(joints) > 1 else None
+
+
+def recalled_equations(supply: FamilyPoints, memory: Memory) -> tuple[Equation, ...] | None:
+    """Equations of the form that a similar arm has, fitted to points of this one; None where no form fits.
+
+    Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
+    among it, is the caller's to find out: a row of a known form that fails there is sought anew.
+    """
+    for form in memory.recall(supply, supply.problem.corank):
+        if _rank(supply, list(form)) != supply.signature.residual:
+            continue
+        tested, strangers = _from_random_starts(supply, form, RECALLED)
+        if tested and not len(strangers):
+            memory.recalled += 1
+            return form
+    memory.sought += 1
+    return None
 
 
 def circuit_equations(supply: FamilyPoints, budget: Budget) -> tuple[Equation, ...] | None:
@@ -341,12 +360,8 @@ def _strangers(supply: FamilyPoints, equations: list[Equation]) -> tuple[int, Ar
     problem, tested = supply.problem, 0
     strangers = np.zeros((0, problem.n))
     for count in (200, 800):
-        q, good = on_combinations(
-            problem, supply.linear, tuple(equations), supply.signature.residual, [supply.values], count, supply.rng
-        )
-        q = q[good]
-        sigma = problem.sigma(q)
-        tested, strangers = tested + len(q), q[sigma[:, problem.rank] > problem.tolerances.singular]
+        more, strangers = _from_random_starts(supply, tuple(equations), count)
+        tested += more
         if len(strangers):
             return tested, strangers
     for _ in range(ROUNDS if tested else 0):
@@ -354,3 +369,13 @@ def _strangers(supply: FamilyPoints, equations: list[Equation]) -> tuple[int, Ar
         if len(strangers):
             break
     return tested, strangers
+
+
+def _from_random_starts(supply: FamilyPoints, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
+    """How many solutions so many random starts lead to, and those of them that are not singular."""
+    problem = supply.problem
+    q, good = on_combinations(
+        problem, supply.linear, equations, supply.signature.residual, [supply.values], count, supply.rng
+    )
+    q = q[good]
+    return len(q), q[problem.sigma(q)[:, problem.rank] > problem.tolerances.singular]

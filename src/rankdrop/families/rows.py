@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
 from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
-from rankdrop.families.residual import residual_equations
+from rankdrop.families.memory import Memory
+from rankdrop.families.residual import recalled_equations, residual_equations
 from rankdrop.families.row import Row, verified
 from rankdrop.families.signature import Inspection, Signature
 from rankdrop.family.equation import Equation, Term, normalised
@@ -134,6 +135,7 @@ def find_rows(
     cover: Membership,
     seed: int,
     progress: Callable[[int, int], None] | None = None,
+    memory: Memory | None = None,
 ) -> list[Row]:
     """Rows that explain the regular points of a cloud, each verified to be singular.
 
@@ -145,9 +147,10 @@ def find_rows(
         cover: of the points of the cloud.
         seed: of every random choice.
         progress: called with (groups done, groups).
+        memory: forms of conditions that are tried first, and where those found are kept.
     """
     budget = Budget()
-    rows = _fitted(problem, inspection, cover, budget, (seed, problem.corank), progress)
+    rows = _fitted(problem, inspection, cover, budget, (seed, problem.corank), progress, memory)
     groups = len(grouped(inspection))
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     if len(rest) >= FEW:
@@ -167,6 +170,7 @@ def _fitted(
     budget: Budget,
     seed: tuple[int, ...],
     progress: Callable[[int, int], None] | None = None,
+    memory: Memory | None = None,
     *,
     doubled: bool = False,
 ) -> list[Row]:
@@ -186,7 +190,7 @@ def _fitted(
         rng = np.random.default_rng([*seed, index, int(thorough)])
         if smooth(problem, inspection, left, rng):
             part = budget.share(THOROUGH if thorough else QUICK)
-            rows += _rows_of(problem, signature, inspection, left, part, rng, more, thorough=thorough)
+            rows += _rows_of(problem, signature, inspection, left, part, rng, more, memory, thorough=thorough)
             budget.back(part)
     return rows
 
@@ -266,6 +270,7 @@ def _rows_of(
     budget: Budget,
     rng: np.random.Generator,
     more: Callable[[Array], Inspection] | None,
+    memory: Memory | None,
     *,
     thorough: bool,
 ) -> list[Row]:
@@ -285,9 +290,13 @@ def _rows_of(
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
         q, tangent = inspection.q[here], inspection.tangent[here]
         supply = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
-        residual = residual_equations(supply, budget, thorough=thorough)
+        residual = None if memory is None else recalled_equations(supply, memory)
+        if residual is None:
+            residual = residual_equations(supply, budget, thorough=thorough)
         if residual is None:
             continue
+        if memory is not None:
+            memory.keep(problem.corank, signature, values, residual)
         alike = [v for v in met if all(holds(e, inspection.q[members[met[v]]]) for e in residual)]
         holding = partial(verified, problem, linear, residual, signature.residual, rng=rng)
         found = grow([values, *alike], linear, holding)

@@ -185,6 +185,7 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
     system = System(family.equations)
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
     found = np.zeros(len(q), dtype=np.bool_)
+    may = _may_be_near(system, q, scale, moves, within)
     for attempt in range(1 + _AROUND):
         rows = np.flatnonzero(~found)
         if not len(rows):
@@ -195,6 +196,10 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
             away = rng.normal(size=(len(rows), len(moves)))
             away *= (reach / np.maximum(np.linalg.norm(away, axis=1), 1e-300))[:, None]
             x[:, moves] += away * rng.random((len(rows), 1)) * scale[moves]
+        some = may[rows]
+        rows, centre, reach, x = rows[some], centre[some], reach[some], x[some]
+        if not len(rows):
+            continue
         for _ in range(_STEPS):
             f, slope = system.linear(x)
             back = (centre - x)[:, moves] / scale[moves]
@@ -207,6 +212,20 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
         distance = np.linalg.norm((x - centre) / scale, axis=1)
         found[rows] = there & (distance <= reach)
     return found
+
+
+def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp], within: Array) -> Mask:
+    """(N,) False where a bound on the slope proves that no zero x is so near: |f(q)| ≤ sup |∇f| · |q − x|.
+
+    Of equations in which a slide stands as a power nothing is proven.
+    """
+    may = np.ones(len(q), dtype=np.bool_)
+    for equation in system.equations:
+        m, _, a, b, _, powered = equation.tables
+        if not powered:
+            steepest = float((np.hypot(a, b) * np.linalg.norm(m[:, moves] * scale[moves], axis=1)).sum())
+            may &= np.abs(equation(q)) <= steepest * within * (1.0 + 1e-9) + REACHED
+    return may
 
 
 def _onto(system: System, x: Array, moves: NDArray[np.intp]) -> tuple[Array, Mask]:

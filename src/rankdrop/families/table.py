@@ -20,12 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.linear import polished
+from rankdrop.families.memory import Memory
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
 from rankdrop.families.rows import Membership, find_rows
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
-from rankdrop.families.signature import Inspection, inspect
+from rankdrop.families.signature import HIGHER, Inspection, inspect
 from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.naming import lost_motions, name_family, told_apart
@@ -39,6 +40,7 @@ from rankdrop.family.record import (
     family_out_of_units,
     numbered,
 )
+from rankdrop.local.directions import lost_directions
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -60,6 +62,9 @@ def families(
     fresh: Search | None = None,
     threads: int = 0,
     progress: Progress | None = None,
+    wanted: int = FRESH,
+    near_misses: bool = True,
+    memory: Memory | None = None,
 ) -> CorankFamilies:
     """All families of one corank, with soundness, completeness and an estimate of what was not seen.
 
@@ -71,6 +76,10 @@ def families(
             exactly this corank (as far as 20 000 starts give them).
         threads: for the fresh search.
         progress: called with (done, total).
+        wanted: fresh points of exactly this corank, as far as they can be had.
+        near_misses: bring the smallest σ of a nonzero local minimum down; without it the summary has none.
+        memory: of a similar arm (`Memory`): forms of conditions that are tried first, and where those found are kept.
+            Names are taken from there too, and no sentences are made of what is lost.
 
     Returns:
         CorankFamilies: the summary, and rows sorted by dimension (large first), then by joint numbers; families whose
@@ -85,14 +94,15 @@ def families(
     if not isinstance(cloud.robot, UnitRobot):
         inner = families(
             _in_units(cloud), seed=seed, tolerances=tolerances, fresh=None if fresh is None else _in_units(fresh),
-            threads=threads, progress=progress,
+            threads=threads, progress=progress, wanted=wanted, near_misses=near_misses, memory=memory,
         )
         return families_out_of_units(inner, cloud.robot)
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
     inspection = inspect(problem, polished(problem, cloud.converged))
     cover = Membership(problem, inspection.q)
-    rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS))
+    rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
+                     memory)  # fmt: skip
     sounds: dict[Row, Soundness] = {}
     samples: dict[Row, Array] = {}
     marks = _marks(rows)
@@ -106,7 +116,7 @@ def families(
             samples[row] = points
     kept = list(sounds)
     report(60, STEPS)
-    independent = _fresh(problem, cloud, inspection, seed, threads) if fresh is None else fresh.converged
+    independent = _fresh(problem, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
     checked = inspect(problem, polished(problem, independent))
     report(80, STEPS)
     new = Membership(problem, checked.q)
@@ -117,12 +127,12 @@ def families(
         per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
-        found.append(_family(problem, row, sounds[row], per_row, samples[row], at))
+        found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
         report(80 + 20 * count // len(kept), STEPS)
     found += [family for family, _ in rest]
     pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
-    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces)
+    summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
     return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
 
 
@@ -163,16 +173,16 @@ def _marks(rows: list[Row]) -> dict[int, list[float]]:
     return found
 
 
-def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int) -> Array:
-    """Converged points of a search with another seed: at least `FRESH` of exactly this corank where possible."""
+def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, threads: int, wanted: int) -> Array:
+    """Converged points of a search with another seed: at least `wanted` of exactly this corank where possible."""
     if not len(inspection.q):
         return np.zeros((0, problem.n))
-    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), FRESH / MOST_FRESH)
+    rate = max(float(inspection.exact.sum()) / len(cloud.outcome), wanted / MOST_FRESH)
     parts: list[Array] = []
     found, spent = 0, 0
     for attempt in range(4):
-        starts = int(min(1.1 * (FRESH - found) / rate + 50, MOST_FRESH - spent))
-        if found >= FRESH or starts < 1:
+        starts = int(min(1.1 * (wanted - found) / rate + 50, MOST_FRESH - spent))
+        if found >= wanted or starts < 1:
             break
         part = search(
             problem.robot, problem.corank, task=problem.task, starts=starts, seed=seed + OTHER_SEED * (attempt + 1),
@@ -180,7 +190,8 @@ def _fresh(problem: Problem, cloud: Search, inspection: Inspection, seed: int, t
         )  # fmt: skip
         if not part.complete:
             raise KeyboardInterrupt  # the core met Ctrl-C; a count of part of the points would mislead
-        found += int(inspect(problem, part.converged).exact.sum())
+        sigma = part.sigma[part.outcome == Outcome.CONVERGED]
+        found += int((sigma[:, problem.rank - 1] > HIGHER).sum()) if problem.rank else len(sigma)
         spent += starts
         parts.append(part.converged)
     return np.concatenate(parts)
@@ -192,18 +203,26 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
     return (s.rank, s.pinned, s.coupled, row.sets)
 
 
-def _family(problem: Problem, row: Row, sound: Soundness, share: Share, generic: Array, at: Array) -> Family:
+def _family(
+    problem: Problem, row: Row, sound: Soundness, share: Share, generic: Array, at: Array, memory: Memory | None
+) -> Family:
     """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, problem.robot
     pinned = tuple(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
-    directions, sentences = lost_motions(problem, at, generic)
+    if memory is None:
+        directions, sentences = lost_motions(problem, at, generic)
+    else:
+        directions, sentences = lost_directions(robot, at, problem.task, problem.corank), ()
+
+    def name() -> str:
+        numbers, coupled = [one.number for one in pinned], [j + 1 for j in signature.coupled]
+        return name_family(robot, problem.task, generic, numbers, coupled=coupled)
+
     return Family(
         id="",
-        name=name_family(
-            robot, problem.task, generic, [one.number for one in pinned], coupled=[j + 1 for j in signature.coupled]
-        ),
+        name=name() if memory is None else memory.name(problem.corank, signature, row.sets, name),
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -249,7 +268,7 @@ def _labels(row: Row, q: Array) -> NDArray[np.int64]:
     return labels
 
 
-def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> CorankSummary:
+def _summary(cloud: Search, share: Share, higher: int, pieces: list[int], near_misses: bool) -> CorankSummary:
     return CorankSummary(
         corank=cloud.corank,
         rank=cloud.rank,
@@ -257,7 +276,7 @@ def _summary(cloud: Search, share: Share, higher: int, pieces: list[int]) -> Cor
         converged=cloud.count(Outcome.CONVERGED),
         near_misses=cloud.count(Outcome.NEAR_MISS),
         slow=cloud.count(Outcome.SLOW),
-        smallest_near_miss=cloud.smallest_near_miss,
+        smallest_near_miss=cloud.smallest_near_miss if near_misses else None,
         completeness=share,
         higher=higher,
         unseen=unseen(pieces) if cloud.count(Outcome.CONVERGED) else none_found(len(cloud.outcome)),

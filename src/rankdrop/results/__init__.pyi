@@ -27,6 +27,7 @@ from .findings import history_to_csv as history_to_csv
 from .findings import history_to_npz as history_to_npz
 from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
+from .stored import store_cloud as store_cloud
 from .verdict import Verdict as Verdict
 from .verdict import of_analysis as of_analysis
 from .verdict import of_conditions as of_conditions

@@ -1,6 +1,7 @@
 from .budgets import LARGEST_FILE as LARGEST_FILE
 from .dh import from_dh as from_dh
 from .digits import Angles as Angles
+from .drawing import Drawing as Drawing
 from .files import Element as Element
 from .files import read_text as read_text
 from .files import read_xml as read_xml

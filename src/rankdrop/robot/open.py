@@ -116,6 +116,26 @@ def open_robot(
     return with_size_note(found)
 
 
+def source_text(name_or_path: str) -> tuple[str, str] | None:
+    """The text that a robot is described by, and the file it is from; None for xacro files, which are no description.
+
+    Args:
+        name_or_path: as for `open_robot`.
+
+    Raises:
+        UnknownRobotError, RobotError: as `open_robot`.
+    """
+    files = _catalog_files()
+    name = name_or_path if name_or_path in files or _exists(Path(name_or_path)) else next(
+        iter(_same_names(name_or_path)), name_or_path
+    )  # fmt: skip
+    if name in files:
+        return files[name].read_text(encoding="utf-8"), f"catalogue {name}.toml"
+    if not name or not _exists(Path(name)):
+        raise _unknown(name)
+    return None if Path(name).suffix.lower() == ".xacro" else (read_text(Path(name)), name)
+
+
 def robot_names() -> tuple[str, ...]:
     """The names of the catalogue, sorted."""
     return tuple(sorted(_catalog_files()))

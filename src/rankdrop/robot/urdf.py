@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import inf, isfinite
 from pathlib import Path
 
@@ -144,6 +144,7 @@ def from_urdf(
     tip: str | None = None,
     file: str | None = None,
     as_written: bool = False,
+    edit: Callable[[Tree], None] | None = None,
 ) -> Robot:
     """A robot from a URDF file or its text.
 
@@ -156,6 +157,7 @@ def from_urdf(
         base, tip: names of links; chosen where not given, and `Robot.notes` says how (see `urdf_tree.choose_ends`).
         file: name of the text in errors and in `Robot.source`.
         as_written: take every number literally.
+        edit: called with the tree before anything is computed of it; may change attributes of its elements.
 
     Raises:
         RobotError: names file, line, element, joint, value and mend.
@@ -171,6 +173,8 @@ def from_urdf(
     else:
         text, place = read_text(Path(source)), file or str(source)
     tree = read_tree(read_xml(text, place, _NOT_READ), place)
+    if edit is not None:
+        edit(tree)
     return from_tree(tree, "urdf", base=base, tip=tip, as_written=as_written)
 
 

@@ -10,9 +10,10 @@ from rankdrop.errors import OptionError
 
 NAMES = (
     "analysis", "find", "explanation", "escape", "nearest", "tolerant", "conditions", "jacobian", "path", "paths",
-    "aspects", "through", "path-rows", "cover", "certificate", "verified", "reproduced",
+    "aspects", "through", "path-rows", "cover", "certificate", "verified", "sweep", "side-by-side", "reproduced",
 )  # fmt: skip
-"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation."""
+"""Kinds of result files: each is what the command of that name writes with --json, `explain` the explanation,
+`compare` the side-by-side."""
 
 
 def load_schema(name: str) -> dict[str, Any]:
@@ -22,7 +23,8 @@ def load_schema(name: str) -> dict[str, Any]:
         name: "analysis" (`rankdrop analyze --json`), "find", "explanation" (`rankdrop explain --json`), "escape",
             "nearest", "tolerant", "conditions", "jacobian", "path", "paths" (`rankdrop path --json` with several
             files), "aspects", "through", "path-rows" (`rankdrop path --rows OUT.json`), "cover", "certificate"
-            (--certificate), "verified" (`rankdrop verify --json`) or "reproduced".
+            (--certificate), "verified" (`rankdrop verify --json`), "sweep", "side-by-side" (`rankdrop compare`) or
+            "reproduced".
 
     Raises:
         OptionError: there is no such schema.

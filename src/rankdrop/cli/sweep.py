@@ -1,0 +1,157 @@
+"""`rankdrop sweep`: variants of an arm, measured for the same task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rankdrop.cli import exits
+from rankdrop.cli.whole import Whole
+
+if TYPE_CHECKING:
+    from rankdrop.designs import Designs
+
+
+def sweep(
+    spec: str | None = None,
+    /,
+    *,
+    out: str | None = None,
+    parquet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    figure: str | None = None,
+    html: str | None = None,
+    over: Annotated[str | None, Parameter(show_default=False)] = None,
+    all: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    workers: Whole = 0,
+    scheduler: str | None = None,
+    status: str | None = None,
+    quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+) -> int:
+    """Measure many variants of an arm: lengths, angles, offsets, base or tool as parameters.
+
+    Per variant what the file asks for: families, and how they differ from the
+    neighbour's; the share of the joint space near them; σ over a region or on
+    paths; the share proven free. Then the variants that no other one beats.
+    How to write the file: docs/howto/comparing-designs.md.
+
+    For example:
+        rankdrop sweep designs.toml
+        rankdrop sweep designs.toml --out designs --parquet --html designs.html
+        rankdrop sweep designs.toml --figure maps.svg --over upper_arm,offset
+        rankdrop sweep designs.toml --out designs --scheduler tcp://10.0.0.1:8786
+        rankdrop sweep --status designs
+
+    Exit code 0: every variant was measured, its families verified; 3: some were
+    not; 130: interrupted, with --out the same command goes on; 2: bad input.
+
+    Args:
+        spec: The file that says which arm, which parameters, and what is asked (.toml).
+        out: Folder for finished parts, with a journal: after an interruption, of any kind, the same command goes on.
+        parquet: Write the tables `variants` and `families` as Parquet into the folder --out.
+        json: Write the result to this file as well; - writes it to stdout in place of the text.
+        figure: Draw every measure as a map over two parameters: .svg, .png or .pdf.
+        html: Write a page that stands alone, with maps and every variant: .html.
+        over: The two parameters of the maps, such as upper_arm,offset. Default: the first two.
+        all: Every variant in the table, not only those that no other one beats.
+        workers: Local processes; 0: one for every processor. The result does not depend on it.
+        scheduler: Address of a Dask scheduler, whose workers do the work (tcp://HOST:8786).
+        status: Only say how far the sweep in this folder is.
+        quiet: No progress.
+    """
+    from rankdrop import sweep as run
+    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.progress import reporter
+
+    if status is not None:
+        return _status(status)
+    check_target(json, "--json")
+    check_target(figure, "--figure", (".svg", ".png", ".pdf"))
+    check_target(html, "--html", (".html", ".htm"))
+    check_different({"--json": json, "--figure": figure, "--html": html})
+    name = _check(spec, out, parquet)
+    axes = tuple(word.strip() for word in over.split(",")) if over else ()
+    try:
+        with reporter(quiet=quiet) as report:
+            found = run(name, out=out, workers=workers, scheduler=scheduler, report=report)
+    except KeyboardInterrupt:
+        return _interrupted(out)
+    steps: list[Callable[[], None]] = []
+    if json != STDOUT:
+        steps.append(lambda: _print(found, every=all))
+    if json is not None:
+        steps.append(lambda: write_json(found.to_dict(), json))
+    if figure is not None:
+        steps.append(lambda: _draw(found, axes, figure))
+    if html is not None:
+        steps.append(lambda: _page(found, axes, html))
+    if parquet and out is not None:
+        steps.append(lambda: _tables(found, out))
+    do_all(steps)
+    return exits.FINE if found.holds else exits.UNEXPLAINED
+
+
+def _check(spec: str | None, out: str | None, parquet: bool) -> str:
+    from rankdrop.cli.files import STDOUT
+    from rankdrop.designs import check_tables
+    from rankdrop.errors import OptionError
+
+    if spec is None:
+        raise OptionError("no specification is named", where="SPEC", allowed="a .toml file, or --status FOLDER")
+    if out == STDOUT:
+        raise OptionError("parts are not printed", where="--out", got=out, allowed="a folder")
+    if parquet and out is None:
+        raise OptionError("the tables need a folder", where="--parquet", mend="name one with --out")
+    if parquet:
+        check_tables()
+    return spec
+
+
+def _status(folder: str) -> int:
+    from rankdrop.cli.files import write_text
+    from rankdrop.jobs import progress_of
+
+    write_text(f"{progress_of(folder).sentence}\n", "-")
+    return exits.FINE
+
+
+def _interrupted(out: str | None) -> int:
+    from rankdrop.cli.terminal import say
+
+    say(f"interrupted: {f'what is done is kept in {out}: the same command goes on there' if out else '--out keeps it'}")
+    return exits.INTERRUPTED
+
+
+def _print(found: Designs, *, every: bool) -> None:
+    from rankdrop.cli.sections import print_sections
+
+    print_sections(found.sections(every=every))
+
+
+def _draw(found: Designs, axes: tuple[str, ...], target: str) -> None:
+    from io import BytesIO
+    from pathlib import Path
+
+    from rankdrop.cli.files import write_bytes
+    from rankdrop.report.design_figure import design_figure
+
+    buffer = BytesIO()
+    design_figure(found, axes).savefig(buffer, format=Path(target).suffix[1:].lower(), dpi=200)
+    write_bytes(buffer.getvalue(), target)
+
+
+def _page(found: Designs, axes: tuple[str, ...], target: str) -> None:
+    from rankdrop.cli.files import write_text
+    from rankdrop.report.design_page import design_page
+
+    write_text(design_page(found, axes), target)
+
+
+def _tables(found: Designs, out: str) -> None:
+    from rankdrop.cli.terminal import say
+    from rankdrop.designs import write_tables
+
+    variants, families = write_tables(found, out)
+    say(f"Parquet: {variants}, {families}")

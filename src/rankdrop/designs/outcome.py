@@ -1,0 +1,312 @@
+"""What a sweep found: every variant with its measures, what differs between neighbours, which variants none beats."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+from rankdrop.designs.changes import Change, Structure, changes, structures
+from rankdrop.designs.pareto import pareto
+from rankdrop.designs.spec import Parameter
+from rankdrop.errors import OptionError
+from rankdrop.results.codec import save_record
+from rankdrop.sections import Section, html, text
+from rankdrop.version import VERSION
+
+SCHEMA = "rankdrop/sweep/1"
+SHOWN = 20
+"""Variants of the Pareto list, and structures and kinds of change, that are told."""
+_BETWEEN = "a change lies somewhere between two variants that were searched; one that comes and goes is not seen"
+_ALMOST_ALL = "for almost all lengths; where two lengths are equal or one is zero more may hold"
+UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
+         "paths_free": "share", "free": "share"}  # fmt: skip
+MEANINGS = {
+    "families": "number of families of every corank",
+    "near": "share of the joint space near any family",
+    "sigma": "over the region: smallest, over its poses, of the σ of the best posture found",
+    "reached": "share of the region's poses for which a posture was found",
+    "path_sigma": "smallest σ on the paths",
+    "path_distance": "smallest distance from a singular configuration on the paths",
+    "paths_free": "share of the paths proven free as a whole",
+    "free": "share of the joint space proven free",
+}
+"""What every measure means."""
+
+
+@dataclass(frozen=True, eq=False)
+class Designs:
+    """A finished sweep.
+
+    Attributes:
+        robot: name of the arm that was varied.
+        task: name of the task.
+        length_scale: of σ, the same for every variant [m].
+        limits: inside the joint limits only.
+        parameters: in their order.
+        kind, seed: how variants were chosen.
+        goals: measure -> "less" or "more".
+        records: of every variant, by its number; docs/howto/comparing-designs.md says what is in them.
+        pairs: of neighbours.
+        exact: one variant of each of the commonest sets of families, derived exactly with letters for the lengths:
+            its families, and for which lengths they are real; empty where not asked for or not derived.
+        folder: where parts and tables are kept; None: nowhere.
+    """
+
+    robot: str
+    task: str
+    length_scale: float
+    limits: bool
+    parameters: tuple[Parameter, ...]
+    kind: str
+    seed: int
+    goals: Mapping[str, str]
+    records: Sequence[Mapping[str, Any]]
+    pairs: Sequence[tuple[int, int]]
+    exact: tuple[Mapping[str, Any], ...] = ()
+    folder: Path | None = None
+
+    @property
+    def measures(self) -> list[str]:
+        """Names of the measures, in their order."""
+        names = {name for record in self.records for name in record["measures"]}
+        return [name for name in UNITS if name in names]
+
+    @cached_property
+    def failed(self) -> tuple[int, ...]:
+        """Numbers of the variants with an error, from 0."""
+        return tuple(int(one["number"]) for one in self.records if one["error"] is not None)
+
+    @cached_property
+    def unverified(self) -> tuple[int, ...]:
+        """Numbers of the variants whose families were asked for and do not hold, from 0."""
+        asked = [one for one in self.records if "verdict" in one]
+        return tuple(int(one["number"]) for one in asked if one["verdict"] != "verified")
+
+    @property
+    def holds(self) -> bool:
+        """Whether every variant was measured and its families are verified."""
+        return not self.failed and not self.unverified
+
+    @cached_property
+    def structures(self) -> list[Structure]:
+        """Variants by their set of families."""
+        return structures(self.records)
+
+    @cached_property
+    def changes(self) -> list[Change]:
+        """What differs between neighbours."""
+        return changes(self.records, [one.name for one in self.parameters], self.pairs)
+
+    @cached_property
+    def pareto(self) -> list[int]:
+        """Numbers of the variants that no other one beats, from 0."""
+        return pareto(self.records, self.goals)
+
+    def values(self, measure: str) -> list[float | None]:
+        """One measure of every variant.
+
+        Raises:
+            OptionError: there is no such measure.
+        """
+        if measure not in self.measures:
+            raise OptionError("there is no such measure", got=measure, allowed=", ".join(self.measures))
+        return [one["measures"].get(measure) for one in self.records]
+
+    @property
+    def sentence(self) -> str:
+        """What was found, in one sentence."""
+        count = f"{len(self.records):,} variants of {self.robot}"
+        if self.failed:
+            return f"Incomplete: {len(self.failed):,} of {count} could not be measured as a whole."
+        if self.unverified:
+            return f"Incomplete: the families of {len(self.unverified):,} of {count} do not hold."
+        parts = []
+        if self.structures:
+            sets = len(self.structures)
+            parts.append("all have the same families" if sets == 1 else f"{sets} different sets of families")
+        if self.goals:
+            parts.append(f"{len(self.pareto):,} that no other one beats")
+        verified = ", the families of each verified by sampling" if self.structures else ""
+        return f"{count}{verified}: {'; '.join(parts)}." if parts else f"{count} measured."
+
+    def to_dict(self) -> dict[str, Any]:
+        """The record of a JSON file: docs/json.md."""
+        return {
+            "schema": SCHEMA,
+            "version": VERSION,
+            "robot": self.robot,
+            "task": self.task,
+            "length_scale": self.length_scale,
+            "limits": self.limits,
+            "seed": self.seed,
+            "sample": self.kind,
+            "sentence": self.sentence,
+            "holds": self.holds,
+            "parameters": [
+                {"name": one.name, "unit": one.unit, "sets": [str(place) for place in one.places], "lower": one.lower,
+                 "upper": one.upper}
+                for one in self.parameters
+            ],
+            "measures": [{"name": name, "unit": UNITS[name], "meaning": MEANINGS[name]} for name in self.measures],
+            "goals": dict(self.goals),
+            "pareto": [number + 1 for number in self.pareto],
+            "structures": [
+                {"families": list(one.keys), "variants": [i + 1 for i in one.variants],
+                 "ranges": [list(pair) for pair in one.ranges]}
+                for one in self.structures
+            ],
+            "changes": [
+                {"kind": one.kind, "before": list(one.before), "after": list(one.after),
+                 "variants": [one.first + 1, one.second + 1], "parameter": one.parameter or None,
+                 "between": [one.low, one.high] if one.parameter else None}
+                for one in self.changes
+            ],
+            "exact": [dict(one) for one in self.exact],
+            "variants": [{**one, "number": one["number"] + 1} for one in self.records],
+        }  # fmt: skip
+
+    def save(self, path: str | Path) -> None:
+        """Write the sweep to a JSON file.
+
+        Raises:
+            ResultFileError: the file cannot be written.
+        """
+        save_record(self.to_dict(), path)
+
+    def sections(self, *, every: bool = False) -> Iterator[Section]:
+        """As sections of text; `every`: all variants, not only those that none beats."""
+        yield Section("", lines=(self.sentence,))
+        ranges = tuple(
+            (one.name, ", ".join(map(str, one.places)), shown(one.lower, one), shown(one.upper, one))
+            for one in self.parameters
+        )
+        where = "inside the joint limits" if self.limits else "the whole joint space"
+        about = f"{len(self.records):,} variants ({self.kind}); task {self.task}; {where}; seed {self.seed}"
+        after = (f"σ has translation divided by {self.length_scale:.4g} m, for every variant",)
+        columns = ("parameter", "sets", "from", "to")
+        yield Section(f"{self.robot}: sweep", about, columns=columns, rows=ranges, texts=(0, 1), after=after)
+        yield from self._ranking(every)
+        yield from self._families()
+        if self.failed or self.unverified:
+            yield self._doubt()
+        yield Section("", lines=(self.sentence,))
+
+    def _ranking(self, every: bool) -> Iterator[Section]:
+        chosen = list(range(len(self.records))) if every or not self.goals else self.pareto
+        names = self.measures
+        if self.goals:
+            chosen = sorted(chosen, key=self._rank)
+        if not chosen or not names:
+            return
+        most = len(chosen) if every else SHOWN
+        rows = tuple(
+            (str(i + 1), *(shown(x, p) for x, p in zip(self.records[i]["values"], self.parameters, strict=True)),
+             *(measure_text(name, self.records[i]["measures"].get(name)) for name in names))
+            for i in chosen[:most]
+        )  # fmt: skip
+        wants = ", ".join(f"{want} {name}" for name, want in self.goals.items())
+        title = "Variants" if every or not self.goals else "Variants that no other one beats"
+        summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
+        after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
+        notes = tuple(f"{name}: {MEANINGS[name]}" for name in names)
+        yield Section(title, summary, columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
+                      texts=(), after=after, notes=notes)  # fmt: skip
+
+    def _rank(self, number: int) -> tuple[bool, float]:
+        """By the first goal, best first; variants without it last."""
+        first, want = next(iter(self.goals.items()))
+        value = self.records[number]["measures"].get(first)
+        return value is None, 0.0 if value is None else float(value) * (1.0 if want == "less" else -1.0)
+
+    def _families(self) -> Iterator[Section]:
+        found = self.structures
+        if not found:
+            return
+        common = set(found[0].keys)
+        rows = []
+        for number, one in enumerate(found[:SHOWN], 1):
+            gone, new = sorted(common - set(one.keys)), sorted(set(one.keys) - common)
+            told = "; ".join([*(f"+ {key}" for key in new), *(f"− {key}" for key in gone)])
+            where = ", ".join(
+                f"{p.name} {shown(low, p)} … {shown(high, p)}"
+                for p, (low, high) in zip(self.parameters, one.ranges, strict=True)
+            )
+            rows.append((str(number), f"{len(one.variants):,}", told if number > 1 else "\n".join(one.keys), where))
+        more = (f"and {len(found) - SHOWN} more, in the JSON",) if len(found) > SHOWN else ()
+        told = "the commonest first; the others by what they have more (+) and less (−)"
+        columns = ("", "variants", "families", "within")
+        yield Section("Sets of families", told, columns=columns, rows=tuple(rows), texts=(2, 3), after=more)
+        if self.changes:
+            yield self._changed()
+        if self.exact:
+            yield self._exact()
+
+    def _changed(self) -> Section:
+        counts = Counter(one.what for one in self.changes)
+        rows = []
+        for what, count in counts.most_common(SHOWN):
+            kind, before, after = what
+            places = [one for one in self.changes if one.what == what]
+            rows.append((kind, " and ".join(before or after), " and ".join(after) if before else "", str(count),
+                         self._between(places)))  # fmt: skip
+        more = (f"and {len(counts) - SHOWN} more kinds, in the JSON",) if len(counts) > SHOWN else ()
+        columns = ("", "family", "into", "pairs", "between")
+        return Section("Between neighbours", "what differs, and where it was met", columns=columns, rows=tuple(rows),
+                       texts=(0, 1, 2, 4), after=more, notes=(_BETWEEN,))  # fmt: skip
+
+    def _between(self, places: Sequence[Change]) -> str:
+        told = []
+        for one in self.parameters:
+            mine = [place for place in places if place.parameter == one.name]
+            brackets = sorted({(min(p.low, p.high), max(p.low, p.high)) for p in mine})
+            if brackets:
+                words = ", ".join(f"{shown(low, one)} and {shown(high, one)}" for low, high in brackets[:3])
+                told.append(f"{one.name}: {words}" + (" …" if len(brackets) > 3 else ""))
+        if not told and places:
+            told = [f"variants {places[0].first + 1} and {places[0].second + 1}"]
+        return "; ".join(told)
+
+    def _exact(self) -> Section:
+        rows = []
+        for one in self.exact:
+            letters = ", ".join(f"{name} = {value:.4g}" for name, value in one["letters"].items()).replace("-", "−")
+            told = [("; ".join(family["conditions"]), family["real"]) for family in one["families"] if family["real"]]
+            told += [(text, "no") for text in one["not_real"]]
+            told = told or [(f"{len(one['families'])} families", "for all lengths of these signs")]
+            rows += [(str(one["variant"]) if k == 0 else "", what, real, letters if k == 0 else "")
+                     for k, (what, real) in enumerate(told)]  # fmt: skip
+        about = "a variant of each of the commonest sets, with letters for the lengths; families not always real"
+        columns, texts = ("variant", "conditions", "real", "its lengths [m]"), (0, 1, 2, 3)
+        return Section("Derived exactly", about, columns=columns, rows=tuple(rows), texts=texts, notes=(_ALMOST_ALL,))
+
+    def _doubt(self) -> Section:
+        lines = [f"variant {i + 1}: {self.records[i]['error']}" for i in self.failed[:SHOWN]]
+        lines += [f"variant {i + 1}: {self.records[i]['sentence']}" for i in self.unverified[:SHOWN]]
+        return Section("What does not hold", lines=tuple(lines))
+
+    def __str__(self) -> str:
+        return text(self.sections())
+
+    def _repr_html_(self) -> str:
+        return html(self.sections())
+
+
+def shown(value: float, parameter: Parameter) -> str:
+    """A value of a parameter for people: "0.425 m", "30°"."""
+    if parameter.measure == "angle":
+        return f"{degrees(value):.6g}°".replace("-", "−")
+    return f"{value:.6g} m".replace("-", "−")
+
+
+def measure_text(name: str, value: float | None) -> str:
+    """A measure for people; – where there is none."""
+    if value is None:
+        return "–"
+    if UNITS[name] == "share":
+        return f"{100 * value:.3g} %"
+    return f"{int(value)}" if UNITS[name] == "" else f"{value:.4g}{' rad' if UNITS[name] == 'rad' else ''}"

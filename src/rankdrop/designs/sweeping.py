@@ -1,0 +1,143 @@
+"""One verb for many designs: variants of an arm, each measured, in chunks that a journal keeps."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rankdrop.designs.changes import neighbours, structures
+from rankdrop.designs.chunk import task_to_dict
+from rankdrop.designs.outcome import Designs
+from rankdrop.designs.samples import box, order_of, variants_of
+from rankdrop.designs.spec import Spec, goals, read_spec, spec_of
+from rankdrop.errors import RankdropError
+from rankdrop.jobs import Engine, Job, finish
+from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.verbs.conditions import conditions
+
+SIZE = 10
+"""Variants of a chunk: some seconds of work, which is what a kill costs."""
+DERIVED = 4
+"""Sets of families of which one variant is derived exactly, the commonest first."""
+_SECONDS = 60.0  # time limit of one exact derivation, by the clock
+Report = Callable[[str, int, int], None]
+
+
+def sweep(
+    spec: str | Path | Mapping[str, Any],
+    *,
+    out: str | Path | None = None,
+    workers: int = 0,
+    scheduler: str | None = None,
+    report: Report | None = None,
+) -> Designs:
+    """Measure every variant of an arm, and tell what differs between them.
+
+    Each variant has its own searches and its own evidence; from the variant before it come the forms of conditions
+    alone, which saves most of the work (`rankdrop.families.memory`). The result follows from the specification: on any
+    number of workers, on a cluster, and after an interruption of any kind it is the same.
+
+    Args:
+        spec: the TOML file, or its tables as a mapping: docs/howto/comparing-designs.md.
+        out: folder in which finished chunks are kept, with a journal; the same call goes on there after an
+            interruption. None: in memory.
+        workers: local processes; 0 for one of every processor.
+        scheduler: address of a Dask scheduler, whose workers make the chunks instead (extra `cluster`).
+        report: report(label, done, total) of progress.
+
+    Returns:
+        Designs: the measures of every variant, sets of families, changes between neighbours, the Pareto list.
+
+    Raises:
+        OptionError, RobotError: the specification cannot be used; names file and line.
+        MissingExtraError: a sample needs scipy, a cluster needs Dask.
+        ResultFileError: `out` holds another sweep, or cannot be written.
+
+    Example:
+        >>> found = sweep({
+        ...     "robot": "planar3r", "parameters": {"first": {"sets": "1.a", "values": [0.8, 1.2]}},
+        ...     "families": {"starts": 50, "exact": False},
+        ... }, workers=1)
+        >>> found.values("families")
+        [1, 1]
+    """
+    read = spec_of(spec) if isinstance(spec, Mapping) else read_spec(spec)
+    values = variants_of(read)
+    tell = report or (lambda label, done, total: None)
+    job = job_of(read, values)
+    made = finish(
+        job, Engine(workers, scheduler), folder=out,
+        report=lambda done, total: tell("variants", min(done * SIZE, len(values)), len(values)),
+    )  # fmt: skip
+    records = sorted(
+        (json.loads(line) for _, content in made for line in content.splitlines()), key=lambda one: one["number"]
+    )
+    low, high = box(read.parameters)
+    grid = [len(one.values) for one in read.parameters] if read.kind == "grid" else None
+    asked = read.asks.families
+    exact = _exact(read, records, tell) if asked is not None and asked["exact"] else ()
+    return Designs(
+        robot=read.drawing.nominal.name, task=read.task.name, length_scale=float(read.task.length_scale or 0.0),
+        limits=read.limits, parameters=read.parameters, kind=read.kind, seed=read.seed, goals=goals(read),
+        records=records, pairs=neighbours(values, grid, low, high),
+        exact=exact, folder=None if out is None else Path(out),
+    )  # fmt: skip
+
+
+def job_of(spec: Spec, values: np.ndarray[Any, np.dtype[np.float64]]) -> Job:
+    """The sweep as a job: which variants there are in which chunk, and all that decides what is found."""
+    order = order_of(spec, values)
+    plan = {
+        "drawing": asdict(spec.drawing),
+        "task": task_to_dict(spec.task),
+        "limits": spec.limits,
+        "seed": spec.seed,
+        "places": [[[place.part, place.key, place.sign] for place in one.places] for one in spec.parameters],
+        "asks": spec.asks.to_dict(),
+        "size": SIZE,
+        "variants": [[number, values[number].tolist()] for number in order],
+    }
+    return Job("sweep", "rankdrop.designs.chunk:variants", plan, -(-len(order) // SIZE), len(order))
+
+
+def _exact(spec: Spec, records: Sequence[Mapping[str, Any]], tell: Report) -> tuple[Mapping[str, Any], ...]:
+    """One variant of each of the commonest sets of families, derived exactly with letters for the lengths.
+
+    The letters stand for the lengths of other variants too: where a family is real is told for all of them.
+    """
+    found = []
+    sets = structures(records)[:DERIVED]
+    for done, one in enumerate(sets):
+        tell("exact conditions", done, len(sets))
+        values = np.array([records[i]["values"] for i in one.variants])
+        number = one.variants[int(np.linalg.norm(values - np.median(values, axis=0), axis=1).argmin())]
+        given = {
+            place: x for parameter, x in zip(spec.parameters, records[number]["values"], strict=True)
+            for place in parameter.places
+        }  # fmt: skip
+        try:
+            robot = spec.drawing.robot(given)
+            derived = conditions(robot, spec.task, method="tree", seconds=_SECONDS, points=0, special=False)
+        except RankdropError:  # an arm that cannot be derived exactly has no such entry
+            continue
+        if derived.complete:
+            found.append(_derived(number, derived))
+    tell("exact conditions", len(sets), len(sets))
+    return tuple(found)
+
+
+def _derived(number: int, derived: Conditions) -> dict[str, Any]:
+    return {
+        "variant": number + 1,
+        "letters": {name: float(value) for name, value in derived.letters.items()},
+        "families": [
+            {"id": one.id, "name": one.name, "corank": one.corank, "conditions": list(one.texts), "real": one.reality}
+            for one in derived.families
+        ],
+        "not_real": list(derived.not_real),
+    }  # fmt: skip

@@ -1,0 +1,175 @@
+"""The folder of a job: what was asked for, its finished chunks, and the journal that lists them.
+
+    job.json            kind, plan, number of chunks, version: what the folder is for
+    parts/00012.json    bytes of a finished chunk, written whole (`rankdrop.disk`)
+    journal             a line for each finished chunk: its number and the SHA-256 of its bytes
+
+A chunk counts as finished when its line is in the journal and its bytes have that SHA-256. The bytes reach the disk
+before the line does, so that a loss of power, a kill or a full disk costs the chunks that were being made, no more.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from rankdrop.disk import append_line, replace_file
+from rankdrop.errors import ResultFileError
+from rankdrop.jobs.job import Job
+
+JOB, PARTS, JOURNAL = "job.json", "parts", "journal"
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A folder that holds a job.
+
+    Attributes:
+        path: of the folder.
+        job: what it is for.
+    """
+
+    path: Path
+    job: Job
+
+    @classmethod
+    def open(cls, path: str | Path, job: Job) -> Folder:
+        """Begin the job in a folder, or go on where it was.
+
+        Raises:
+            ResultFileError: the folder cannot be made or written, or holds another job, or something else.
+        """
+        found = cls(Path(path), job)
+        note = found.path / JOB
+        try:
+            found.path.joinpath(PARTS).mkdir(parents=True, exist_ok=True)
+            if note.exists():
+                if note.read_bytes() != found._note():
+                    raise ResultFileError(
+                        "the folder holds another job", where=str(path), got=_told(note), allowed=_line_of(job),
+                        mend="name another folder, or remove this one",
+                    )  # fmt: skip
+            else:
+                replace_file(note, found._note())
+        except OSError as error:
+            raise ResultFileError(f"cannot use the folder: {error.strerror or error}", where=str(path)) from error
+        return found
+
+    def _note(self) -> bytes:
+        record = {"schema": "rankdrop/job/1", "items": self.job.items, "sha256": self.job.sha256,
+                  "job": json.loads(self.job.line)}  # fmt: skip
+        return (json.dumps(record, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
+
+    def part(self, chunk: int) -> Path:
+        """Where the bytes of a chunk are."""
+        return self.path / PARTS / f"{chunk:05}{self.job.ending}"
+
+    def finished(self) -> set[int]:
+        """The chunks that need not be made again: of those in the journal the ones whose bytes are as they were."""
+        return {chunk for chunk, digest in journal_of(self.path) if self._is(chunk, digest)}
+
+    def _is(self, chunk: int, digest: str) -> bool:
+        try:
+            return sha256(self.part(chunk).read_bytes()).hexdigest() == digest
+        except OSError:
+            return False
+
+    def keep(self, chunk: int, content: bytes) -> None:
+        """Write a finished chunk, then its line.
+
+        Raises:
+            ResultFileError: disk full, or no permission; what was finished before is as it was.
+        """
+        try:
+            replace_file(self.part(chunk), content)
+            append_line(self.path / JOURNAL, f"{chunk} {sha256(content).hexdigest()}")
+        except OSError as error:
+            raise ResultFileError(
+                f"cannot write: {error.strerror or error}", where=str(self.part(chunk)),
+                mend="what is finished is kept: the same command goes on there",
+            ) from error  # fmt: skip
+
+    def read(self, chunk: int) -> bytes:
+        """The bytes of a finished chunk."""
+        return self.part(chunk).read_bytes()
+
+
+def journal_of(path: Path) -> Iterator[tuple[int, str]]:
+    """(chunk, SHA-256) of every whole line of a journal; the last one may be torn."""
+    try:
+        lines = (path / JOURNAL).read_bytes().decode("ascii", "replace").split("\n")
+    except OSError:
+        return
+    for line in lines:
+        words = line.split(" ")
+        if len(words) == 2 and words[0].isdigit() and len(words[1]) == 64:
+            yield int(words[0]), words[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far the job of a folder is.
+
+    Attributes:
+        kind: of the job.
+        done, chunks: finished chunks, and all of them.
+        items: things in all chunks.
+        seconds: from the beginning to the last finished chunk.
+        quiet: seconds since then.
+        left: seconds to the end at the pace so far; None where nothing tells it.
+    """
+
+    kind: str
+    done: int
+    chunks: int
+    items: int
+    seconds: float
+    quiet: float
+    left: float | None
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        share = f"{self.done} of {self.chunks} chunks of the {self.kind} ({self.items} items in all)"
+        if self.done == self.chunks:
+            return f"finished: {share}"
+        left = "" if self.left is None else f"; about {self.left:.0f} s left at the pace so far"
+        return f"{share}; last one {self.quiet:.0f} s ago{left}"
+
+
+def progress_of(path: str | Path) -> Progress:
+    """How far a job is, read from its folder alone: while it runs, after a kill, from another machine.
+
+    Raises:
+        ResultFileError: no job is in the folder.
+    """
+    folder = Path(path)
+    note = folder / JOB
+    try:
+        record = json.loads(note.read_bytes())
+        job, items = record["job"], int(record["items"])
+        kind, chunks, begun = str(job["kind"]), int(job["chunks"]), note.stat().st_mtime
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ResultFileError("there is no job in the folder", where=str(path), allowed=f"a folder with {JOB}",
+                              mend="name the folder given to --out") from error  # fmt: skip
+    done = len({chunk for chunk, _ in journal_of(folder) if chunk < chunks})
+    last = (folder / JOURNAL).stat().st_mtime if done else begun
+    seconds = max(0.0, last - begun)
+    left = seconds / done * (chunks - done) if done else None
+    return Progress(kind, done, chunks, items, seconds, max(0.0, time.time() - last), left)
+
+
+def _told(note: Path) -> str:
+    try:
+        job = json.loads(note.read_bytes())
+        return f"{job['job']['kind']} {job['sha256'][:12]} of version {job['job']['version']}"
+    except (OSError, ValueError, KeyError, TypeError):
+        return f"a {JOB} that is not of a job"
+
+
+def _line_of(job: Job) -> str:
+    return f"{job.kind} {job.sha256[:12]}"

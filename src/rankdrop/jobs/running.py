@@ -1,0 +1,269 @@
+"""Running a job: local processes, or a Dask cluster; the results are the same bytes.
+
+Local workers have one BLAS thread each, whose number decides the last bits of sums. A worker that dies is replaced and
+its chunk made again; one that dies of the same chunk three times over is the chunk's fault, and told. Of a cluster
+nothing is asked but that its workers can import rankdrop of the same version.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from rankdrop.errors import MissingExtraError, OptionError, RankdropError
+from rankdrop.jobs.folder import Folder
+from rankdrop.jobs.job import Job, error_from_dict, perform
+from rankdrop.version import VERSION
+
+MOST_WORKERS = 1024
+ATTEMPTS = 3
+"""Workers that may die of one chunk."""
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+Report = Callable[[int, int], None]
+"""report(chunks done, chunks in all)"""
+Made = tuple[int, bytes]
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """Where chunks are made.
+
+    Attributes:
+        workers: local processes; 0 for one of every processor.
+        scheduler: address of a Dask scheduler ("tcp://10.0.0.1:8786"), or of none.
+    """
+
+    workers: int = 0
+    scheduler: str | None = None
+
+
+def check_engine(engine: Engine) -> None:
+    """Find out before a long run whether the engine is there.
+
+    Raises:
+        OptionError: a number of workers outside what is allowed.
+        MissingExtraError: a scheduler, and Dask's distributed is not installed.
+    """
+    count = engine.workers
+    if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST_WORKERS:
+        raise OptionError("this is no number of workers", where="workers", got=count, allowed=f"0 … {MOST_WORKERS}")
+    if engine.scheduler is not None:
+        _distributed()
+
+
+def finish(
+    job: Job, engine: Engine | None = None, *, folder: str | Path | None = None, report: Report | None = None
+) -> Iterator[Made]:
+    """Make every chunk that is not there yet, and give all of them in order.
+
+    Args:
+        job: what is to be done.
+        engine: local processes by default.
+        folder: finished chunks are kept there, and taken from there; None: in memory.
+        report: called with (chunks done, chunks).
+
+    Raises:
+        RankdropError: as the work of a chunk raises it; OptionError of the engine; ResultFileError of the folder.
+            KeyboardInterrupt passes; what is finished is kept in the folder.
+    """
+    engine = engine or Engine()
+    check_engine(engine)
+    tell = report or (lambda done, total: None)
+    kept = None if folder is None else Folder.open(folder, job)
+    done = kept.finished() if kept is not None else set()
+    memory: dict[int, bytes] = {}
+    count = len(done)
+    tell(count, job.chunks)
+    left = [chunk for chunk in range(job.chunks) if chunk not in done]
+    if left:
+        with contextlib.closing(_made(job, left, engine)) as making:
+            for chunk, content in making:
+                if kept is not None:
+                    kept.keep(chunk, content)
+                else:
+                    memory[chunk] = content
+                count += 1
+                tell(count, job.chunks)
+    for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
+        yield chunk, kept.read(chunk) if kept is not None else memory.pop(chunk)
+
+
+def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, None]:
+    """The chunks as they are finished, in any order."""
+    if engine.scheduler is not None:
+        return _on_cluster(job, chunks, engine.scheduler)
+    return _on_processes(job, chunks, min(engine.workers or os.cpu_count() or 1, len(chunks)))
+
+
+def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, None, None]:
+    todo: queue.SimpleQueue[int] = queue.SimpleQueue()
+    answers: queue.SimpleQueue[Made | Exception] = queue.SimpleQueue()
+    for chunk in chunks:
+        todo.put(chunk)
+    crew = [_Worker(job) for _ in range(count)]
+    threads = [threading.Thread(target=_serve, args=(one, todo, answers), daemon=True) for one in crew]
+    for thread in threads:
+        thread.start()
+    try:
+        for _ in chunks:
+            answer = answers.get()
+            if isinstance(answer, Exception):
+                raise answer
+            yield answer
+    finally:  # done, an error, or Ctrl-C: nobody is left behind
+        while not todo.empty():
+            with contextlib.suppress(queue.Empty):
+                todo.get_nowait()
+        for one, thread in zip(crew, threads, strict=True):
+            while thread.is_alive():  # it may just have begun another process
+                one.close()
+                thread.join(0.1)
+            one.stop()
+
+
+def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.SimpleQueue[Made | Exception]) -> None:
+    """Feed one worker until nothing is left to do."""
+    while True:
+        try:
+            chunk = todo.get_nowait()
+        except queue.Empty:
+            return
+        try:
+            answers.put((chunk, worker.make(chunk)))
+        except Exception as error:  # handed to the caller, who raises it
+            answers.put(error)
+            return
+
+
+class _Worker:
+    """A process that makes chunks; replaced where it dies."""
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+        self._closed = False
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def make(self, chunk: int) -> bytes:
+        """The bytes of a chunk.
+
+        Raises:
+            RankdropError: of its work, or too many workers died of it.
+            RuntimeError: an internal error of the work.
+        """
+        for _ in range(ATTEMPTS):
+            if self._closed:
+                break
+            try:
+                kind, content = self._ask(chunk)
+            except (OSError, EOFError, ValueError):  # it was killed, or ran out of memory
+                self.stop()
+                continue
+            if kind == "error":
+                raise error_from_dict(json.loads(content))
+            if kind == "broken":
+                raise RuntimeError(content.decode("utf-8", "replace"))
+            return content
+        raise RankdropError("workers died of a chunk", where=f"chunk {chunk}", got=f"{ATTEMPTS} times",
+                            mend="there may be too little memory: fewer workers")  # fmt: skip
+
+    def _ask(self, chunk: int) -> tuple[str, bytes]:
+        process = self._process or self._begin()
+        told, answer = _pipes(process)
+        told.write(f"{chunk}\n".encode())
+        told.flush()
+        kind, _, length = answer.readline().decode("ascii").partition(" ")
+        content = answer.read(int(length))
+        if len(content) < int(length):
+            raise EOFError
+        return kind, content
+
+    def _begin(self) -> subprocess.Popen[bytes]:
+        home = str(Path(__file__).resolve().parents[2])
+        paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment = {**os.environ, **dict.fromkeys(_THREADS, "1"), "PYTHONPATH": os.pathsep.join(paths)}
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "rankdrop.jobs.worker"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            env=environment,
+        )  # fmt: skip
+        told, _ = _pipes(self._process)
+        told.write(json.dumps({"work": self._job.work, "plan": self._job.plan}).encode() + b"\n")
+        return self._process
+
+    def stop(self) -> None:
+        """End the process and close its pipes; another one is begun where a chunk is asked for."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    with contextlib.suppress(OSError):
+                        pipe.close()
+
+    def close(self) -> None:
+        """End the process, also one that is at work, from another thread; no other one is begun."""
+        self._closed = True
+        process = self._process
+        if process is not None:
+            process.kill()
+            process.wait()
+
+
+def _pipes(process: subprocess.Popen[bytes]) -> tuple[IO[bytes], IO[bytes]]:
+    if process.stdin is None or process.stdout is None:
+        raise OSError("a worker without pipes")
+    return process.stdin, process.stdout
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+        import threadpoolctl  # noqa: F401  # the workers need it, who have what the caller has
+    except ImportError as error:
+        raise MissingExtraError("distributed", "cluster", "a cluster") from error
+    return distributed
+
+
+def _on_cluster(job: Job, chunks: list[int], address: str) -> Generator[Made, None, None]:
+    """The chunks from a Dask cluster, which makes those of a lost worker again by itself."""
+    distributed = _distributed()
+    try:
+        client = distributed.Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise OptionError("no scheduler answers", where="--scheduler", got=address,
+                          allowed="the address of a Dask scheduler: tcp://HOST:8786") from error  # fmt: skip
+    try:
+        plan = client.scatter(job.plan, broadcast=True, hash=False)
+        futures = [
+            client.submit(on_cluster, job.work, plan, chunk, VERSION, key=f"rankdrop-{job.sha256[:16]}-{chunk}",
+                          pure=False, retries=ATTEMPTS)
+            for chunk in chunks
+        ]  # fmt: skip
+        for future in distributed.as_completed(futures):
+            yield future.result()
+            future.release()
+    finally:
+        client.close()
+
+
+def on_cluster(work: str, plan: dict[str, Any], chunk: int, version: str) -> Made:
+    """One chunk on a worker of a cluster, with one thread of BLAS.
+
+    Raises:
+        RankdropError: of the work; another version of rankdrop is installed on the worker.
+    """
+    if version != VERSION:
+        raise RankdropError("the cluster has another version of rankdrop", got=VERSION, allowed=version)
+    import threadpoolctl
+
+    with threadpoolctl.threadpool_limits(1):  # as many as a local worker has: the number decides last bits of sums
+        return chunk, perform(work, plan, chunk)

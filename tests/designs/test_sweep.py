@@ -1,0 +1,365 @@
+"""A sweep: what every variant has, what differs between neighbours, and the same result however it is run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import pi, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cli.test_schema import closed
+from jsonschema import Draft202012Validator
+
+import rankdrop
+from rankdrop.cli import main
+from rankdrop.designs import Designs, side_by_side, write_tables
+from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
+from rankdrop.designs.families import Effort, families_of
+from rankdrop.designs.pareto import pareto
+from rankdrop.designs.samples import order_of, variants_of
+from rankdrop.designs.spec import Asks, spec_of
+from rankdrop.errors import OptionError
+from rankdrop.families.memory import Memory
+from rankdrop.kinematics import pose
+from rankdrop.local.block import singular_values
+from rankdrop.results.codec import json_text
+from rankdrop.robot.drawing import Drawing
+from rankdrop.robot.model import JointKind
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+
+SHIFTS = [0.3, 0.6, 1.2]
+SPEC: dict[str, Any] = {
+    "robot": "anthropomorphic",
+    "parameters": {"shift": {"sets": "1.a", "values": SHIFTS}},
+    "families": {"starts": 100, "fresh": 100},
+}
+ELBOW = "k1, dim 5: θ3 = 0°, 180°"
+SHOULDER = "k1, dim 5: joints 2, 3 coupled"
+
+
+@pytest.fixture(scope="module")
+def shifted() -> Designs:
+    """The elbow arm whose shoulder is moved out: a1 + a2 c2 + d4 c23 = 0 is real while |a1| ≤ a2 + d4 = 0.9 m."""
+    return rankdrop.sweep(SPEC, workers=1)
+
+
+def test_a_family_that_vanishes_is_told_with_the_place(shifted: Designs) -> None:
+    assert shifted.holds
+    keys = [keys_of(one) for one in shifted.records]
+    assert [SHOULDER in one for one in keys] == [True, True, False]  # type: ignore[operator]
+    assert all(ELBOW in one for one in keys)  # type: ignore[operator]
+    told = [one for one in shifted.changes if one.kind == VANISHES and one.before == (SHOULDER,)]
+    assert [(one.parameter, one.low, one.high) for one in told] == [("shift", 0.6, 1.2)]
+    assert "shift: 0.6 m and 1.2 m" in str(shifted)
+
+
+def test_exact_conditions_tell_where_in_parameter_space(shifted: Designs) -> None:
+    told = {one["variant"]: one for one in shifted.exact}
+    assert told[1]["letters"] == pytest.approx({"a1": 0.3, "a2": 0.5, "d4": 0.4})
+    real = {family["real"] for family in told[1]["families"]}
+    assert "real if and only if −(a1 − a2 − d4) (a1 + a2 + d4) ≥ 0" in real
+    assert any("does not hold" in text for text in told[3]["not_real"])
+
+
+@pytest.mark.slow
+def test_families_are_those_of_an_analysis_from_nothing(shifted: Designs) -> None:
+    drawing = Drawing.of("anthropomorphic")
+    place = drawing.place("1.a", "here")
+    for shift, record in zip(SHIFTS, shifted.records, strict=True):
+        robot = drawing.robot({place: shift})
+        alone = rankdrop.analyze(robot, starts=300, exact="off", threads=1)
+        mine = sorted((one["corank"], one["dimension"], one["name"]) for one in record["families"])
+        assert mine == sorted((one.corank, one.dimension, one.name) for one in alone.families)
+        for one in record["families"]:
+            sigma = singular_values(robot, np.array(one["witness"]), resolve_task(None, robot))
+            assert sigma[6 - one["corank"]] <= 1e-9
+            assert one["sound"][0] == one["sound"][1] > 0
+
+
+def test_known_forms_do_not_hide_a_family_that_appears() -> None:
+    """The memory of an arm without the shoulder's family: the variant that has it finds it."""
+    drawing = Drawing.of("anthropomorphic")
+    place = drawing.place("1.a", "here")
+    memory, effort = Memory(), Effort(100, 100, False, 0)
+    without, with_it = (drawing.robot({place: shift}) for shift in (1.2, 0.3))
+    task = resolve_task(None, without)
+    first = families_of(without, task, effort, memory)
+    second = families_of(with_it, task, effort, memory)
+    assert not any(one.coupled for one in first.of_corank(1))
+    assert any(one.coupled == (2, 3) for one in second.of_corank(1))
+    assert second.verified
+    again = families_of(drawing.robot({place: 0.35}), task, effort, memory)
+    assert memory.recalled > 0
+    assert again.verified
+
+
+def test_a_wrong_form_is_not_taken() -> None:
+    """A memory whose forms are those of other joints is tried, refused, and costs nothing but time."""
+    robot = rankdrop.open_robot("puma560")
+    task, effort = resolve_task(None, robot), Effort(200, 200, False, 0)
+    memory = Memory()
+    plain = families_of(robot, task, effort, memory)
+    for forms in memory.forms.values():
+        for values, form in forms.items():
+            terms = [replace(term, harmonics=term.harmonics[1:] + term.harmonics[:1]) for term in form[0].terms]
+            forms[values] = (replace(form[0], terms=tuple(terms)), *form[1:])
+    wrong = Memory(dict(memory.forms))
+    again = families_of(robot, task, effort, wrong)
+    assert [one.name for one in again.families] == [one.name for one in plain.families]
+    assert again.verified
+
+
+def test_the_result_is_the_same_on_two_workers_and_from_a_folder(
+    planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, found = planar
+    monkeypatch.setattr("rankdrop.designs.sweeping.SIZE", 2)
+    out = tmp_path / "out"
+    assert rankdrop.sweep(file, workers=2, out=out).to_dict() == found.to_dict()
+    whole = {path.name: path.read_bytes() for path in (out / "parts").iterdir()}
+    assert len(whole) == 2
+    lines = (out / "journal").read_text().splitlines(keepends=True)
+    (out / "journal").write_text(lines[0])
+    assert rankdrop.sweep(file, workers=1, out=out).to_dict() == found.to_dict()
+    assert {path.name: path.read_bytes() for path in (out / "parts").iterdir()} == whole
+
+
+def test_places_of_parameters() -> None:
+    drawing = Drawing.of("ur5")
+    q = np.array([0.1, -0.8, 0.9, 0.4, 0.7, 0.2])
+    arm = drawing.nominal
+    longer = drawing.robot({drawing.place("-2.a", "here"): 0.5})
+    apart = longer.joints[2].screw[:3] - arm.joints[2].screw[:3]
+    assert np.abs(apart).max() == pytest.approx(0.5 - 0.425)
+    tool = drawing.robot({drawing.place("tool.z", "here"): 0.1})
+    moved = pose(tool, q)[:3, 3] - pose(arm, q)[:3, 3]
+    assert np.linalg.norm(moved) == pytest.approx(0.1)
+    base = drawing.robot({drawing.place("base.yaw", "here"): pi / 2, drawing.place("base.z", "here"): 1.0})
+    x, y, z = pose(arm, q)[:3, 3]
+    assert pose(base, q)[:3, 3] == pytest.approx([-y, x, z + 1.0])
+    limited = drawing.robot({drawing.place("elbow_joint.upper", "here"): 1.0})
+    assert limited.upper[2] == 1.0
+    assert drawing.measure(drawing.place("tool.pitch", "here")) == "angle"
+
+
+def test_a_number_of_a_urdf_is_replaced() -> None:
+    file = Path(__file__).resolve().parents[1] / "data" / "arms" / "abbirb1600.urdf"
+    drawing = Drawing.of(str(file))
+    place = drawing.place("2.z", "here")
+    before, after = drawing.nominal, drawing.robot({place: 1.0})
+    gap = after.joints[2].frame[:3, 3] - before.joints[2].frame[:3, 3]
+    assert gap == pytest.approx([0.0, 0.0, 1.0 - 0.4865])
+    tilted = drawing.robot({drawing.place("2.roll", "here"): radians(1.57)})
+    assert not np.allclose(tilted.joints[1].frame[:3, :3], before.joints[1].frame[:3, :3])
+
+
+def test_variants_of_every_kind_and_their_order() -> None:
+    two = {"robot": "planar3r", "parameters": {"a": {"sets": "1.a", "lower": 0.5, "upper": 1.5},
+                                               "b": {"sets": "2.a", "lower": "100 mm", "upper": 0.5}},
+           "families": {}}  # fmt: skip
+    for kind in ("latin-hypercube", "sobol"):
+        spec = spec_of({**two, "sample": {"kind": kind, "variants": 13}, "seed": 4})
+        values = variants_of(spec)
+        assert values.shape == (13, 2)
+        assert (values >= [0.5, 0.1]).all()
+        assert (values <= [1.5, 0.5]).all()
+        assert (variants_of(spec) == values).all()
+        assert sorted(order_of(spec, values)) == list(range(13))
+    grid = {name: {**one, "steps": 3} for name, one in two["parameters"].items()}  # type: ignore[attr-defined]
+    spec = spec_of({**two, "parameters": grid})
+    values = variants_of(spec)
+    assert values[:4] == pytest.approx(np.array([[0.5, 0.1], [0.5, 0.3], [0.5, 0.5], [1.0, 0.1]]))
+    walked = values[order_of(spec, values)]
+    assert (np.count_nonzero(np.abs(np.diff(walked, axis=0)) > 1e-9, axis=1) == 1).all()
+    assert len(neighbours(values, [3, 3], values.min(0), values.max(0))) == 12
+
+
+def record(number: int, *keys: str, value: float = 0.0) -> dict[str, Any]:
+    return {"number": number, "values": [value], "verdict": "verified", "error": None,
+            "families": [{"key": key} for key in keys], "measures": {}}  # fmt: skip
+
+
+def test_splits_and_joins_are_told_as_such() -> None:
+    whole, left = "k1, dim 5: joints 2, 3, 4 coupled", "k1, dim 5: joints 2, 3 coupled"
+    right = "k1, dim 5: θ4 = 0°, 180°"
+    found = changes([record(0, whole), record(1, left, right, value=1.0)], ["x"], [(0, 1)])
+    assert [(one.kind, one.before, one.after) for one in found] == [(SPLITS, (whole,), (left, right))]
+    found = changes([record(0, left, right), record(1, whole, value=1.0)], ["x"], [(0, 1)])
+    assert [(one.kind, one.after) for one in found] == [(JOIN, (whole,))]
+    found = changes([record(0, right), record(1, left, value=1.0)], ["x"], [(0, 1)])
+    assert sorted(one.kind for one in found) == [APPEARS, VANISHES]
+    assert joints_of(whole) == {(2, True), (3, True), (4, True)}
+    pieces = record(0, "k2, dim 3: θ3 = 0°", "k2, dim 3: θ3 = 180°")
+    assert changes([pieces, record(1, "k2, dim 3: θ3 = 0°, 180°", value=1.0)], ["x"], [(0, 1)]) == []
+    assert changes([record(0, left) | {"verdict": "incomplete"}, record(1, right, value=1.0)], ["x"], [(0, 1)]) == []
+
+
+def test_the_pareto_list_is_what_none_beats() -> None:
+    rng = np.random.default_rng(3)
+    values = rng.integers(0, 6, (60, 2)).tolist()
+    records = [{"error": None, "measures": {"near": a, "sigma": b}} for a, b in values]
+    records[7]["error"] = "no arm"  # type: ignore[assignment]
+    records[9]["measures"]["sigma"] = None  # type: ignore[index]
+    goals = {"near": "less", "sigma": "more"}
+    there = [i for i in range(60) if i not in (7, 9)]
+
+    def beats(a: list[int], b: list[int]) -> bool:
+        return a[0] <= b[0] and a[1] >= b[1] and a != b
+
+    expected = [i for i in there if not any(beats(values[j], values[i]) for j in there)]
+    assert pareto(records, goals) == expected
+    assert pareto(records, {}) == []
+
+
+TOML = """robot = "planar3r"
+task = "planar-position"
+
+[parameters]
+first = { sets = "1.a", lower = 0.5, upper = 1.0, steps = 2 }
+second = { sets = ["2.a"], values = ["400 mm", 1.0] }
+
+[families]
+starts = 50
+fresh = 50
+exact = false
+
+[near]
+within = "20 deg"
+samples = 400
+
+[region]
+lower = [0.2, -0.3, 0]
+upper = [0.9, 0.3, 0]
+points = 20
+"""
+
+
+@pytest.fixture(scope="module")
+def planar(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Designs]:
+    file = tmp_path_factory.mktemp("sweep") / "planar.toml"
+    file.write_text(TOML)
+    return file, rankdrop.sweep(file, workers=1)
+
+
+def test_the_measures_are_right(planar: tuple[Path, Designs]) -> None:
+    _, found = planar
+    share = 4 * pi * 20.0**2 / 360.0**2  # θ2 and θ3 within 20° of 0 or π
+    for value in found.values("near"):
+        assert value == pytest.approx(share, abs=4 * (share / 400) ** 0.5)
+    drawing = Drawing.of("planar3r")
+    for one in found.records:
+        values = zip((drawing.place("1.a", ""), drawing.place("2.a", "")), one["values"], strict=True)
+        arm = drawing.robot(dict(values))
+        region = one["region"]
+        task = resolve_task("planar-position", arm, length_scale=found.length_scale)
+        assert singular_values(arm, np.array(region["q"]), task)[-1] == pytest.approx(region["sigma"])
+        assert pose(arm, np.array(region["q"]))[:2, 3] == pytest.approx(region["at"][:2], abs=1e-8)
+        assert region["lowest"] <= region["sigma"]
+
+
+def test_command_page_figure_and_tables(
+    planar: tuple[Path, Designs], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, found = planar
+    out, result, page, figure = tmp_path / "out", tmp_path / "a.json", tmp_path / "a.html", tmp_path / "a.svg"
+    files = ["--out", str(out), "--json", str(result), "--html", str(page), "--figure", str(figure)]
+    code = main.run(["sweep", str(file), *files, "--over", "second,first", "--parquet", "--workers", "2", "--quiet"])
+    text, errors = capsys.readouterr()
+    assert code == 0, errors
+    assert text.split() != []
+    assert text.startswith("  4 variants of planar3r, the families of each verified by sampling")
+    assert json.loads(result.read_text()) == json.loads(json.dumps(found.to_dict()))
+    html = page.read_text()
+    assert html.count("<circle") == 4 * len(found.measures)
+    assert "http://" not in html.replace("http://www.w3.org", "")
+    assert "https://" not in html
+    assert figure.read_text().startswith("<?xml")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(out / "variants")
+    assert table.column_names == ["variant", "first_m", "second_m", "families", "near", "sigma", "reached", "verdict",
+                                  "error"]  # fmt: skip
+    assert table["sigma"].to_pylist() == found.values("sigma")
+    assert table.schema.field("near").metadata[b"meaning"].startswith(b"share of the joint space")
+    rows = parquet.read_table(out / "families")
+    assert rows.num_rows == sum(len(one["families"]) for one in found.records)
+    assert main.run(["sweep", "--status", str(out)]) == 0
+    assert capsys.readouterr()[0] == "finished: 1 of 1 chunks of the sweep (4 items in all)\n"
+
+
+def test_records_satisfy_their_schema_which_describes_all_of_it(
+    planar: tuple[Path, Designs], shifted: Designs
+) -> None:
+    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 100})
+    arms = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=1)
+    for name, one in (("sweep", planar[1]), ("sweep", shifted), ("side-by-side", arms)):
+        Draft202012Validator(closed(load_schema(name))).validate(json.loads(json_text(one.to_dict())))
+
+
+def test_tables_are_partitions(planar: tuple[Path, Designs], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr("rankdrop.designs.tables.ROWS", 3)
+    variants, _ = write_tables(planar[1], tmp_path)
+    assert sorted(path.name for path in variants.iterdir()) == ["part-00000.parquet", "part-00001.parquet"]
+    assert parquet.read_table(variants)["variant"].to_pylist() == [1, 2, 3, 4]
+
+
+def test_a_variant_that_is_no_arm_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    found = rankdrop.sweep({
+        "robot": "scara", "parameters": {"upper": {"sets": "1.upper", "values": ["-200 deg", "90 deg"]}},
+        "limits": True, "near": {"samples": 100},
+    }, workers=1)  # fmt: skip
+    assert not found.holds
+    assert found.failed == (0,)
+    assert "lower limit above upper limit" in found.records[0]["error"]
+    assert found.sentence.startswith("Incomplete: 1 of 2 variants of scara could not be measured")
+    assert found.pareto == [1]
+
+
+def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.3, "samples": 500})
+    found = side_by_side(["planar2r", "planar3r"], asks, task="planar-position", workers=2)
+    assert found.holds
+    assert found.best("near") == (1,)
+    assert found.length_scale == pytest.approx(max(found.reaches))
+    assert main.run(["compare", "planar2r", "planar3r", "--task", "planar-position", "--starts", "50", "--quiet",
+                     "--json", "-"]) == 0  # fmt: skip
+    record = json.loads(capsys.readouterr()[0])
+    assert [one["name"] for one in record["arms"]] == ["planar2r", "planar3r"]
+    assert record["schema"] == "rankdrop/side-by-side/1"
+    with pytest.raises(OptionError, match=r"got 1; allowed: 2 … 10 arms"):
+        side_by_side(["ur5"], asks)
+    with pytest.raises(OptionError, match="an arm is there twice"):
+        side_by_side(["ur5", "ur5"], asks)
+
+
+def test_slides_keep_their_lengths_out_of_the_key() -> None:
+    found = rankdrop.sweep({"robot": "stanford", "parameters": {"d": {"sets": "2.d", "values": [0.1, 0.2]}},
+                            "families": {"starts": 100, "fresh": 100, "exact": False}}, workers=1)  # fmt: skip
+    arm = rankdrop.open_robot("stanford")
+    slide = 1 + [joint.kind for joint in arm.variables].index(JointKind.PRISMATIC)
+    keys = [key for one in found.records for key in keys_of(one) or ()]
+    assert keys
+    assert not any(f"θ{slide} =" in key for key in keys)
+    assert len(found.structures) == 1
+
+
+@pytest.mark.slow
+def test_variants_of_the_ur5_have_the_families_of_an_analysis_from_nothing() -> None:
+    """Warm and cold: the same families, of the same corank, dimension and joints, each sound and complete."""
+    spec = {"robot": "ur5", "seed": 3, "sample": {"kind": "sobol", "variants": 8}, "families": {"exact": False},
+            "parameters": {"upper_arm": {"sets": "-2.a", "lower": 0.3, "upper": 0.55},
+                           "offset": {"sets": "5.d", "lower": 0.02, "upper": 0.14}}}  # fmt: skip
+    found = rankdrop.sweep(spec)
+    assert found.holds
+    drawing = Drawing.of("ur5")
+    places = [drawing.place("-2.a", ""), drawing.place("5.d", "")]
+    for one in found.records[:3]:
+        robot = drawing.robot(dict(zip(places, one["values"], strict=True)))
+        cold = families_of(robot, resolve_task(None, robot), Effort(1000, 1000, False, 9), Memory())
+        assert cold.verified
+        mine = sorted((row["corank"], row["dimension"], row["coupled"], len(row["pinned"])) for row in one["families"])
+        assert mine == sorted((row.corank, row.dimension, list(row.coupled), len(row.pinned)) for row in cold.families)

@@ -125,10 +125,10 @@ def test_a_disagreement_is_a_line_with_one_configuration() -> None:
     assert len(line) < 200
 
 
-def test_what_the_clock_left_out_of_the_numeric_check_is_told() -> None:
+def test_what_time_left_out_of_the_numeric_check_is_told() -> None:
     found = conditions(open_robot("pa10"), points=0, special=False, coranks=2)
     late: list[str] = []
     check, over = _cloud(found.chain, 6, 4, found.families, 20, Work(-1.0, 0), late)
     assert check.tested > 0
     assert not over
-    assert late == ["numeric configurations of corank 2 and above: time ran out by the clock"]
+    assert late == ["numeric configurations of corank 2 and above: the processor's time ran out"]

@@ -277,7 +277,7 @@ def test_the_process_is_ended_by_its_own_time_and_not_by_the_clock(monkeypatch: 
     """A second of the processor: the product of two minors of a Gen3, 1,416 terms."""
     chain = chain_of("gen3")
     minors = sorted(Draft(chain, "determinant", 30.0).minors(chain.columns[:7], 6), key=len)
-    monkeypatch.setattr(factoring, "WALL", 1000.0)
+    monkeypatch.setattr(factoring, "_PATIENCE", 1000.0)
     assert factors_within(chain.ring, chain.ring.reduce(minors[2] * minors[4]), 0.2) is None
 
 

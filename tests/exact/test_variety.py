@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.solving import Solved, form, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
 from rankdrop.exact.algebra.variety import Variety, independent
-from rankdrop.exact.algebra.work import GRACE, WALL, OutOfTime, Work, spent, tick
+from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
 
 
 @pytest.fixture(scope="module")
@@ -160,18 +160,18 @@ def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
 
 def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 1000.0
-    monkeypatch.setattr("rankdrop.exact.algebra.work.monotonic", lambda: now)
+    monkeypatch.setattr("rankdrop.exact.algebra.work.process_time", lambda: now)
     work = Work(100.0)
-    now += 0.9 * WALL * 100.0
+    now += 0.9 * SLOWER * 100.0
     work.check()
     assert work.left == pytest.approx(100.0), "time passes, no work is done"
-    now += 0.2 * WALL * 100.0
+    now += 0.2 * SLOWER * 100.0
     for one in (work, work.again()):
-        with pytest.raises(OutOfTime, match="by the clock"):
+        with pytest.raises(OutOfTime, match="processor's time"):
             one.check()
     work = Work(100.0)
     work.interrupt()
-    assert work.left_by_clock == GRACE
+    assert work.time_left == GRACE
     assert work.left == pytest.approx(100.0)
 
 

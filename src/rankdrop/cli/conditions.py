@@ -78,7 +78,7 @@ def conditions(
             singular-vector. All give the same set.
         lengths: auto, letters, numbers, or letters with their values: "a=0.635,d=120mm".
         coranks: The highest corank to derive; else all.
-        time_limit: Seconds; what was derived by then is shown, and what is left is told.
+        time_limit: Seconds of the processor's time; what was derived by then is shown, and what is left is told.
         seed: Of every random choice.
         points: Singular configurations to find numerically, as a check; 0 for none.
         basic: With --method suppression or reciprocity: the six basic screws, 2-7 or 1,2,4-7. Else they are chosen, and

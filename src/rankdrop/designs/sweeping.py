@@ -24,7 +24,7 @@ SIZE = 10
 """Variants of a chunk: some seconds of work, which is what a kill costs."""
 DERIVED = 4
 """Sets of families of which one variant is derived exactly, the commonest first."""
-_SECONDS = 60.0  # time limit of one exact derivation, by the clock
+_SECONDS = 60.0  # limit on one exact derivation, of the processor's time
 Report = Callable[[str, int, int], None]
 
 

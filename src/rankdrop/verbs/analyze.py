@@ -27,7 +27,7 @@ from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
-"""Time limits by the clock, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
+"""Limits on the processor's time, three times those on work: most arms of the catalogue need 0.02 to 4 s."""
 
 
 def check_exact(exact: str) -> None:

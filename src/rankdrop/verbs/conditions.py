@@ -10,7 +10,7 @@ from time import monotonic
 from rankdrop._handles import check_robot
 from rankdrop.compare.cloud import cloud, explained, sets_without_points
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
+from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.arm.verify import Check
@@ -71,9 +71,9 @@ def conditions(
             set. Every corank above comes from the rank tree.
         lengths: "auto", "letters", "numbers" or letters with values, see `exact_chain`.
         coranks: the highest corank to derive; None for all.
-        seconds: limit by the clock. A third of it is the limit on the work done, counted in steps, so that the result
-            does not depend on the machine's load unless the clock is what ends it, which is told. What was derived by
-            then is returned, and what is left is told. So it is after Ctrl-C.
+        seconds: limit on the processor's time. A third of it is the limit on the work done, counted in steps, so that
+            the result does not depend on how fast the machine is unless time is what ends it, which is told; how busy
+            it is never counts. What was derived by then is returned, and what is left is told. So it is after Ctrl-C.
         seed: of every random choice.
         points: how many singular configurations of corank 1 to try; a tenth for each corank above; 0 for none.
         steps: also write the derivation of corank 1 down, step by step as it is done by hand, and the determinant of
@@ -109,7 +109,7 @@ def conditions(
         if shipped is not None:
             return replace(shipped, settings=replace(shipped.settings, seconds=seconds))
     begun = monotonic()
-    work = Work(seconds / WALL, seed, progress)
+    work = Work(seconds / SLOWER, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths)
     check_method(asked, method, chosen)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
@@ -306,8 +306,8 @@ def _cloud(
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
-        if corank > 1 and work.left_by_clock < 0:
-            left.append(f"numeric configurations of corank {corank} and above: time ran out by the clock")
+        if corank > 1 and work.time_left < 0:
+            left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
             break
         work.show("checks", corank - 1, generic_rank - lowest)
         wanted = points if corank == 1 else max(points // 10, 1)

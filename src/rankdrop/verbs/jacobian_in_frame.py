@@ -54,7 +54,7 @@ def link_jacobian(
         symbolic: closed forms; needs python-flint.
         inverse: the inverse, too: closed where closed forms are asked for, and of the numbers.
         lengths: as in `exact_chain`.
-        seconds: limit for the closed inverse: three times as long by the clock.
+        seconds: limit on work for the closed inverse; of the processor's time three times as much.
 
     Raises:
         RobotError: a helical joint, or one that follows another.

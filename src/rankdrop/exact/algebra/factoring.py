@@ -13,12 +13,14 @@ from typing import Any
 from rankdrop.errors import RankdropError
 from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.work import WALL, OutOfTime
+from rankdrop.exact.algebra.work import OutOfTime
 
 SHORT = 300
 """Polynomials of so many terms are factored here: milliseconds, and a process takes 0.3 s to start."""
 MEMORY = 4 << 30
 """The process may take so many bytes, where the system can hold it to that."""
+_PATIENCE = 30.0 if hasattr(signal, "setitimer") else 3.0
+"""Seconds waited for each second the process may take: it ends itself, where the system has a timer of its time."""
 TOO_LARGE = 3
 """Exit code of a process that needs more, or whose polynomial is too long in half angles."""
 
@@ -29,7 +31,7 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
     Args:
         ring: of p.
         p: not zero, of `ring.trig`.
-        seconds: of the processor's time, so that a busy machine finds the same; by the clock `WALL` times as long. A
+        seconds: of the processor's time, so that a busy machine finds the same. A
             polynomial of at most `SHORT` terms is factored whatever is left.
 
     Returns:
@@ -49,7 +51,7 @@ def factors_within(ring: Ring, p: Polynomial, seconds: float) -> Factors | None:
     try:
         done = subprocess.run(
             [sys.executable, "-c", program], input=json.dumps(message), capture_output=True, text=True,
-            timeout=WALL * seconds, env=environment, check=False,
+            timeout=_PATIENCE * seconds, env=environment, check=False,
         )  # fmt: skip
     except (subprocess.TimeoutExpired, OSError):
         return None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from math import inf
-from time import monotonic
+from time import process_time
 from typing import Any
 
 from rankdrop.exact.algebra.polynomial import Polynomial, primitive
@@ -37,8 +37,9 @@ GRACE = 5.0
 """Time left after the user has asked to stop [s]."""
 
 
-WALL = 3.0
-"""Seconds by the clock for each second of work: a machine so many times busier finds the same."""
+SLOWER = 3.0
+"""Seconds of the processor's time for each second of work: a machine so many times slower finds the same, and so does a
+busy one."""
 
 
 class OutOfTime(Exception):
@@ -56,7 +57,8 @@ class Work:
     """One derivation in progress.
 
     Args:
-        seconds: limit on work from now on, by `spent`; infinity for none. By the clock `WALL` times as long.
+        seconds: limit on work from now on, by `spent`; infinity for none. `SLOWER` times as much of the
+            processor's time.
         seed: of the random points.
         progress: called now and then as progress(label, done, total).
 
@@ -74,7 +76,7 @@ class Work:
 
     def __init__(self, seconds: float = inf, seed: int = 0, progress: Progress | None = None) -> None:
         self._end = spent() + seconds
-        self._wall = monotonic() + WALL * seconds
+        self._last = process_time() + SLOWER * seconds
         self.seed = seed
         self._progress = progress
         self.rng = random.Random(seed)
@@ -93,8 +95,8 @@ class Work:
         """
         if spent() > self._end:
             raise OutOfTime
-        if monotonic() > self._wall:
-            raise OutOfTime("time ran out by the clock")
+        if process_time() > self._last:
+            raise OutOfTime("the processor's time ran out")
 
     def show(self, label: str, done: int, total: int) -> None:
         """Tell how far the derivation is."""
@@ -114,13 +116,13 @@ class Work:
     def again(self) -> Work:
         """A derivation begun anew, with the same limits."""
         new = Work(self.left, self.seed, self._progress)
-        new._wall = self._wall
+        new._last = self._last
         return new
 
     def interrupt(self) -> None:
         """Stop: `GRACE` is left to put in order what was found."""
         self.interrupted = True
-        self._wall = min(self._wall, monotonic() + GRACE)
+        self._last = min(self._last, process_time() + GRACE)
 
     @property
     def left(self) -> float:
@@ -128,9 +130,9 @@ class Work:
         return self._end - spent()
 
     @property
-    def left_by_clock(self) -> float:
+    def time_left(self) -> float:
         """Time until the outermost limit [s]."""
-        return self._wall - monotonic()
+        return self._last - process_time()
 
     def assume(self, f: Polynomial) -> None:
         """Keep a factor in lengths alone as assumed ≠ 0."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
+from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
 from rankdrop.exact.reading.lint import LintResult, lint
 from rankdrop.exact.writing.code import Code
@@ -53,7 +53,7 @@ class Conditions(ConditionsData):
             )  # fmt: skip
         pieces = [piece for family in whole.families for piece in family.pieces]
         try:
-            return lint(condition, pieces, whole.chain, work=Work(seconds / WALL, self.settings.seed))
+            return lint(condition, pieces, whole.chain, work=Work(seconds / SLOWER, self.settings.seed))
         except OutOfTime as end:
             raise OptionError(
                 "time ran out before the condition was decided", got=f"{seconds:g} s",

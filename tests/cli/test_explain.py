@@ -35,7 +35,7 @@ def test_the_exit_code_tells_the_verdict(run, words: tuple[str, ...], code: int)
 
 def test_what_is_printed_at_a_singularity(run) -> None:
     text = run("explain", *SINGULAR).out
-    for part in ("puma560: SINGULAR", "wrist: axes 4 and 6 aligned", "sin θ5 = 0", "What is lost", "The tool can only move",
+    for part in ("puma560: SINGULAR", "wrist: axes 4 and 6 aligned", "sin θ5 = 0", "What is lost", "can only move",
                  "Joints to blame", "How to get out", "5 joint5", "per rad", "What motion costs", "How"):  # fmt: skip
         assert part in text
     assert "Every circuit" not in text

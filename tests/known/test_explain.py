@@ -76,7 +76,7 @@ def test_near_a_wrist(offset: float) -> None:
     assert found.far.nearest.distance == pytest.approx(offset, rel=1e-9)
     assert found.focus[4] == pytest.approx(0.0, abs=1e-12)
     assert len(found.lost.directions) == 1
-    assert found.lost.words[0].startswith("cannot ")
+    assert found.lost.words[0].startswith("can only move so that ")
 
 
 def test_a_near_miss_is_not_a_singularity() -> None:

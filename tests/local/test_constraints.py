@@ -13,9 +13,11 @@ from rankdrop.frames import TIP, Frame
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.screws import constraint, in_short
+from rankdrop.results.codec import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.tool import with_tool
+from rankdrop.robot.urdf import from_urdf
 from rankdrop.units import scaled
 from rankdrop.verbs.explain import explain
 
@@ -154,3 +156,19 @@ def test_rates_of_a_regular_configuration_lose_nothing():
     rates = joint_rates(open_robot("ur5e"), np.radians([0, -60, 40, 40, 50, 0]))
     assert set(rates.lost_shares) == {0.0}
     assert [one.direction for one in rates.remaining] == [one.direction for one in rates.axes]
+
+
+def test_a_link_is_called_as_its_file_calls_it():
+    text = """<robot name="r"><link name="a"/><link name="upper"/><link name="forearm"/><link name="c"/>
+    <joint name="i" type="continuous"><parent link="a"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+    <joint name="j" type="continuous"><parent link="upper"/><child link="forearm"/><origin xyz="1 0 0"/>
+    <axis xyz="0 0 1"/></joint>
+    <joint name="k" type="fixed"><parent link="forearm"/><child link="c"/><origin xyz="1 0 0" rpy="0 0 0.6"/></joint>
+    </robot>"""
+    arm = from_urdf(text)
+    assert [joint.link for joint in arm.joints] == ["upper", "forearm"]
+    found = explain(arm, [0.4, 0.0], "planar-position", evaluations=0)
+    assert [one.axes for one in found.lost.seen] == ["base axes", "tool axes", "axes of link 2 (forearm)"]
+    assert found.lost.seen[2].constraints == ("vx = 0",)
+    again = robot_from_dict(robot_to_dict(arm, found.task, 2))
+    assert [joint.link for joint in again.joints] == ["upper", "forearm"]

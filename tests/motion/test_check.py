@@ -40,7 +40,7 @@ def test_a_crossing_is_bracketed_named_and_told() -> None:
     np.testing.assert_allclose(one.closest.q, [0.3 + 0.4 / 3, 0.0, 0.1 + 0.4 / 3], atol=1e-9)
     assert one.closest.distance == 0.0
     assert one.closest.sigma < 1e-9
-    assert one.lost[0].startswith("cannot translate")
+    assert one.lost[0].startswith("can only move so that ")
     assert "sign" in one.how
 
 

@@ -127,7 +127,6 @@ def _explained(asked: Asked) -> Explanation:
     at_hand = far.nearest if verdict == "near" and far.near_miss is None else None
     focus = q if at_hand is None else np.array(at_hand.q)
     corank = rank.corank if at_hand is None else at_hand.corank
-    lost = lost_of(asked, focus, corank or (1 if far.near_miss is not None else 0))
     way_out = escape(robot, q, task, tolerances=settings.tolerances, seed=settings.seed, step=settings.step)
     return Explanation(
         robot=robot,
@@ -141,7 +140,7 @@ def _explained(asked: Asked) -> Explanation:
         met=met_at(asked, focus, corank) if corank else (),
         source=asked.source,
         relations=relations_at(robot, focus),
-        lost=lost,
+        lost=(lost := lost_of(asked, focus, corank or (1 if far.near_miss is not None else 0))),
         blame=_blame(asked, focus, corank),
         escape=way_out,
         rates=joint_rates(robot, q, turned_task(task, settings.frame, lost)),

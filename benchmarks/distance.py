@@ -7,9 +7,9 @@ import time
 import measure  # first: sets the number of threads
 import numpy as np
 
+from rankdrop.families.measured import distances
 from rankdrop.local.block import sample
 from rankdrop.local.nearest import nearest_singularity
-from rankdrop.families.measured import distances
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

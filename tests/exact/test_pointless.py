@@ -71,7 +71,7 @@ def test_a_root_that_is_real_alone_is_noted_and_one_that_is_not_real_is_not() ->
     work = Work()
     real, unreal = (Variety(ring, {}, rest=(f,), equations=(f,)) for f in (t**2 - number, t**2 + t + number))
     assert with_points([real], work) == []
-    assert list(work.pointless) == [real.key]
-    work.pointless.clear()
+    assert list(work.without_points) == [real.key]
+    work.without_points.clear()
     assert with_points([unreal], work) in ([], [unreal])
-    assert not work.pointless
+    assert not work.without_points

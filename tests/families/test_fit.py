@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.families.fit import (
     Budget,
-    Ground,
+    FitProblem,
     Kind,
     circuits,
     cutting,
@@ -46,8 +46,8 @@ def points_on(equations, rng, count, spread=pi):
     return q[solved][:count]
 
 
-def ground(points, kinds=(Kind.ANGLE,) * N, highest=4) -> Ground:
-    return Ground(lambda count: points, N, kinds, highest, Budget(), DEFAULT)
+def ground(points, kinds=(Kind.ANGLE,) * N, highest=4) -> FitProblem:
+    return FitProblem(lambda count: points, N, kinds, highest, Budget(), DEFAULT)
 
 
 def coefficients(equation: Equation) -> dict:
@@ -107,7 +107,7 @@ def test_points_that_do_not_belong_refute_the_fit(rng):
 
 def test_a_used_up_budget_ends_the_fit(rng):
     points = points_on([SHOULDER], rng, 400)
-    poor = Ground(lambda count: points, N, ANGLES, 4, Budget(10.0), DEFAULT)
+    poor = FitProblem(lambda count: points, N, ANGLES, 4, Budget(10.0), DEFAULT)
     assert hypersurface(poor, (1, 2, 3)) is None
 
 

@@ -1,9 +1,13 @@
-"""What a plain command passes through is little, and gets less: these bounds go down only."""
+"""What a plain command passes through is little, and so is the whole, and gets less: these bounds go down only."""
 
 from __future__ import annotations
 
+import ast
+from pathlib import Path
+
 import pytest
 
+import rankdrop
 from scripts import tool
 
 BOUNDS = {
@@ -23,3 +27,20 @@ def test_a_command_passes_no_more_files_and_types_than_before(line: str) -> None
     for kind, bound in zip(("files", "types"), BOUNDS[line], strict=True):
         passed = found[kind]
         assert len(passed) <= bound, f"{len(passed)} {kind}, {bound} are allowed:\n" + "\n".join(passed)
+
+
+WHOLE = {"robot": (19, 25)}
+"""Room -> at most so many files, at most so many classes."""
+
+
+@pytest.mark.parametrize("room", WHOLE)
+def test_a_room_has_no_more_files_and_classes_than_before(room: str) -> None:
+    place = Path(rankdrop.__file__).parent / room
+    files = list(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+    classes = [
+        f"{file.name}: {node.name}" for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    ]  # fmt: skip
+    most_files, most_classes = WHOLE[room]
+    assert len(files) <= most_files, sorted(file.name for file in files)
+    assert len(classes) <= most_classes, classes

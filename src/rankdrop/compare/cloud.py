@@ -25,7 +25,7 @@ from rankdrop.exact.tree import Tree
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
 from rankdrop.family.system import System
-from rankdrop.family.which import families_at
+from rankdrop.family.which import on_one_of
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -123,10 +123,10 @@ def explained(
         left = left[way > tolerances.explained]
         if not len(left):
             break
-    crossing = [_Given(system.equations) for system in systems]
+    crossing = [system.equations for system in systems]
 
     def over(indices: NDArray[np.int64], q: Array) -> NDArray[np.int64]:
-        on = [families_at(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
+        on = [on_one_of(crossing, points.robot, q[i], points.task, tolerances) for i in indices]
         return indices[[not one for one in on]]
 
     left = over(left, points.q)
@@ -149,21 +149,11 @@ def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
     return q
 
 
-@dataclass(frozen=True)
-class _Given:
-    """Equations as `families_at` reads a family; the rank lost at a point is at least 1, which is all that is asked."""
-
-    equations: tuple[Equation, ...]
-    name: str = ""
-    corank: int = 1
-    dimension: int = 0
-
-
 _POINTS = 24  # real points looked at on each
 _LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
 
 
-def pointless(
+def sets_without_points(
     chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
 ) -> tuple[list[str], list[str]]:
     """What the tree leaves open for want of points, and the sets on which no real point was found, in sentences.
@@ -173,7 +163,7 @@ def pointless(
     """
     lost: dict[str, Variety] = {}
     unmet: dict[str, Variety] = {}
-    for piece, order, last in tree.pointless:
+    for piece, order, last in tree.without_points:
         theta = [point for point, _ in zip(real_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
             unmet[piece.key] = piece

@@ -23,7 +23,7 @@ from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.cells import COUPLED, coupled_conditions
-from rankdrop.family.naming import told
+from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
@@ -282,7 +282,7 @@ def _measured(
     share = int(lies_on(family, found.fresh, problem.tolerances).sum()) if len(found.fresh) else 0
     pinned = _pinned(problem, family, over, inside)
     at = inside[0]
-    directions, sentences = told(problem.robot, at, inside[:_POINTS], problem.task, problem.corank)
+    directions, sentences = lost_motions(problem, at, inside[:_POINTS])
     held = {one.number for one in pinned}
     return Family(
         id=family.id,

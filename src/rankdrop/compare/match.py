@@ -160,12 +160,12 @@ def match(
             own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
             for one in tried:
                 points = solutions(here, one, rng)
-                met = _tried(here, one, points, there)
+                met, related, around, wrong = _tried(here, one, points, there, others)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
-                said += [Difference(own, one.id, one.name, text) for text in met.wrong(others)]
-                kin |= {(one.id, name) if numeric else (name, one.id) for name in met.kin}
+                said += [Difference(own, one.id, one.name, text) for text in wrong]
+                kin |= {(one.id, name) if numeric else (name, one.id) for name in related}
                 if not numeric:
-                    inside |= {(name, one.id) for name in met.around}
+                    inside |= {(name, one.id) for name in around}
                 if points.elsewhere:
                     wider[numeric].append(Wider(one.id, points.solved, points.elsewhere))
     matches = tuple(_match(row.id, families, kin, inside) for row in rows)
@@ -194,46 +194,20 @@ class Points:
     elsewhere: int = 0
 
 
-@dataclass(frozen=True)
-class _Tried:
-    """Points of one family, tried on those of the other side.
+def _tried(
+    problem: Problem, one: Side, points: Points, others: Sequence[Side], theirs: str
+) -> tuple[Check, list[str], list[str], list[str]]:
+    """Points of one family, tried on those of the other side, which is called `theirs`.
 
-    Attributes:
-        tested, agree: points, and how many lie on one of the other families.
-        kin: ids of the others that some point lies on and whose dimension is the same.
-        around: ids of those on which all of them lie.
-        over: a point that lies on none, if there is one.
-        dimensions: (own, others) where points lie on others, but on none of the same dimension.
-        empty: no point was found on the family, its witness included.
+    Returns:
+        How many of the points lie on one of the others; ids of the others that some point lies on and whose dimension
+        is the same, and of those on which all of them lie; sentences on what does not go together.
     """
-
-    tested: int
-    agree: int
-    kin: tuple[str, ...]
-    around: tuple[str, ...] = ()
-    over: Array | None = None
-    dimensions: tuple[int, tuple[int, ...]] | None = None
-    empty: bool = False
-
-    def wrong(self, others: str) -> list[str]:
-        """Sentences on what does not go together."""
-        found = []
-        if self.empty:
-            found.append("no configuration satisfies its own conditions, its witness included")
-        if self.over is not None:
-            q = ", ".join(f"{x:.6g}" for x in self.over)
-            count = f"{self.tested - self.agree} of {self.tested} of its points lie"
-            found.append(f"{count} on no {others} family of this corank, q = ({q}) is one")
-        if self.dimensions is not None:
-            own, theirs = self.dimensions
-            found.append(f"dimension {own}, but the {others} families on it have {', '.join(map(str, theirs))}")
-        return found
-
-
-def _tried(problem: Problem, one: Side, points: Points, others: Sequence[Side]) -> _Tried:
-    q = points.q
+    q, wrong = points.q, list[str]()
     if not len(q):
-        return _Tried(0, 0, (), empty=not problem.limits)
+        if not problem.limits:
+            wrong.append("no configuration satisfies its own conditions, its witness included")
+        return Check(0, 0), [], [], wrong
     on = np.array([lies_on(other, q, problem.tolerances) for other in others], dtype=np.bool_).reshape(-1, len(q))
     left = np.flatnonzero(~on.any(axis=0))
     if len(left):  # where sheets cross, the way to a family is not told from its square
@@ -244,14 +218,16 @@ def _tried(problem: Problem, one: Side, points: Points, others: Sequence[Side]) 
     met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
     vague = not one.equations or any(not others[k].equations for k in met)
     kin = [k for k in met if vague or others[k].dimension == one.dimension]
-    return _Tried(
-        tested=len(q),
-        agree=len(q) - len(left),
-        kin=tuple(others[k].id for k in kin),
-        around=tuple(others[k].id for k in kin if generic[k].all()),
-        over=as_given(problem.robot, q[left[0]]) if len(left) else None,
-        dimensions=None if kin or not met else (one.dimension, tuple(sorted({others[k].dimension for k in met}))),
-    )
+    if len(left):
+        at = ", ".join(f"{x:.6g}" for x in as_given(problem.robot, q[left[0]]))
+        wrong.append(
+            f"{len(left)} of {len(q)} of its points lie on no {theirs} family of this corank, q = ({at}) is one"
+        )
+    if met and not kin:
+        dimensions = ", ".join(map(str, sorted({others[k].dimension for k in met})))
+        wrong.append(f"dimension {one.dimension}, but the {theirs} families on it have {dimensions}")
+    around = [others[k].id for k in kin if generic[k].all()]
+    return Check(len(q), len(q) - len(left)), [others[k].id for k in kin], around, wrong
 
 
 def solutions(problem: Problem, one: Side, rng: np.random.Generator) -> Points:

@@ -29,9 +29,9 @@ from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.naming import name_family, told, told_apart
+from rankdrop.family.naming import lost_motions, name_family, told_apart
 from rankdrop.local.block import singular_values
-from rankdrop.problem import wrapped
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import out_of_units
@@ -128,7 +128,7 @@ def real_sets(
             drop = waiting[0]
             piece, found = _sharp(chain, drop, np.random.default_rng([seed, len(kept), drop.rank]), known, work)
             systems = len(work.unresolved)
-            work.pointless.clear()
+            work.without_points.clear()
             thinner = [] if found.real or found.proof else _thinner(chain, piece, work)
         except (OutOfTime, KeyboardInterrupt) as stop:
             what = str(stop) if isinstance(stop, OutOfTime) else "interrupted"
@@ -137,9 +137,9 @@ def real_sets(
                 work.interrupt()
             break
         waiting = [*waiting[1:], *thinner]
-        if work.pointless or len(work.unresolved) > systems:
+        if work.without_points or len(work.unresolved) > systems:
             left.append(f"the real points of a set were not all taken apart: {_named(piece)}")
-            work.pointless.clear()
+            work.without_points.clear()
         if found.real:
             kept.append(RealSet(piece, drop.rank, found))
             if len(found.strays):
@@ -302,7 +302,7 @@ def described(
     robot, task = chain.own, chain.own_task
     at = _witness(chain, generic_rank - corank, points, pins)
     name = name_family(robot, task, points, sorted(pins), coupled=coupled)
-    _, sentences = told(robot, at, points, task, corank)
+    _, sentences = lost_motions(Problem(robot, task, corank), at, points)
     return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
 
 

@@ -112,8 +112,9 @@ class Tree:
         left: what was not finished, in words.
         visited: sets looked at.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing.
-        pointless: sets without a point modulo any of the primes that may be real, the order of the minors that were
-            zero on them, and whether nothing was looked for inside them; their rank is not known, nor what is in them.
+        without_points: sets without a point modulo any of the primes that may be real, the order of the minors that
+            were zero on them, and whether nothing was looked for inside them; their rank is not known, nor what is in
+            them.
     """
 
     generic_rank: int
@@ -122,12 +123,12 @@ class Tree:
     left: list[str] = field(default_factory=list)
     visited: int = 0
     unresolved: list[str] = field(default_factory=list)
-    pointless: list[tuple[Variety, int, bool]] = field(default_factory=list)
+    without_points: list[tuple[Variety, int, bool]] = field(default_factory=list)
 
     @property
     def finished(self) -> bool:
         """Whether nothing is left open: then what it has not is not there."""
-        return self.complete and not self.unresolved and not self.pointless
+        return self.complete and not self.unresolved and not self.without_points
 
 
 def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
@@ -172,7 +173,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         if not any(drop.rank < order for drop in found):
             break
     tree.drops = largest([Drop(one.piece, one.rank + never) for one in found])
-    tree.pointless = [(piece, order + never, last) for piece, order, last in tree.pointless]
+    tree.without_points = [(piece, order + never, last) for piece, order, last in tree.without_points]
     tree.unresolved = list(dict.fromkeys(work.unresolved))
     return tree
 
@@ -224,8 +225,8 @@ def _explore(
             ):
                 seen.append(part)
                 waiting.append(part)
-        tree.pointless += [(part, order, part.codimension >= bound) for part in work.pointless.values()]
-        work.pointless.clear()
+        tree.without_points += [(part, order, part.codimension >= bound) for part in work.without_points.values()]
+        work.without_points.clear()
         waiting.remove(piece)
         tree.visited += 1
 

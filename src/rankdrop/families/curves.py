@@ -17,9 +17,11 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
-from rankdrop.local.block import block, generic_rank, sampling_box, singular_values
+from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.verdict import one_configuration
+from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.solve import Linear, newton, trace
 from rankdrop.task import Task, resolve_task
 
 
@@ -71,7 +73,7 @@ def sweeps(robot: Robot, q: ArrayLike, task: Task, count: int = 121) -> tuple[Sw
 
 
 _ON = 1e-11  # |F| at a point of the set [1]
-_SINGLE = 1e-6  # σ of D below this: not a smooth curve here
+_LONGEST = 200.0  # of a curve that does not come to an end [rad]
 _CORRECTIONS = 12
 
 
@@ -123,80 +125,44 @@ def singular_curves(
         raise OptionError("curves are traced of revolute joints only", where=f"robot {robot.name!r}")
     resolved = resolve_task(task, robot)
     base = one_configuration(robot, np.zeros(robot.n) if held is None else held)
-    tracer = _Tracer(robot, resolved, moving, generic_rank(robot, resolved) - corank, step)
+    problem = Problem(robot, resolved, corank)
+
+    def linear(x: Array) -> tuple[Array, Array]:
+        """F as a vector, and its derivative by the joints that move."""
+        q = np.repeat(base[None], len(x), axis=0)
+        q[:, moving] = x
+        at = problem.block(q)
+        return at.f.reshape(len(x), -1), at.d[..., moving].reshape(len(x), -1, len(moving))
+
+    def unsolved(x: Array) -> tuple[Mask, Array, Array]:
+        f, slope = linear(x)
+        return np.abs(f).max(axis=1) > _ON, f, slope
+
     found: list[Curve] = []
-    for q in search(robot, corank, task=resolved, starts=starts, seed=seed).converged:
-        first = base.copy()
-        first[moving] = q[moving]
-        point = tracer.corrected(first)
-        if point is None or any(_distance(curve.q[:, moving], point[moving]) < step for curve in found):
+    starts_found = search(robot, corank, task=resolved, starts=starts, seed=seed).converged[:, moving]
+    for x in newton(unsolved, starts_found, iterations=_CORRECTIONS) if len(moving) > 1 else ():
+        on = bool(np.abs(linear(x[None])[0]).max() <= _ON)
+        if not on or any(_distance(curve.q[:, moving], x) < step for curve in found):
             continue
-        curve = tracer.curve(point)
+        curve = _traced(linear, base, moving, x, step)
         if curve is not None:
             found.append(curve)
     return tuple(sorted(found, key=lambda curve: -curve.length))
 
 
-class _Tracer:
-    """Steps along the kernel of D in the joints that move."""
-
-    def __init__(self, robot: Robot, task: Task, moving: list[int], rank: int, step: float) -> None:
-        self.robot, self.task, self.moving, self.rank, self.step = robot, task, moving, rank, step
-
-    def equations(self, q: Array) -> tuple[Array, Array]:
-        """F as a vector, and its derivative by the joints that move."""
-        at = block(self.robot, q, self.task, self.rank)
-        return at.f.ravel(), at.d[..., self.moving].reshape(at.f.size, len(self.moving))
-
-    def corrected(self, q: Array) -> Array | None:
-        """The singular configuration near q that Gauss–Newton leads to; None where it leads nowhere near."""
-        q = q.copy()
-        for _ in range(_CORRECTIONS):
-            f, d = self.equations(q)
-            if np.abs(f).max() <= _ON:
-                return q
-            move = -np.linalg.lstsq(d, f, rcond=None)[0]
-            if np.linalg.norm(move) > 0.5:
-                return None
-            q[self.moving] += move
+def _traced(linear: Linear, base: Array, moving: list[int], x: Array, step: float) -> Curve | None:
+    """From x until it is met again; None where the set is not a smooth curve."""
+    line, closed = trace(linear, x, step, zero=_ON, most=int(_LONGEST / step))
+    if not closed and len(line) <= int(_LONGEST / step):
         return None
-
-    def tangent(self, q: Array, before: Array | None) -> Array | None:
-        """Unit kernel of D, on in the same sense, at first with its largest entry up; None where it is not one."""
-        _, sigma, vt = np.linalg.svd(self.equations(q)[1])
-        if len(self.moving) < 2 or len(sigma) < len(self.moving) - 1 or sigma[len(self.moving) - 2] < _SINGLE:
-            return None
-        found = vt[-1]
-        sense = before if before is not None else np.eye(len(found))[int(np.argmax(np.abs(found)))]
-        return np.asarray(-found if found @ sense < 0.0 else found)
-
-    def curve(self, first: Array) -> Curve | None:
-        """From `first` until it is met again; None where the set is not a smooth curve there."""
-        points, before = [first], self.tangent(first, None)
-        for _ in range(int(200 / self.step)):
-            if before is None:
-                return None
-            guess = points[-1].copy()
-            guess[self.moving] += self.step * before
-            point = self.corrected(guess)
-            if point is None:
-                return None
-            points.append(point)
-            before = self.tangent(point, before)
-            if len(points) > 5 and _distance(point[None, self.moving], first[self.moving]) < 0.75 * self.step:
-                return self._finished(points, True)
-        return self._finished(points, False)
-
-    def _finished(self, points: list[Array], closed: bool) -> Curve:
-        q = np.array(points)
-        turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) if closed else np.zeros(self.robot.n, dtype=int)
-        if closed:
-            q[-1] = q[0] + 2 * np.pi * turns
-            if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
-                q, turns = q[::-1].copy(), -turns
-        q.flags.writeable = False
-        length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
-        return Curve(q, closed, length, tuple(int(turn) for turn in turns))
+    q = np.repeat(base[None], len(line), axis=0)
+    q[:, moving] = line
+    turns = np.round((q[-1] - q[0]) / (2 * np.pi)).astype(int) if closed else np.zeros(len(base), dtype=int)
+    if turns.any() and turns[np.flatnonzero(turns)[0]] < 0:
+        q, turns = q[::-1].copy(), -turns
+    q.flags.writeable = False
+    length = float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum())
+    return Curve(q, closed, length, tuple(int(turn) for turn in turns))
 
 
 def _distance(points: Array, point: Array) -> float:

@@ -25,6 +25,7 @@ from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import inverse, nearer
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
@@ -35,8 +36,6 @@ _ITERATIONS = 25
 _STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
 _DIFFERENCE = 1e-5  # of the gradients [rad, or length scales]
-_RANK = 1e-7  # singular values of A below this share of the largest are zero
-_FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 
 
 class Coupled:
@@ -99,7 +98,7 @@ class Coupled:
         q = self._brought_near(q)
         for _ in range(3):
             f, slopes = self.system.linear(q)
-            back = (_inverse(slopes * self.scale)[0] @ f[..., None])[..., 0]
+            back = (inverse(slopes * self.scale)[0] @ f[..., None])[..., 0]
             q = np.clip(q - back * self.scale, self.box[0], self.box[1])
         return q
 
@@ -119,7 +118,7 @@ class Coupled:
         a = slopes[:, :, at] * self.scale[at]
         x = ((q - self.target) / self.scale)[:, at]
         free = np.ones(x.shape, dtype=np.bool_)
-        part = _newton(x, f, a, hessians)
+        part = nearer(x, f, a, hessians)
         bounded = np.isfinite(self.box[:, at]).any()
         for _ in range(len(at) if bounded else 0):
             low, high = q[:, at] <= self.box[0, at], q[:, at] >= self.box[1, at]
@@ -128,7 +127,7 @@ class Coupled:
                 break
             free &= ~held
             loose = hessians * free[:, None, :, None] * free[:, None, None]
-            part = _newton(x * free, f, a * free[:, None], loose) * free
+            part = nearer(x * free, f, a * free[:, None], loose) * free
         step = np.zeros_like(q)
         step[:, at] = part
         return step
@@ -142,33 +141,6 @@ class Coupled:
         slopes = system.jacobian((q + shifts).reshape(-1, len(self.scale)))[:, :, at] * self.scale[at]
         slopes = slopes.reshape(2, len(at), len(q), -1, len(at))
         return np.asarray(np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1))
-
-
-def _inverse(a: Array) -> tuple[Array, Array]:
-    """A⁺ (N, c, e), and the projector A⁺A (N, c, c) on the row space; small singular values are left out."""
-    u, s, vt = np.linalg.svd(a, full_matrices=False)
-    keep = s > np.maximum(_RANK * s[:, :1], 1e-12)
-    v = vt.swapaxes(1, 2) * keep[:, None]
-    inverse = (v / np.where(keep, s, 1.0)[:, None]) @ u.swapaxes(1, 2)
-    return inverse, v @ v.swapaxes(1, 2)
-
-
-def _newton(x: Array, f: Array, a: Array, hessians: Array) -> Array:
-    """(N, c) the step: −A⁺f across the family, and along it to the nearest point of the quadratic model.
-
-    With λ = (A⁺)ᵀx the Lagrangian ½‖x‖² − λ·f has the second derivative H = 1 − Σ λ_i ∇²f_i. Directions in which it is
-    not convex are turned round, so that every step goes down.
-    """
-    inverse, across = _inverse(a)
-    normal = -(inverse @ f[..., None])  # (N, c, 1)
-    multipliers = x[:, None] @ inverse  # (N, 1, e)
-    one = np.eye(x.shape[1])
-    curved = one - (multipliers[:, 0, :, None, None] * hessians).sum(axis=1)
-    along = one - across
-    size, axes = np.linalg.eigh(along @ curved @ along + across)
-    slope = along @ (x[..., None] + curved @ normal)
-    tangent = along @ (axes @ ((axes.swapaxes(1, 2) @ slope) / np.maximum(np.abs(size), _FLATTEST)[..., None]))
-    return np.asarray((normal - tangent)[..., 0])
 
 
 def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Array:

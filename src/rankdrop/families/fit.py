@@ -196,7 +196,7 @@ LARGEST = 700  # functions in a library at most; a generic 6R needs 225
 MOST = 24  # equations of one library that are looked at
 HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
 
-Supply = Callable[[int], Array]
+FamilyPoints = Callable[[int], Array]
 """supply(count) -> (N, n) points of the family; N < count when no more can be had."""
 
 
@@ -226,7 +226,7 @@ class Budget:
 
 
 @dataclass(frozen=True)
-class Ground:
+class FitProblem:
     """What a fit stands on.
 
     Attributes:
@@ -240,7 +240,7 @@ class Ground:
         twins: joints on one axis, of which the first stands for both in every fit.
     """
 
-    supply: Supply
+    supply: FamilyPoints
     n: int
     kinds: tuple[Kind, ...]
     highest: int
@@ -274,7 +274,7 @@ def ladder(kinds: tuple[Kind, ...], highest: int = 4, most: int = LARGEST) -> It
     yield from (degrees for degrees in sorted(steps, key=lambda d: (size(d, kinds), d)) if size(degrees, kinds) <= most)
 
 
-def hypersurface(ground: Ground, joints: tuple[int, ...]) -> Equation | None:
+def hypersurface(ground: FitProblem, joints: tuple[int, ...]) -> Equation | None:
     """The equation that binds the given joints on a family.
 
     Args:
@@ -349,7 +349,7 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
     return found
 
 
-def cutting(ground: Ground, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
+def cutting(ground: FitProblem, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
     """An equation that vanishes on the family but not on strangers: points that solve the equations so far, yet do not
     belong to the family. Sparsest one of the smallest library that tells them apart.
 
@@ -372,7 +372,7 @@ def cutting(ground: Ground, strangers: Array, joints: tuple[int, ...]) -> Equati
     return None
 
 
-def vanishing_spaces(ground: Ground, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
+def vanishing_spaces(ground: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
     """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
     for functions, train, held, null in _nulls(ground, joints):
         values = functions(train[:, joints])
@@ -381,7 +381,7 @@ def vanishing_spaces(ground: Ground, joints: tuple[int, ...]) -> Iterator[list[E
         yield [equation for equation in equations if holds(equation, held)]
 
 
-def _nulls(ground: Ground, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
+def _nulls(ground: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
     """Libraries that hold equations of the family, with training points, held-out points and the null space."""
     for degrees in ground.ladder(joints):
         points = ground.enough(degrees, joints)

@@ -72,13 +72,13 @@ def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row
 def _rows(problem: Problem, conditions: tuple[Covector, ...], q: Array, rng: np.random.Generator) -> list[Row]:
     linear = Linear.of(problem.robot, conditions)
     met = linear.combinations(q, np.ones(len(q)), WIDTH)
-    sharp = [_sharpened(problem, linear, values, q[members]) for values, members in met.items()]
+    sharp = [_solved_values(problem, linear, values, q[members]) for values, members in met.items()]
     found = grow(sharp, linear, partial(verified, problem, linear, (), 0, rng=rng))
     signature = _signature(linear)
     return [Row(linear, sets, (), signature, "shared values, verified") for sets in boxes(found)]
 
 
-def _sharpened(problem: Problem, linear: Linear, values: Values, q: Array) -> Values:
+def _solved_values(problem: Problem, linear: Linear, values: Values, q: Array) -> Values:
     """The values that are not simple, right to rounding: solved for with the simple ones put at their places.
 
     Where D is not zero but of too low a rank, σ is of first order in some combination of the errors.

@@ -345,7 +345,7 @@ def smooth(problem: Problem, inspection: Inspection, members: Array, rng: np.ran
 
 
 @dataclass(eq=False)
-class Supply:
+class FamilyPoints:
     """Points of one family with one combination of values; makes more when asked.
 
     Attributes:

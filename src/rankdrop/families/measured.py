@@ -29,9 +29,10 @@ from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pinned, family_in_metres
-from rankdrop.family.system import REACHED, System, shortest
+from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import shortest
 from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rankdrop.families.fit import holds, refit, vanishing
-from rankdrop.families.linear import Supply, Values, gathered, spread
+from rankdrop.families.linear import FamilyPoints, Values, gathered, spread
 from rankdrop.families.signature import Signature
 from rankdrop.family.equation import Equation, Term, normalised
 from rankdrop.robot.model import Array
@@ -53,7 +53,7 @@ class Memory:
             self.names[key] = make()
         return self.names[key]
 
-    def recall(self, supply: Supply, corank: int) -> list[Form]:
+    def recall(self, supply: FamilyPoints, corank: int) -> list[Form]:
         """Conditions of a known form with coefficients fitted to the points; every form that fits, the likeliest first.
 
         Args:
@@ -72,7 +72,7 @@ def _terms(form: Form) -> tuple[tuple[Term, ...], ...]:
     return tuple(tuple(Term(1.0, t.kind, t.harmonics, t.powers, t.shift) for t in one.terms) for one in form)
 
 
-def _fitted(supply: Supply, terms: tuple[Term, ...]) -> Equation | None:
+def _fitted(supply: FamilyPoints, terms: tuple[Term, ...]) -> Equation | None:
     """The one combination of the terms that vanishes on the family; None where there is none, or more than one."""
     tolerances, twins = supply.problem.tolerances, supply.problem.twins
     points = gathered(supply(2 * len(terms) + HELD), twins)

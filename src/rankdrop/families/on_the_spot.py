@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
 from rankdrop.families.irregular import recognised
-from rankdrop.families.linear import Linear, Supply, Values, canonical, smooth
+from rankdrop.families.linear import FamilyPoints, Linear, Values, canonical, smooth
 from rankdrop.families.residual import circuit_equations
 from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
@@ -284,7 +284,7 @@ def _fitted(
     rng = np.random.default_rng([seed, 1])
     met = [signature for i in members if (signature := around.signatures[i]) is not None]
     signature = max(met, key=met.count)  # the sets of joints bound together included
-    supply = Supply(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
+    supply = FamilyPoints(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
     if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
         return None
     supply(SPREAD)

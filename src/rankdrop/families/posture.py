@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from rankdrop.families.walk import within_travel
-from rankdrop.family.naming import told
+from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
 from rankdrop.family.system import System
-from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
@@ -51,8 +50,8 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
     own = np.array(family.witness)
     if not len(found):
         return family
-    rank = generic_rank(robot, task) - family.corank
-    gap = singular_values(robot, found, task)[:, rank - 1] if rank else np.ones(len(found))
+    problem = Problem(robot, task, family.corank)
+    gap = problem.sigma(found)[:, problem.rank - 1] if problem.rank else np.ones(len(found))
     found, gap = found[gap > _ROOM], gap[gap > _ROOM]
     if not len(found):
         return family
@@ -60,7 +59,7 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
     best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
     if faults[best] > fault(robot, own[None])[0] - _WORTH:
         return family
-    directions, words = told(robot, found[best], found[:_POINTS], task, family.corank)
+    directions, words = lost_motions(problem, found[best], found[:_POINTS])
     return replace(family, witness=tuple(float(x) for x in found[best]), lost_directions=directions, lost_words=words)
 
 

@@ -22,8 +22,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.families.fit import Budget, Ground, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
-from rankdrop.families.linear import Linear, Supply, Values, gathered_tangent
+from rankdrop.families.fit import Budget, FitProblem, Kind, circuits, cutting, holds, hypersurface, vanishing_spaces
+from rankdrop.families.linear import FamilyPoints, Linear, Values, gathered_tangent
 from rankdrop.families.memory import Memory
 from rankdrop.families.row import on_combinations
 from rankdrop.family.equation import Equation, Term, normalised
@@ -194,7 +194,7 @@ RECALLED = 100  # starts from which equations of a known form are solved before 
 ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
 
 
-def residual_equations(supply: Supply, budget: Budget, *, thorough: bool) -> tuple[Equation, ...] | None:
+def residual_equations(supply: FamilyPoints, budget: Budget, *, thorough: bool) -> tuple[Equation, ...] | None:
     """Sound residual equations of a family with one combination of its linear values.
 
     Circuits are fitted in order of size, and an equation is kept when it raises the rank of the gradients. Once the
@@ -222,7 +222,7 @@ def residual_equations(supply: Supply, budget: Budget, *, thorough: bool) -> tup
     return _from_ideal(supply, ground, joints) if thorough and len(joints) > 1 else None
 
 
-def recalled_equations(supply: Supply, memory: Memory) -> tuple[Equation, ...] | None:
+def recalled_equations(supply: FamilyPoints, memory: Memory) -> tuple[Equation, ...] | None:
     """Equations of the form that a similar arm has, fitted to points of this one; None where no form fits.
 
     Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
@@ -239,7 +239,7 @@ def recalled_equations(supply: Supply, memory: Memory) -> tuple[Equation, ...] |
     return None
 
 
-def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | None:
+def circuit_equations(supply: FamilyPoints, budget: Budget) -> tuple[Equation, ...] | None:
     """The quick part of `residual_equations`: equations of single circuits where they are sound as they are."""
     ground, joints = _ground(supply, budget)
     chosen, _ = _from_circuits(supply, ground, joints)
@@ -249,7 +249,7 @@ def circuit_equations(supply: Supply, budget: Budget) -> tuple[Equation, ...] | 
     return tuple(chosen) if tested and not len(strangers) else None
 
 
-def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
+def _ground(supply: FamilyPoints, budget: Budget) -> tuple[FitProblem, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
     problem = supply.problem
     bound = np.abs(supply.linear.covectors).sum(axis=0) > 0
@@ -261,11 +261,11 @@ def _ground(supply: Supply, budget: Budget) -> tuple[Ground, tuple[int, ...]]:
         for joint, periodic in zip(problem.robot.variables, problem.robot.periodic, strict=True)
     )
     highest = 4 if problem.task.m == 6 else 6
-    return Ground(supply, problem.n, kinds, highest, budget, problem.tolerances, twins), joints
+    return FitProblem(supply, problem.n, kinds, highest, budget, problem.tolerances, twins), joints
 
 
 def _from_circuits(
-    supply: Supply, ground: Ground, joints: tuple[int, ...]
+    supply: FamilyPoints, ground: FitProblem, joints: tuple[int, ...]
 ) -> tuple[list[Equation], list[Equation]]:
     """Equations of circuits that raise the rank of the gradients, and those that do not."""
     chosen: list[Equation] = []
@@ -288,7 +288,7 @@ def _told(equations: list[Equation], strangers: Array) -> list[int]:
 
 
 def _cut(
-    supply: Supply, ground: Ground, chosen: list[Equation], spare: list[Equation], joints: tuple[int, ...]
+    supply: FamilyPoints, ground: FitProblem, chosen: list[Equation], spare: list[Equation], joints: tuple[int, ...]
 ) -> tuple[Equation, ...] | None:
     """Add equations until no stranger is left: circuits not used so far, short minors, then fitted ones."""
     asked = False
@@ -314,7 +314,7 @@ def _cut(
     return None
 
 
-def _from_ideal(supply: Supply, ground: Ground, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:
+def _from_ideal(supply: FamilyPoints, ground: FitProblem, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:
     """Low-degree equations in all joints together."""
     need = supply.signature.residual
     for basis in vanishing_spaces(ground, joints):
@@ -331,7 +331,7 @@ def _from_ideal(supply: Supply, ground: Ground, joints: tuple[int, ...]) -> tupl
     return None
 
 
-def _selected(supply: Supply, chosen: list[Equation], spare: list[Equation]) -> tuple[Equation, ...] | None:
+def _selected(supply: FamilyPoints, chosen: list[Equation], spare: list[Equation]) -> tuple[Equation, ...] | None:
     """Add equations of the basis until no stranger is left."""
     for _ in range(EXTRA + 1):
         tested, strangers = _strangers(supply, chosen)
@@ -346,7 +346,7 @@ def _selected(supply: Supply, chosen: list[Equation], spare: list[Equation]) -> 
     return None
 
 
-def _rank(supply: Supply, equations: list[Equation]) -> int:
+def _rank(supply: FamilyPoints, equations: list[Equation]) -> int:
     """Codimension the equations give within the linear conditions: gradient rank at most of a few points."""
     if not equations:
         return 0
@@ -354,7 +354,7 @@ def _rank(supply: Supply, equations: list[Equation]) -> int:
     return int(np.median((np.linalg.svd(slopes, compute_uv=False) > 1e-6).sum(axis=1)))
 
 
-def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
+def _strangers(supply: FamilyPoints, equations: list[Equation]) -> tuple[int, Array]:
     """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
     before it says none."""
     problem, tested = supply.problem, 0
@@ -371,7 +371,7 @@ def _strangers(supply: Supply, equations: list[Equation]) -> tuple[int, Array]:
     return tested, strangers
 
 
-def _from_random_starts(supply: Supply, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
+def _from_random_starts(supply: FamilyPoints, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
     """How many solutions so many random starts lead to, and those of them that are not singular."""
     problem = supply.problem
     q, good = on_combinations(

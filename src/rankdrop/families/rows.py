@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
-from rankdrop.families.linear import Linear, Supply, Values, boxes, grow, smooth
+from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
 from rankdrop.families.memory import Memory
 from rankdrop.families.residual import recalled_equations, residual_equations
 from rankdrop.families.row import Row, verified
@@ -132,7 +132,7 @@ Groups = list[tuple[Signature, NDArray[np.int64]]]
 def find_rows(
     problem: Problem,
     inspection: Inspection,
-    cover: Cover,
+    cover: Membership,
     seed: int,
     progress: Callable[[int, int], None] | None = None,
     memory: Memory | None = None,
@@ -155,7 +155,8 @@ def find_rows(
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     if len(rest) >= FEW:
         twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
-        rows += _fitted(problem, twice, Cover(problem, twice.q), budget, (seed, problem.corank, DOUBLED), doubled=True)
+        again = Membership(problem, twice.q)
+        rows += _fitted(problem, twice, again, budget, (seed, problem.corank, DOUBLED), doubled=True)
     rest = inspection.q[inspection.exact & ~cover.by(rows)]
     rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, groups]))
     rng = np.random.default_rng([seed, problem.corank, groups + 1])
@@ -165,7 +166,7 @@ def find_rows(
 def _fitted(
     problem: Problem,
     inspection: Inspection,
-    cover: Cover,
+    cover: Membership,
     budget: Budget,
     seed: tuple[int, ...],
     progress: Callable[[int, int], None] | None = None,
@@ -219,7 +220,7 @@ def _join(found: dict[Signature, list[int]]) -> None:
 
 
 @dataclass(eq=False)
-class Cover:
+class Membership:
     """Which points of a cloud lie on which row; each row is asked once.
 
     Attributes:
@@ -287,7 +288,8 @@ def _rows_of(
             continue
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
-        supply = Supply(problem, signature, linear, values, inspection.q[here], inspection.tangent[here], rng, more)
+        q, tangent = inspection.q[here], inspection.tangent[here]
+        supply = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
         residual = None if memory is None else recalled_equations(supply, memory)
         if residual is None:
             residual = residual_equations(supply, budget, thorough=thorough)

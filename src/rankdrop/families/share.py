@@ -31,10 +31,11 @@ from rankdrop.families.cells import (
     share_text,
 )
 from rankdrop.family.record import CorankSummary, Family, family_in_units
-from rankdrop.family.system import REACHED, System, shortest
+from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
+from rankdrop.solve import shortest
 from rankdrop.task import Task
 from rankdrop.units import in_units, task_in_units
 

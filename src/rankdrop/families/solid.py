@@ -1,8 +1,6 @@
 """The singular set in three joints: curves and surfaces, the other joints held (AM Figure 5).
 
-Curves are walked step by step along their tangent. In the slice's coordinates x the equations are g(x) = 0 with
-Jacobian A (e × d) of rank d − 1. A step goes along the null vector of A and is brought back by Newton's method with the
-shortest correction −A⁺g.
+Curves are walked step by step along their tangent (`rankdrop.solve.trace`), in the coordinates of the slice.
 """
 
 from __future__ import annotations
@@ -16,17 +14,16 @@ from numpy.typing import NDArray
 from rankdrop.families.slices import surface
 from rankdrop.families.walk import general_member
 from rankdrop.family.record import Family
-from rankdrop.family.system import SOLVED, System, shortest
+from rankdrop.family.system import SOLVED, System
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import trace
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 
 STEP = 0.07
 """Between neighbours on a curve [rad]."""
 _MOST = 600  # steps of one curve: seven turns; one that is longer does not come to an end
-_FLAT = 1e-6  # a second vanishing singular value of A: curves cross there, or it is no curve
-_CORRECTIONS = 8
 
 
 def walk(system: System, base: Array, joints: Sequence[int], seeds: Array, step: float = STEP) -> list[Array] | None:
@@ -64,64 +61,17 @@ def closed(line: Array, step: float = STEP) -> bool:
 
 
 def _line(system: System, base: Array, joints: list[int], seed: Array, step: float) -> Array:
-    ahead, back_again = _half(system, base, joints, seed, step, 1.0)
+    def linear(x: Array) -> tuple[Array, Array]:
+        q = np.repeat(base[None], len(x), axis=0)
+        q[:, joints] = x
+        f, slope = system.linear(q)
+        return f, slope[..., joints]
+
+    ahead, back_again = trace(linear, seed, step, zero=SOLVED, most=_MOST)
     if back_again:
         return ahead
-    behind, _ = _half(system, base, joints, seed, step, -1.0)
+    behind, _ = trace(linear, seed, step, zero=SOLVED, most=_MOST, sign=-1.0)
     return np.concatenate([behind[:0:-1], ahead])
-
-
-def _half(system: System, base: Array, joints: list[int], seed: Array, step: float, sign: float) -> tuple[Array, bool]:
-    """Points from the seed on, and whether the walk came back to it."""
-    x, line, direction = seed, [seed], None
-    slope = _linear(system, base, joints, x)[1][0]
-    for count in range(_MOST):
-        tangent = _tangent(slope)
-        if tangent is None:
-            break
-        if direction is None:
-            direction = sign * _positive(tangent)
-        direction = tangent if tangent @ direction > 0 else -tangent
-        arrived = _corrected(system, base, joints, x + step * direction)
-        if arrived is None or np.linalg.norm(arrived[0] - x) > 2 * step:
-            break
-        x, slope = arrived
-        line.append(x)
-        gap = wrap(seed - x)
-        if count > 2 and np.linalg.norm(gap) < 0.75 * step and gap @ direction > -0.75 * step:
-            line[-1] = x + gap
-            return np.array(line), True
-    return np.array(line), False
-
-
-def _positive(vector: Array) -> Array:
-    return np.asarray(vector * np.sign(vector[np.abs(vector).argmax()]))
-
-
-def _linear(system: System, base: Array, joints: list[int], x: Array) -> tuple[Array, Array]:
-    q = base.copy()
-    q[joints] = x
-    f, slope = system.linear(q[None])
-    return f, slope[..., joints]
-
-
-def _tangent(slope: Array) -> Array | None:
-    """The null vector of A (e, d); None where there is more than one."""
-    _, s, vt = np.linalg.svd(slope)
-    d = slope.shape[1]
-    if len(s) < d - 1 or s[d - 2] < _FLAT:
-        return None
-    return np.asarray(vt[-1])
-
-
-def _corrected(system: System, base: Array, joints: list[int], x: Array) -> tuple[Array, Array] | None:
-    """x brought back to the zero set, and A there; None where it does not get there."""
-    for _ in range(_CORRECTIONS):
-        f, slope = _linear(system, base, joints, x)
-        if np.abs(f).max() <= SOLVED:
-            return x, slope[0]
-        x = x - shortest(slope, f)[0]
-    return None
 
 
 NODES = 23

@@ -23,13 +23,13 @@ from rankdrop.families.linear import polished
 from rankdrop.families.memory import Memory
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
-from rankdrop.families.rows import Cover, find_rows
+from rankdrop.families.rows import Membership, find_rows
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
 from rankdrop.families.signature import HIGHER, Inspection, inspect
-from rankdrop.families.unseen import Leftover, leftovers, none_found, unseen
+from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.naming import name_family, told, told_apart
+from rankdrop.family.naming import lost_motions, name_family, told_apart
 from rankdrop.family.record import (
     CorankFamilies,
     CorankSummary,
@@ -100,7 +100,7 @@ def families(
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
     inspection = inspect(problem, polished(problem, cloud.converged))
-    cover = Cover(problem, inspection.q)
+    cover = Membership(problem, inspection.q)
     rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
                      memory)  # fmt: skip
     sounds: dict[Row, Soundness] = {}
@@ -119,7 +119,7 @@ def families(
     independent = _fresh(problem, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
     checked = inspect(problem, polished(problem, independent))
     report(80, STEPS)
-    new = Cover(problem, checked.q)
+    new = Membership(problem, checked.q)
     rest = leftovers(problem, inspection, ~cover.by(kept), checked, ~new.by(kept))
     share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
     found = []
@@ -129,8 +129,8 @@ def families(
         at = samples[row][0] if shown is None else shown
         found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
         report(80 + 20 * count // len(kept), STEPS)
-    found += [_unnamed(problem, leftover, share.tested) for leftover in rest]
-    pieces = _pieces(cover, kept, inspection) + [leftover.cloud for leftover in rest]
+    found += [family for family, _ in rest]
+    pieces = _pieces(cover, kept, inspection) + [count for _, count in rest]
     report(STEPS, STEPS)
     summary = _summary(cloud, share, int((~checked.exact).sum()), pieces, near_misses)
     return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
@@ -212,7 +212,7 @@ def _family(
         Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     if memory is None:
-        directions, sentences = _lost(problem, at, generic)
+        directions, sentences = lost_motions(problem, at, generic)
     else:
         directions, sentences = lost_directions(robot, at, problem.task, problem.corank), ()
 
@@ -238,10 +238,6 @@ def _family(
     )
 
 
-def _lost(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
-    return told(problem.robot, at, points, problem.task, problem.corank)
-
-
 def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -> Array:
     """Up to 24 points of a row of corank exactly k, in random order: sampled, or of the cloud where that is hard."""
     points, good = row.sample(problem, 12, rng)
@@ -251,33 +247,7 @@ def _generic(problem: Problem, row: Row, met: Array, rng: np.random.Generator) -
     return np.asarray(q[rng.permutation(chosen)[:24]])
 
 
-def _unnamed(problem: Problem, leftover: Leftover, tested: int) -> Family:
-    robot, at = problem.robot, leftover.witness
-    directions, sentences = _lost(problem, at, leftover.q)
-    values = tuple(
-        Pinned(robot.variables[j].name, j + 1, leftover.values(problem, j))
-        for j in leftover.pinned
-    )
-    return Family(
-        id="",
-        name="unnamed family",
-        corank=problem.corank,
-        dimension=leftover.dimension,
-        pinned=values,
-        free=tuple(j + 1 for j in leftover.free),
-        coupled=tuple(j + 1 for j in leftover.coupled),
-        equations=(),
-        witness=tuple(float(x) for x in at),
-        lost_directions=directions,
-        lost_words=sentences,
-        soundness=Soundness(0, 0),
-        explained=Share(tested, leftover.fresh),
-        evidence=leftover.evidence,
-        named=False,
-    )
-
-
-def _pieces(cover: Cover, rows: list[Row], inspection: Inspection) -> list[int]:
+def _pieces(cover: Membership, rows: list[Row], inspection: Inspection) -> list[int]:
     """How many points of the cloud met each piece: a row with one combination of its values."""
     counts: list[int] = []
     left = inspection.exact.copy()

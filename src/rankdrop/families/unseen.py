@@ -16,7 +16,6 @@ no start is drawn to is beyond any such estimate.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import exp, hypot, lgamma, log, log1p, sqrt
 
 import numpy as np
@@ -24,7 +23,8 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import Linear
 from rankdrop.families.signature import Inspection, inspect
-from rankdrop.family.record import Unseen
+from rankdrop.family.naming import lost_motions
+from rankdrop.family.record import Family, Pinned, Share, Soundness, Unseen
 from rankdrop.family.system import Mask
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
@@ -36,45 +36,19 @@ Shape = tuple[bool, int, Joints, Joints, Joints]
 """Regular or not; rank of D; joints pinned, free, coupled."""
 
 
-@dataclass(frozen=True, eq=False)
-class Leftover:
-    """Unexplained points whose tangent has one shape.
-
-    Attributes:
-        q: (N, n) the points, those of the cloud first.
-        cloud, fresh: how many come from the cloud and from the fresh points.
-        dimension: n − rank D; an upper bound where the points are irregular.
-        pinned, free, coupled: joints from 0, as the tangent has them.
-        witness: (n,) the point farthest from a higher corank.
-        evidence: one sentence.
-    """
-
-    q: Array
-    cloud: int
-    fresh: int
-    dimension: int
-    pinned: tuple[int, ...]
-    free: tuple[int, ...]
-    coupled: tuple[int, ...]
-    witness: Array
-    evidence: str
-
-    def values(self, problem: Problem, joint: int) -> tuple[float, ...]:
-        """Different values of a joint over the points, at most twelve."""
-        linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(self.q.shape[1]))])
-        found = linear.combinations(self.q, np.ones(len(self.q)), 1e-5)
-        return tuple(sorted(values[0] for values in found)[:VALUES])
-
-
 def leftovers(
     problem: Problem, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
-) -> list[Leftover]:
-    """Group the points of exactly this corank that are left, largest group first.
+) -> list[tuple[Family, int]]:
+    """Families without a name: the points of exactly this corank that are left, grouped by the shape of their tangent.
 
     Args:
         problem: the arm, and the corank.
         cloud, fresh: the two clouds.
         left_cloud, left_fresh: (N,) points that no row explains.
+
+    Returns:
+        The families, that of most points first, and how many points of the cloud each has. The dimension is n − rank D,
+        an upper bound where the points are irregular; the witness is the point farthest from a higher corank.
     """
     q = np.concatenate([cloud.q[left_cloud & cloud.exact], fresh.q[left_fresh & fresh.exact]])
     from_cloud = int((left_cloud & cloud.exact).sum())
@@ -90,7 +64,8 @@ def leftovers(
         )
         groups.setdefault(key, []).append(i)
     ordered = sorted(_joined(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
-    return [_leftover(problem, inspection, key, np.array(members), from_cloud) for key, members in ordered]
+    tested = int(fresh.exact.sum())
+    return [_unnamed(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered]
 
 
 def _joined(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
@@ -120,28 +95,46 @@ def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
     return (False, n - dimension, (), free, tuple(j for j in range(n) if j not in free))
 
 
-def _leftover(
+def _unnamed(
     problem: Problem,
     inspection: Inspection,
     key: Shape,
     members: NDArray[np.int64],
     from_cloud: int,
-) -> Leftover:
+    tested: int,
+) -> tuple[Family, int]:
     regular, rank, pinned, free, coupled = key
-    cloud = int((members < from_cloud).sum())
+    q, cloud = inspection.q[members], int((members < from_cloud).sum())
     gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
+    at = q[int(np.argmax(gap))]
+    directions, sentences = lost_motions(problem, at, q)
     kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
-    return Leftover(
-        q=inspection.q[members],
-        cloud=cloud,
-        fresh=len(members) - cloud,
+    names = problem.robot.variables
+    family = Family(
+        id="",
+        name="unnamed family",
+        corank=problem.corank,
         dimension=problem.n - rank,
-        pinned=pinned,
-        free=free,
-        coupled=coupled,
-        witness=inspection.q[members[int(np.argmax(gap))]],
+        pinned=tuple(Pinned(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
+        free=tuple(j + 1 for j in free),
+        coupled=tuple(j + 1 for j in coupled),
+        equations=(),
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        soundness=Soundness(0, 0),
+        explained=Share(tested, len(members) - cloud),
         evidence=f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
+        named=False,
     )
+    return family, cloud
+
+
+def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
+    """Different values of a joint over points, at most twelve."""
+    linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
+    found = linear.combinations(q, np.ones(len(q)), 1e-5)
+    return tuple(sorted(values[0] for values in found)[:VALUES])
 
 
 NORMAL = 1.645  # one-sided 95 % point of the normal distribution

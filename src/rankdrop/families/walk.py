@@ -19,10 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family, family_in_metres
-from rankdrop.family.system import REACHED, Mask, System, shortest
+from rankdrop.family.system import REACHED, Mask, System
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import newton
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, metre_exponent, out_of_metres, task_in_metres
@@ -113,6 +114,7 @@ def within_travel(problem: Problem, family: Family, q: Array) -> Mask:
 
 ITERATIONS = 30
 STEP = 0.3  # longest step [rad; slides in length scales]
+STILL = 1e-15  # a start whose step gets shorter has arrived
 
 
 def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -133,21 +135,12 @@ def onto(problem: Problem, starts: Array, along: Array) -> tuple[Array, NDArray[
         ConfigurationError: starts have the wrong shape.
         OptionError: there is no block beyond that rank.
     """
-    scale, rank, tolerances = problem.scale, problem.rank, problem.tolerances
-    q = np.array(starts, dtype=np.float64)
-    active = np.arange(len(q))
-    for _ in range(ITERATIONS):
-        here = problem.block(q[active])
-        going = here.sigma[:, rank] > tolerances.target
-        active = active[going]
-        if not len(active):
-            break
-        f = here.f[going].reshape(len(active), -1)
-        d = here.d[going].reshape(len(active), f.shape[1], problem.n)
-        delta = -shortest((d * scale) @ along, f) @ along.T
-        length = np.linalg.norm(delta, axis=1, keepdims=True)
-        q[active] += scale * delta * np.minimum(1.0, STEP / np.maximum(length, 1e-300))
-        active = active[length[:, 0] > 1e-15]
+    def unsolved(q: Array) -> tuple[Mask, Array, Array]:
+        here = problem.block(q)
+        going = here.sigma[:, problem.rank] > problem.tolerances.target
+        return going, here.f.reshape(len(q), -1), here.d.reshape(len(q), -1, problem.n)
+
+    q = newton(unsolved, starts, along=along, scale=problem.scale, iterations=ITERATIONS, step=STEP, still=STILL)
     return q, problem.singular(q)
 
 

@@ -21,25 +21,25 @@ from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, l
 from rankdrop.local.lines import Scene
 from rankdrop.local.relations import describe, line_meets_all
 from rankdrop.local.screws import words
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.task import Task
 from rankdrop.units import as_given, counted_length
 
 
-def told(robot: Robot, at: Array, points: Array, task: Task, corank: int) -> tuple[Array, tuple[str, ...]]:
+def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tuple[str, ...]]:
     """Lost directions at a configuration in the task's frame, and one sentence each.
 
     The words are for the whole family where some frame of the chain sees the same directions at all its points; else
     they are for the configuration, in the frame where they are sparsest, and say so.
 
     Args:
-        robot: the arm.
+        problem: the arm, and the corank of the family.
         at: (n,) a configuration on the family, of exactly its corank.
         points: (N, n) others.
-        task: the rows that matter.
-        corank: of the family.
     """
+    robot, task, corank = problem.robot, problem.task, problem.corank
     directions = lost_directions(robot, at, task, corank)
     length = counted_length(robot)
     steady = lost_over_family(robot, np.vstack([at, points[:5]]), task, corank)

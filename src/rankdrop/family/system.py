@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.family.equation import Equation, compiled
 from rankdrop.robot.model import Array
+from rankdrop.solve import CUT
 
 Mask = NDArray[np.bool_]
 
-CUT = 1e-7  # singular values of the equations' Jacobian below this share of the largest are not inverted
 CLOSE = 1e-8  # steps shorter than this add nothing to a distance [rad]
 REACHED = 1e-9  # |f| at a foot: long fitted equations agree with each other to 1e-11
 SOLVED = 1e-12  # |f| of a solution, the equations having coefficients of size one
@@ -141,11 +141,3 @@ class System:
         f, slope = self.linear(q)
         f, slope = np.abs(f), np.linalg.norm(slope, axis=-1)
         return np.asarray(np.minimum(f / np.maximum(slope, 1e-300), np.sqrt(f)).max(axis=1))
-
-
-def shortest(a: Array, f: Array) -> Array:
-    """(N, n) shortest least-squares solutions of a·x = f, a (N, e, n), f (N, e); small singular values are left out."""
-    u, s, vt = np.linalg.svd(a, full_matrices=False)
-    keep = s > np.maximum(CUT * s[:, :1], 1e-14)
-    inverse = np.where(keep, 1.0 / np.where(keep, s, 1.0), 0.0)
-    return np.asarray(np.einsum("nrj,nr->nj", vt, inverse * np.einsum("ner,ne->nr", u, f)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from typing import Protocol
 
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import rescaled, slides_of
-from rankdrop.family.system import System, shortest
+from rankdrop.family.system import System
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
+from rankdrop.solve import shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
@@ -101,20 +102,15 @@ def families_at(
         [3]
     """
     configuration = one_configuration(robot, q)
-    if metre_exponent(robot):
-        there = [_Moved(family, robot) for family in families]
-        found = families_at(
-            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), tolerances, source
-        )
-        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
-    problem = Problem(robot, task, tolerances=tolerances)
-    sigma, generic = problem.sigma(configuration), problem.generic_rank
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), tolerances=tolerances)
+    at = into_metres(robot, configuration)
+    sigma, generic = problem.sigma(at), problem.generic_rank
     corank = generic - int((sigma[:generic] > tolerances.singular).sum())
     met = []
     for family in families:
         if not family.equations or not 1 <= family.corank <= corank:
             continue
-        length = _way(problem.at(family.corank), family, configuration)
+        length = _way(problem.at(family.corank), _system(family.equations, robot), at)
         if length < inf:
             met.append(Met(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
@@ -131,28 +127,30 @@ def families_near(
     Args, Raises: as `families_at`.
     """
     configuration = one_configuration(robot, q)
-    if metre_exponent(robot):
-        there = [_Moved(family, robot) for family in families]
-        found = families_near(
-            there, in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), source
-        )
-        return tuple(replace(one, family=one.family.given) for one in found if isinstance(one.family, _Moved))
-    scale = Problem(robot, task).scale
+    at, scale = into_metres(robot, configuration), Problem(in_metres(robot), task_in_metres(task, robot)).scale
     met = [
-        Met(family, _first_step(System(family.equations), configuration, scale), source)
+        Met(family, _first_step(_system(family.equations, robot), at, scale), source)
         for family in families
         if family.equations
     ]
     return tuple(sorted(met, key=lambda one: (round(one.residual, 9), -one.family.corank, one.family.dimension)))
 
 
-class _Moved:
-    """A family of an arm as one of `in_metres(robot)`."""
+def on_one_of(
+    families: Sequence[Sequence[Equation]], robot: Robot, q: Array, task: Task, tolerances: Tolerances
+) -> bool:
+    """Whether q (n,) loses rank and lies on one of several zero sets, each given by all of its equations."""
+    problem = Problem(in_metres(robot), task_in_metres(task, robot), 1, tolerances)
+    at = into_metres(robot, q)
+    return bool(problem.singular(at[None])[0]) and any(
+        _way(problem, _system(equations, robot), at) < inf for equations in families
+    )
 
-    def __init__(self, given: Condition, robot: Robot) -> None:
-        self.given, self.name, self.corank, self.dimension = given, given.name, given.corank, given.dimension
-        power = -metre_exponent(robot)
-        self.equations = tuple(rescaled(one, slides_of(robot), power) for one in given.equations)
+
+def _system(equations: Sequence[Equation], robot: Robot) -> System:
+    """The equations of a family as they are of `in_metres(robot)`."""
+    power = -metre_exponent(robot)
+    return System(tuple(rescaled(one, slides_of(robot), power) if power else one for one in equations))
 
 
 def place_words(met: Sequence[Met], corank: int) -> str:
@@ -187,9 +185,8 @@ def _first_step(system: System, q: Array, scale: Array) -> float:
     return max(step, float(np.sqrt(np.abs(f[0][flat])).max(initial=0.0)))
 
 
-def _way(problem: Problem, family: Condition, q: Array) -> float:
-    """Distance from q to a family that holds at q; inf where it does not hold."""
-    system = System(family.equations)
+def _way(problem: Problem, system: System, q: Array) -> float:
+    """Distance from q to a family of the problem's corank that holds at q; inf where it does not hold."""
     f, a = system.linear(q[None])
     size, slope = np.abs(f[0]), np.linalg.norm(a[0] * problem.scale, axis=1)
     first = np.minimum(size / np.maximum(slope, 1e-300), np.sqrt(size))

@@ -8,7 +8,7 @@ from functools import partial
 from time import monotonic
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.cloud import cloud, explained, pointless
+from rankdrop.compare.cloud import cloud, explained, sets_without_points
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import WALL, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
@@ -119,7 +119,7 @@ def conditions(
         found, not_real, wrong = _families(chain, tree, work, seed, left)
     first = _first(chain, method, tree, found, work, seed, steps, chosen)
     said = _said(chain, work) if steps else None
-    hidden, unmet = pointless(chain, tree, found, seed)
+    hidden, unmet = sets_without_points(chain, tree, found, seed)
     left += [*first.left, *_unresolved(tree), *hidden]
     not_real += unmet
     assumed = _assumptions(chain, tree, lowest, work, left) if special else ()

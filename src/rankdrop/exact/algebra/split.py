@@ -131,7 +131,7 @@ def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
     """
     for piece in pieces:
         if not piece.samples and not any(_without_real_root(f) for f in piece.equations):
-            work.pointless[piece.key] = piece
+            work.without_points[piece.key] = piece
     return [piece for piece in pieces if piece.samples]
 
 

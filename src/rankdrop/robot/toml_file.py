@@ -1,6 +1,6 @@
 """The DH file and the screw file: a robot in TOML. The keys are described in docs/robot-files.md.
 
-`key_lines` says on which line of a text a key stands: `tomllib` does not.
+`TomlLines` says on which line of a text a key stands: `tomllib` does not.
 """
 
 from __future__ import annotations
@@ -27,43 +27,44 @@ _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?")
 _KEY = re.compile(r"""\s*(?:"([^"]*)"|'([^']*)'|([\w-]+))\s*[.=]""")
 
 
-def key_lines(text: str) -> Callable[[str, int | None, str], int]:
-    """Where the tables and keys of a TOML text stand, found by reading it line by line.
-
-    Returns:
-        f(table, index, key): the line, from 1, of `key` in the table (`index` counts [[tables]] from 0); else of the
-        table; else 1.
+class TomlLines:
+    """First lines of the tables and keys of a TOML text, found by reading it line by line.
 
     Example:
-        >>> key_lines('name = "x"\\n[[joints]]\\na = 1\\n[[joints]]\\na = 2')("joints", 1, "a")
+        >>> TomlLines('name = "x"\\n[[joints]]\\na = 1\\n[[joints]]\\na = 2').find("joints", 1, "a")
         5
     """
-    lines: dict[tuple[str, int | None, str], int] = {}
-    table: tuple[str, int | None] = ("", None)
-    counts: dict[str, int] = {}
-    closing = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        if closing:  # inside a text of several lines
-            closing = "" if closing in line else closing
-            continue
-        header = _HEADER.fullmatch(line)
-        if header is not None:
-            name = header[2]
-            if header[1] == "[[":
-                counts[name] = counts.get(name, -1) + 1
-            table = (name, counts.get(name))
-            lines.setdefault((*table, ""), number)
-            continue
-        key = _KEY.match(line)
-        if key is not None:
-            lines.setdefault((*table, key[1] or key[2] or key[3]), number)
-        closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
 
-    def find(table: str, index: int | None, key: str) -> int:
+    def __init__(self, text: str) -> None:
+        self._lines: dict[tuple[str, int | None, str], int] = {}
+        table: tuple[str, int | None] = ("", None)
+        counts: dict[str, int] = {}
+        closing = ""
+        for number, line in enumerate(text.splitlines(), 1):
+            if closing:  # inside a text of several lines
+                closing = "" if closing in line else closing
+                continue
+            header = _HEADER.fullmatch(line)
+            if header is not None:
+                name = header[2]
+                if header[1] == "[[":
+                    counts[name] = counts.get(name, -1) + 1
+                table = (name, counts.get(name))
+                self._lines.setdefault((*table, ""), number)
+                continue
+            key = _KEY.match(line)
+            if key is not None:
+                self._lines.setdefault((*table, key[1] or key[2] or key[3]), number)
+            closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
+
+    def exact(self, table: str, index: int | None, key: str) -> int | None:
+        """Line, from 1, of just this key (of the table for ""); None where it has none of its own."""
+        return self._lines.get((table, index, key))
+
+    def find(self, table: str, index: int | None, key: str) -> int:
+        """Line, from 1, of `key` in the table (`index` counts [[tables]] from 0); else of the table; else 1."""
         places = ((table, index, key), (table, index, ""), ("", None, table))
-        return next((lines[place] for place in places if place in lines), 1)
-
-    return find
+        return next((self._lines[place] for place in places if place in self._lines), 1)
 
 
 _HEAD = ("name", "maker", "aliases", "task", "about", "source", "notes", "lengths")
@@ -104,14 +105,14 @@ def robot_from_toml(
     document = parsed_toml(text, file, parse_float=Written)
     if edit is not None:
         edit(document)
-    line_of = key_lines(text)
+    lines = TomlLines(text)
 
     def place(table: str, index: int | None) -> Where:
         joint = f", joint {index + 1}" if index is not None else ""
         title = f", [{table}]" if table and index is None else ""
 
         def where(key: str) -> str:
-            line = line_of(table, index, key)
+            line = lines.find(table, index, key)
             return f"{file}, line {line}{joint}{title}" + (f", {key}" if key else "")
 
         return where

@@ -12,6 +12,7 @@ pytest.importorskip("flint")
 from rankdrop.exact.algebra.field import P, complete, half_evaluator, trig_evaluator
 from rankdrop.exact.algebra.polynomial import SIMPLE, primitive
 from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.work import spent
 
 
 @pytest.fixture(scope="module")
@@ -173,3 +174,18 @@ def test_units_are_without_a_real_zero() -> None:
     assert not ring.is_unit(ring.t[1] ** 2 - 1)
     assert not ring.is_unit(ring.letter_half["a"] ** 2 + 1)
     assert SIMPLE[0] == "0"
+
+
+def test_factoring_counts_as_work(ring: Ring) -> None:
+    before = spent()
+    ring.split(ring.to_half(random_polynomial(ring, random.Random(4)))[0])
+    assert spent() > before
+
+
+def test_a_degree_that_is_told_counts_at_pi(ring: Ring) -> None:
+    """t1 is infinite at π; as t1 of degree two, over (1 + t1²), it is zero there."""
+    f = ring.t[1] * ring.t[2]
+    own = f.degrees()
+    assert ring.half_at(f, {1: "pi"}, own) == ring.half_at(f, {1: "pi"}) == ring.t[2]
+    place = ring.index["t1"]
+    assert ring.half_at(f, {1: "pi"}, [d + (i == place) for i, d in enumerate(own)]) == 0

@@ -7,7 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from rankdrop.families.linear import Linear, boxes, canonical, grow
+from rankdrop.errors import OptionError
+from rankdrop.families.linear import Linear, boxes, canonical, grow, vanishing_on
 from rankdrop.families.signature import candidates, independent
 from rankdrop.problem import wrap
 from rankdrop.robot.open import open_robot
@@ -83,3 +84,42 @@ def test_candidates_are_primitive_and_simplest_first():
     assert [int(x) for x in found[0]] == [0, 1, 1, 0, 0]
     assert all(np.gcd.reduce(row) == 1 for row in found)
     assert independent(found) == ((0, 1, 1, 0, 0), (0, 1, 0, 0, 1), (0, 1, 0, 0, -1))
+
+
+def zeros(values: tuple[float, ...], covector: tuple[int, ...] = (1,), *, periodic: bool = True) -> np.ndarray:
+    """|condition| at its values, at values beside them, and the order of the values reversed: all from the equation."""
+    one, other = (vanishing_on(covector, order, periodic=periodic) for order in (values, values[::-1]))
+    assert str(one) == str(other)
+    q = np.array(values)[:, None] * np.array(covector)
+    return np.abs([one(q), one(q + 0.3)])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [(0.3,), (0.3, 0.3 - pi), (0.3 + pi / 2, 0.3 - pi / 2), (0.0, pi), (0.2, 1.1), (0.2, 1.1, -2.0), (0.0,), (pi,)],
+)
+def test_a_condition_vanishes_at_its_values_whatever_their_order_and_not_beside_them(values):
+    at, beside = zeros(values)
+    assert at.max() < 1e-12
+    assert beside.min() > 1e-3
+
+
+def test_lengths_take_several_values_one_by_one_and_one_together():
+    at, beside = zeros((0.2, -0.7), periodic=False)
+    assert at.max() < 1e-12 < 1e-3 < beside.min()
+    with pytest.raises(OptionError, match="takes one value; got 2"):
+        vanishing_on((1, 1), (0.2, 0.5), periodic=False)
+
+
+def test_a_length_near_zero_is_zero():
+    conditions = linear((0, 0, 1, 0, 0, 0), robot="stanford")
+    q = np.zeros((4, 6))
+    q[:, 2] = 1e-9
+    assert list(conditions.combinations(q, np.ones(4), 1e-6)) == [(0.0,)]
+
+
+def test_values_far_apart_stay_two(rng):
+    conditions = linear((0, 1, 0, 0, 0, 0, 0))
+    q = np.zeros((20, 7))
+    q[:, 1] = np.where(np.arange(20) % 2, -2.2, 3.0)
+    assert sorted(conditions.combinations(q, np.ones(20), 1e-6)) == [(-2.2,), (3.0,)]

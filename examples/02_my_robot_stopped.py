@@ -15,12 +15,12 @@ print(f"{found.verdict}: {found.reason}")
 print("singular values:", np.round(found.rank.sigma, 4))
 for member in found.met:
     print("family:", member.family.name, "-", ", ".join(f"{e} = 0" for e in member.family.equations))
-for words in found.lost.words:
-    print("lost:", words)
+for seen in found.lost.seen:  # from the base, the tool, and a link where it is simpler there
+    print(f"in {seen.axes} the tool can only move so that", ", ".join(seen.constraints))
 for circuit in found.blame.smallest:
     print("to blame:", circuit.words)
 for way in found.escape.single:
-    if way.order:  # the power of its motion at which the lost freedom comes back
+    if way.order:  # the power of its motion at which the lost direction comes back
         print(f"out by joint {way.number}: σ6 grows by {way.rate:.4f} per rad")
 
 # The same as text, with everything else that is known: print(found). As JSON: found.save("here.json").

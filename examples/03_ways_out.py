@@ -1,6 +1,6 @@
 """Ways out of a singularity.
 
-Which joints lead out, which never do? The seven-joint PA-10, stretched out straight, has lost three freedoms at once.
+Which joints lead out, which never do? The seven-joint PA-10, stretched out straight, has lost three directions at once.
 """
 
 import rankdrop
@@ -8,7 +8,7 @@ import rankdrop
 arm = rankdrop.open_robot("pa10")
 for title, q in (("stretched out", [0.0] * 7), ("elbow straight", [0.1, 0.5, 0.3, 0.0, 0.9, 0.4, 0.2])):
     found = rankdrop.escape(arm, q)
-    print(f"{title}: {found.corank} of 6 task freedoms lost")
+    print(f"{title}: {found.corank} of 6 directions of the tool lost")
     for way in found.single:
         if way.order:
             words = f"restores the full rank, σ6 ≈ {way.rate:.3f} t^{way.order}"
@@ -17,4 +17,4 @@ for title, q in (("stretched out", [0.0] * 7), ("elbow straight", [0.1, 0.5, 0.3
         print(f"  joint {way.number}: {words}")
     best = found.best_direction
     print(f"  all joints together, {best.step:.1f} rad: rank regained {best.measured_gain} of {found.corank}")
-    print(f"  with the end effector at rest: {found.avoidable_words}")
+    print(f"  {found.avoidable_words}")

@@ -27,11 +27,13 @@ import numpy as np
 
 SEEDS = Path(__file__).resolve().parents[1] / "tests" / "data" / "fuzz"
 LONGEST = 4096  # bytes of a case
-NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "analysis", "cover")
+EXTREME = (b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99)
+NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "analysis",
+         "cover")  # fmt: skip
 
 
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
-    """Each reader by name: it takes the bytes of a file, which is written into `folder`, and may raise RankdropError."""
+    """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
     from rankdrop.certify.coverfile import load
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.kinematics import jacobian, pose
@@ -133,7 +135,7 @@ def mutated(dice: random.Random, corpus: list[bytes]) -> bytes:
             other = dice.choice(corpus)
             data[at:end] = other[dice.randint(0, len(other)) :][: dice.choice((1, 8, 64, 512))]
         elif what == 4:
-            data[at:end] = dice.choice((b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99))
+            data[at:end] = dice.choice(EXTREME)
         elif data:
             data[at % len(data)] ^= 1 << dice.randrange(8)
     return bytes(data[:LONGEST])
@@ -171,7 +173,8 @@ def guided(name: str, cases: int, seed: int, corpus: Path, found: Path) -> None:
     for place in (corpus / name, found / name):
         place.mkdir(parents=True, exist_ok=True)
     arguments = [f"-runs={cases}", f"-seed={seed}", f"-max_len={LONGEST}", "-timeout=20", "-rss_limit_mb=2000",
-                 "-print_final_stats=1", "-close_fd_mask=1", f"-artifact_prefix={found / name}/", str(corpus / name)]  # fmt: skip
+                 "-print_final_stats=1", "-close_fd_mask=1", f"-artifact_prefix={found / name}/",
+                 str(corpus / name)]  # fmt: skip
     if (SEEDS / name).is_dir():
         arguments.append(str(SEEDS / name))
     atheris.Setup([sys.argv[0], *arguments], lambda data: judged(read, data), enable_python_coverage=True)
@@ -185,7 +188,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=10_000, help="how many")
     parser.add_argument("--seed", type=int, default=1, help="of the mutations")
     parser.add_argument("--blind", action="store_true", help="without coverage, where atheris is missing")
-    parser.add_argument("--corpus", type=Path, default=Path("build/fuzz/corpus"), help="cases that reached something new")
+    parser.add_argument("--corpus", type=Path, default=Path("build/fuzz/corpus"), help="what reached something new")
     parser.add_argument("--found", type=Path, default=Path("build/fuzz/found"), help="cases that failed")
     given = parser.parse_args(argv)
     if given.reader is None:

@@ -121,7 +121,8 @@ LIES = {
         "ball", put("tolerance", value={"length": 0.05, "angle": 0.05, "points": [[0.0, 0.0, 0.0]] * 6}), ""),
     "near: a larger tolerance": ("near", put("tolerance", "angle", value=0.05), "proven"),
     "near: points beside the axes": ("near", put("tolerance", "points", 3, 0, value=5.0), "not on its axis"),
-    "ball: an arm of other lengths": ("ball", put("arm", "joints", 2, "screw", 0, change=lambda x: x + 1e-9), "numbers of the arm"),
+    "ball: an arm of other lengths": (
+        "ball", put("arm", "joints", 2, "screw", 0, change=lambda x: x + 1e-9), "numbers of the arm"),
     "ball: a lower rank": ("ball", put("rank", value=5), "above 5"),
     "free: a segment is missing": ("free", put("claim", "spans", value=[]), "missing"),
     "crossing: a span is missing": (

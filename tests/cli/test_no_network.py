@@ -40,10 +40,12 @@ COMMANDS = {
     "monitor planar2r --header arm.h": 0,
     "robots": 0,
 }
-URDF = """<robot name="r"> <link name="a"> <visual> <geometry> <mesh filename="http://mesh.invalid/a.stl"/> </geometry> </visual>
-  </link> <link name="b"/> <link name="c"/>
+URDF = """<robot name="r">
+  <link name="a"> <visual> <geometry> <mesh filename="http://mesh.invalid/a.stl"/> </geometry> </visual> </link>
+  <link name="b"/> <link name="c"/>
   <joint name="j" type="continuous"> <parent link="a"/> <child link="b"/> <axis xyz="0 0 1"/> </joint>
-  <joint name="k" type="continuous"> <parent link="b"/> <child link="c"/> <origin xyz="1 0 0"/> <axis xyz="0 1 0"/> </joint>
+  <joint name="k" type="continuous"> <parent link="b"/> <child link="c"/> <origin xyz="1 0 0"/>
+  <axis xyz="0 1 0"/> </joint>
 </robot>"""
 
 
@@ -55,8 +57,10 @@ def alone(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     path = os.pathsep.join([str(folder), *(entry for entry in sys.path if entry)])
     more = {"PYTHONPATH": path, "TRIED": str(folder / "tried"), "HOME": str(folder), "MPLCONFIGDIR": str(folder)}
     script = f"(ip link set lo up || ifconfig lo up) 2>/dev/null; exec '{sys.executable}' {line}"
-    return subprocess.run(["unshare", "--map-root-user", "--net", "sh", "-c", script], cwd=folder, text=True, timeout=300,
-                          capture_output=True, env=os.environ | more, check=False)  # fmt: skip
+    command = ["unshare", "--map-root-user", "--net", "sh", "-c", script]
+    return subprocess.run(
+        command, cwd=folder, text=True, timeout=300, capture_output=True, env=os.environ | more, check=False
+    )
 
 
 needed = pytest.mark.skipif(

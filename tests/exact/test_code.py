@@ -102,6 +102,57 @@ def test_c_header_compiles_without_a_warning_and_agrees(code, tmp_path):
     assert_proportional(found, wanted)
 
 
+def test_c_gradients_and_distances_are_those_of_the_residuals(code, tmp_path):
+    """Gradients against central differences; distances against pinned joints' ways and |f|/|∇f|."""
+    compiler = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    (tmp_path / "arm.h").write_text(code.c(), encoding="utf-8")
+    marks = (("k1_f1", 1), ("k1_f2", 1), ("k2_f1", 4))
+    calls = "".join(
+        f"{{ double r[{m}], g[{m}][{N}]; rankdrop_test_arm_7_{mark}(q, r); rankdrop_test_arm_7_{mark}_gradient(q, g);"
+        f' for (k = 0; k < {m}; ++k) {{ printf("%.17g ", r[k]); for (j = 0; j < {N}; ++j) printf("%.17g ", g[k][j]); }}'
+        f' printf("%.17g ", rankdrop_test_arm_7_{mark}_distance(q)); }}'
+        for mark, m in marks
+    )
+    main = '#include <stdio.h>\n#define RANKDROP_TEST_ARM_7_LENGTH 0.5\n#include "arm.h"\n'
+    main += f"int main(void) {{ double q[{N}]; int j, k; for (;;) {{ for (j = 0; j < {N}; ++j) "
+    main += f'if (scanf("%lf", q + j) != 1) return 0; {calls} printf("\\n"); }} }}\n'
+    (tmp_path / "main.c").write_text(main, encoding="utf-8")
+    command = [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "main.c", "-o", "main", "-lm"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+    def said(q):
+        text = "\n".join(" ".join(repr(float(x)) for x in row) for row in q)
+        out = subprocess.run([str(tmp_path / "main")], input=text, capture_output=True, text=True, check=True).stdout
+        rows = np.array([[float(x) for x in line.split()] for line in out.splitlines()])
+        found, at = {}, 0
+        for mark, m in marks:
+            part = rows[:, at : at + m * (N + 1)].reshape(len(q), m, N + 1)
+            found[mark] = part[..., 0], part[..., 1:], rows[:, at + m * (N + 1)]
+            at += m * (N + 1) + 1
+        return found
+
+    q, h = np.random.default_rng(5).uniform(-3, 3, (6, N)), 1e-6
+    here = said(q)
+    for j in range(N):
+        step = h * np.eye(N)[j]
+        ahead, behind = said(q + step), said(q - step)
+        for mark, _ in marks:
+            slope = (ahead[mark][0] - behind[mark][0]) / (2 * h)
+            np.testing.assert_allclose(here[mark][1][..., j], slope, rtol=1e-6, atol=1e-7)
+    scale = np.array([1, 1, 1, 0.5, 1])
+    np.testing.assert_allclose(here["k1_f2"][2], np.abs((q[:, 2] + np.pi / 2) % np.pi - np.pi / 2))
+    f, slope, distance = here["k1_f1"]
+    np.testing.assert_allclose(distance, np.abs(f[:, 0]) / np.linalg.norm(slope[:, 0] * scale, axis=1))
+    f, slope, distance = here["k2_f1"]
+    ways = [np.abs((q[:, 4] - 1.5 + np.pi / 2 + np.pi) % (2 * np.pi) - np.pi),
+            np.minimum(*(np.abs((q[:, 0] - v + np.pi) % (2 * np.pi) - np.pi) for v in (0.0, np.pi / 2)))]  # fmt: skip
+    most = (np.abs(f[:, 2:]) / np.linalg.norm(slope[:, 2:] * scale, axis=2)).max(axis=1)
+    np.testing.assert_allclose(distance, np.sqrt(ways[0] ** 2 + ways[1] ** 2 + most**2))
+
+
 def test_latex_table_holds_every_condition_and_balances(code):
     text = code.latex()
     assert r"\theta_3 \in \{0, \pi\}" in text

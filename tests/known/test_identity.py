@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
 from known.arms import FEW
 from rankdrop.report.content import content
 from rankdrop.results.conditions.known import conditions_names, shipped_conditions
-from rankdrop.results.known import shipped
+from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain
 
 STARTS = 1500
+SIMPLE = {"π": 180.0, "π/2": 90.0, "−π/2": -90.0}
 LONG = ("iiwa14", "canadarm2", "fetch8")
 pytestmark = pytest.mark.shipped
 
@@ -65,3 +69,18 @@ def test_rows_are_cut_and_joined_as_the_exact_conditions_are(name):
     assert len(sampled) != len(both)
     assert named(both) == named(one for one in shipped_conditions(name).families if one.corank == 2)
     assert all(one.soundness.holds and one.explained.explained for one in both)
+
+
+@pytest.mark.parametrize("name", known_names())
+def test_no_two_families_of_an_arm_and_corank_share_a_name_and_every_name_says_what_is_open(name):
+    found = shipped(name)
+    for corank in {one.corank for one in found.families}:
+        names = [one.name for one in found.of_corank(corank)]
+        assert len(set(names)) == len(names)
+    for one in found.families:
+        assert "others" not in one.name
+        assert all("while" not in words for words in one.lost_words)
+        for joint, values in re.findall(r"θ(\d) = ([^,()]*°[^,()]*)", one.name):  # one of them is met at the witness
+            at = np.degrees(one.witness[int(joint) - 1])
+            plain = [SIMPLE.get(x) or float(x.strip("°").replace("−", "-")) for x in values.split(" or ")]
+            assert min(abs((x - at + 180) % 360 - 180) for x in plain) < 0.06, (one.name, at)

@@ -42,7 +42,7 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     assert code == 3
     assert out.startswith("Crosses a singularity once (proven), first elbow")
     code, out, _ = run(tmp_path / "free.npy", "--min-distance", "20deg")
-    assert (code, "farther than 0.349066 rad from any" in " ".join(out.split())) == (0, True)
+    assert (code, "farther than 0.3491 rad (20°) from any" in " ".join(out.split())) == (0, True)
     code, out, _ = run(tmp_path / "free.npy", "--min-distance", "0.6")
     assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
 

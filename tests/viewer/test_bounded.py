@@ -97,11 +97,20 @@ def packed(message: Message) -> bytes:
     return msgspec.msgpack.encode({**message.as_serializable_dict(), "type": type(message).__name__})
 
 
+def to_the_end(client: ClientConnection, message: bytes | None = None) -> None:
+    """Send a message, and read until the server closes the connection."""
+    if message is not None:
+        client.send(message)
+    while True:
+        client.recv(timeout=20)
+
+
 @pytest.fixture
 def server() -> Iterator[Server]:
     with subprocess.Popen(
-        [sys.executable, "-c", SERVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    ) as process:
+        [sys.executable, "-c", SERVER],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    ) as process:  # fmt: skip
         try:
             yield Server(process)
         finally:
@@ -127,8 +136,7 @@ def test_a_hundred_silent_clients(server: Server) -> None:
         time.sleep(1.0)
         for client in clients[MOST_CLIENTS + 1 :]:
             with pytest.raises(ConnectionClosed, match="1013"):
-                while True:
-                    client.recv(timeout=10)
+                to_the_end(client)
         assert server.held("VmHWM") - before < 150 * MB
     time.sleep(0.5)
     with server.client() as again:
@@ -141,14 +149,10 @@ def test_a_message_of_200_megabytes_is_refused(server: Server) -> None:
     before = server.held()
     for _ in range(3):
         with server.client() as client, pytest.raises(ConnectionClosed):
-            client.send(bytes(200 * MB))
-            while True:
-                client.recv(timeout=20)
+            to_the_end(client, bytes(200 * MB))
     assert server.held("VmHWM") - before < 40 * MB
     with server.client() as client, pytest.raises(ConnectionClosed, match="1009"):
-        client.send(bytes(LARGEST_MESSAGE + 1))
-        while True:
-            client.recv(timeout=20)
+        to_the_end(client, bytes(LARGEST_MESSAGE + 1))
 
 
 def test_a_thousand_uploads(server: Server) -> None:

@@ -45,11 +45,10 @@ def in_words(record: dict[str, Any]) -> str:
     claim, near = record["claim"], record["tolerance"]
     if record["kind"] == "existence":
         return f"a singular configuration exists within {claim['radius']:.1g} of q, joint by joint"
-    arms = "" if near is None else (
-        f", for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad of this one,"
-        " joint by joint"
-    )
-    return f"no singularity within {angle_below(claim['radius'])}{arms}"
+    said = f"no singularity within {angle_below(claim['radius'])}"
+    if near is None:
+        return said
+    return f"{said}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"
 
 
 def saving(record: dict[str, Any], target: str) -> Callable[[], None]:

@@ -31,7 +31,7 @@ def find(
     /,
     *,
     corank: Whole,
-    method: Literal["lm", "gradient", "almarkhi"] = "lm",
+    method: Literal["lm", "gradient", "almarkhi", "reciprocal"] = "lm",
     arm: ArmOptions = NO_OPTIONS,
     limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
@@ -53,12 +53,14 @@ def find(
         rankdrop find pa10 --corank 3
         rankdrop find ur5 --corank 2 --starts 1000 --out corank2.csv
         rankdrop find pa10 --corank 2 --method almarkhi --history figure.csv
+        rankdrop find pa10 --corank 1 --method reciprocal --starts 100000 --out exact.npz
         rankdrop find pa10 --corank 3 --method gradient --seed 2 --start 269 --length-scale 1
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         corank: How many directions the tool loses: generic rank minus rank.
-        method: Levenberg-Marquardt on the block; for comparison, steepest descent, or Almarkhi and Maciejewski's own.
+        method: Levenberg-Marquardt on the block; for comparison, steepest descent, or Almarkhi and Maciejewski's own;
+            reciprocal: no search, exact singular configurations of corank 1 by reciprocal wrenches, --starts of them.
         limits: Look within the joint limits only; otherwise in the whole joint space.
         starts: Random starts.
         seed: Of every random choice; the same seed gives the same result.
@@ -93,6 +95,9 @@ def find(
             "step": _rule(step), "tie": tie, "history": history is not None, "threads": threads,
             "progress": lambda done, total: report(f"corank {corank}: search", done, total),
         }  # fmt: skip
+        if start is not None and method == "reciprocal":
+            raise OptionError("nothing is searched from a start with reciprocal wrenches", where="--start", got=start,
+                              mend="leave it out")  # fmt: skip
         if start is None:
             found = search(model, corank, starts=starts, **options)
         else:
@@ -196,6 +201,8 @@ def _print(found: Search, task: Task, start: str | None, *, seconds: float) -> N
 def _how(found: Search) -> str:
     """The method with what it was told."""
     words = [found.method]
+    if found.method == "reciprocal":
+        return "reciprocal wrenches: every joint in closed form"
     if found.method != "lm":
         words.append("line search" if found.step is None else f"steps of {found.step:g} of that to linearised zero")
     if found.method == "almarkhi":
@@ -211,6 +218,9 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
 
     counts = {outcome: found.count(outcome) for outcome in Outcome}
     yield ""
+    if found.stratum is not None:
+        yield from _drawn(found, seconds)
+        return
     title = f" (rank {found.rank} of {found.rank + found.corank}): "
     verdict = f"{counts[Outcome.CONVERGED]:,} of {len(found.q):,} starts converged"
     yield Text.assemble((f"Corank {found.corank}", "bold"), title, verdict)
@@ -231,6 +241,25 @@ def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
     if not found.complete:
         rest += f" Interrupted: {counts[Outcome.NOT_RUN]:,} starts were not run."
     yield f"{rest} Time taken: {seconds:.1f} s."
+
+
+def _drawn(found: Search, seconds: float) -> Iterator[RenderableType]:
+    """What reciprocal wrenches gave: how many from each stratum, how exact."""
+    from collections import Counter
+
+    from rich.text import Text
+
+    from rankdrop.families import EXACT
+
+    ratio = (found.sigma[:, found.rank] / found.sigma[:, 0]).max(initial=0.0)
+    yield Text.assemble((f"{len(found.q):,} exact singular configurations", "bold"), ", corank 1 or more")
+    if len(found.q):
+        yield _configurations(found)
+    counts = Counter(found.strata[k] for k in found.stratum.tolist()) if found.stratum is not None else Counter[str]()
+    yield "From " + "; ".join(f"{name}: {count:,}" for name, count in counts.items()) + "."
+    yield f"Largest σ{found.rank + 1}/σ1: {ratio:.2g}, all at most {EXACT:g}. Time taken: {seconds:.1f} s."
+    rest = "Families that none of these strata meets are missing: it is no covering."
+    yield rest if found.complete else f"{rest} Interrupted: fewer were drawn than were asked for."
 
 
 def _configurations(found: Search) -> Table:

@@ -87,7 +87,7 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
     title.append(f"{_count(rows, 'family', 'families')}, ")
     counts = f"{share.explained:,} of {share.tested:,} fresh points explained"
     style = "" if share.explained == share.tested else _BAD
-    return title.append(f"{counts} ({share_text(share.explained, share.tested)})", style)
+    return title.append(counts, style)
 
 
 def _examples(rows: tuple[Family, ...]) -> dict[int, Family]:

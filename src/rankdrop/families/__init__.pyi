@@ -22,6 +22,7 @@ from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
 from .posture import posed as posed
+from .reciprocal import EXACT as EXACT
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
 from .searching import MOST_STARTS as MOST_STARTS

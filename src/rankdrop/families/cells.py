@@ -81,8 +81,8 @@ def share_text(part: int, whole: int) -> str:
 
 
 def rounded_share(share: Share) -> str:
-    """A share in percent with one decimal; – for a share of nothing."""
-    return f"{100 * share.explained / share.tested:.1f} %" if share.tested else NOTHING
+    """A share in percent, to a tenth; – for a share of nothing."""
+    return f"{round(100 * share.explained / share.tested, 1):g} %" if share.tested else NOTHING
 
 
 def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:

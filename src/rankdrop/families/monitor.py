@@ -305,7 +305,8 @@ class Monitor:
         """Distances of configurations Q from every family and from the singular set, and proven bounds from below.
 
         `step` comes to the nearest point of the branch that it is on; these walk from many points, about 0.2 ms each
-        where all joints are pinned, 1 to 4 ms where some are coupled, and agree with `nearest_singularity`.
+        where all joints are pinned and 1 to 4 ms where some are coupled (alone 1 and 10 ms), and agree with
+        `nearest_singularity`.
 
         Args:
             Q: (B, n) [rad or m].

@@ -70,6 +70,8 @@ class Search:
         outcome: (N,) `Outcome`.
         iterations: (N,) iterations used.
         history: per-iteration values, if asked for.
+        stratum, strata: of method "reciprocal", (N,) which stratum each is from, and their names; else None and none.
+        interrupted: of method "reciprocal", fewer were drawn than were asked for, for Ctrl-C came.
     """
 
     robot: Robot
@@ -88,6 +90,9 @@ class Search:
     step: float | None = None
     tie: float = TIE
     most: int = MOST
+    stratum: NDArray[np.int32] | None = None
+    strata: tuple[str, ...] = ()
+    interrupted: bool = False
 
     @cached_property
     def problem(self) -> Problem:
@@ -103,7 +108,7 @@ class Search:
     @property
     def complete(self) -> bool:
         """Whether every start was run to its end."""
-        return not bool((self.outcome == Outcome.NOT_RUN).any())
+        return not self.interrupted and not bool((self.outcome == Outcome.NOT_RUN).any())
 
     @cached_property
     def smallest_near_miss(self) -> float | None:

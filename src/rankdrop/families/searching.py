@@ -8,6 +8,8 @@ AM do not print their rule for the length of a step, α_k. There are two here: a
 
     α = f σ/‖∇σ‖       a share f of the step at whose end σ would be zero, were it linear (f = 1: Polyak's step)
 
+`method="reciprocal"` searches nothing: it draws exact singular configurations (`rankdrop.families.reciprocal`).
+
 With the line search successive gradients are at right angles where σ is smooth, so that the angles of 120° to 180° in
 AM's figures come from steps that go beyond the minimum, as those of the other rule do.
 """
@@ -25,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop import _core
 from rankdrop._handles import chain_of, check_robot, configurations, task_view
 from rankdrop.errors import OptionError
+from rankdrop.families.reciprocal import drawn
 from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import stays_up
@@ -38,6 +41,7 @@ Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
 
 METHODS = ("lm", "gradient", "almarkhi")
+RECIPROCAL = "reciprocal"
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
 LARGEST_SEED = 2**63 - 1  # what the core takes
 MOST_THREADS = 1024
@@ -74,7 +78,7 @@ def search(
         starts: number of random starts.
         seed: of the starts and of every random choice; same seed, same result, on any number of threads.
         limits: start and stay inside the joint limits.
-        method: "lm", "gradient" or "almarkhi".
+        method: "lm", "gradient" or "almarkhi"; or "reciprocal": corank 1 (or more), exact to rounding, no search.
         iterations: most iterations per start; None for the method's own (200, of descents 300).
         step: of descents: None for a line search, else the share f of the step to linearised zero, up to 2.
         tie: of "almarkhi": relative gap below which singular values count as equal; 0 for no treatment of ties.
@@ -100,6 +104,11 @@ def search(
     check_robot(robot)
     starts, seed, threads = check_numbers(starts, seed, threads)
     resolved = resolve_task(task, robot)
+    if method == RECIPROCAL:
+        if (iterations, step, history) != (None, None, False):
+            raise OptionError("nothing is iterated with reciprocal wrenches", where="method", got=method,
+                              allowed="no iterations, step or history")  # fmt: skip
+        return _drawn(robot, resolved, corank, starts, seed, limits, progress, tolerances)
     q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
     found = refine(
         in_units(robot), q0, corank, task=task_in_units(resolved, robot), seed=seed, limits=limits, method=method,
@@ -172,6 +181,28 @@ def refine(
     return replace(_creases_told(found), step=step, tie=tie, most=most)
 
 
+def _drawn(
+    robot: Robot, task: Task, corank: int, count: int, seed: int, limits: bool, progress: Progress | None,
+    tolerances: Tolerances,
+) -> Search:  # fmt: skip
+    """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
+    if isinstance(corank, bool) or corank != 1:
+        raise OptionError(
+            "reciprocal wrenches find configurations of corank 1, some of them of more", where="corank", got=corank,
+            allowed="1", mend="method='lm' searches for a higher corank", typed="--method lm",
+        )  # fmt: skip
+    there, there_task = in_units(robot), task_in_units(task, robot)
+    rank = generic_rank(there, there_task) - 1
+    found = drawn(there, there_task, count, seed, limits=limits, progress=progress)
+    size = len(found.q)
+    return Search(
+        robot, task, 1, rank, RECIPROCAL, seed, limits, tolerances, q=_frozen(out_of_units(robot, found.q)),
+        sigma=_frozen(found.sigma), outcome=_frozen(np.full(size, Outcome.CONVERGED, dtype=np.int8)),
+        iterations=_frozen(np.zeros(size, dtype=np.int32)), most=0, stratum=_frozen(found.stratum),
+        strata=found.strata, interrupted=not found.complete,
+    )  # fmt: skip
+
+
 def _creases_told(found: Search) -> Search:
     """Descents that ended for want of a fall: at a local minimum, or on a crease where another direction leads on."""
     stuck = np.flatnonzero(found.outcome == Outcome.NEAR_MISS)
@@ -230,7 +261,7 @@ def _whole(name: str, value: object, least: int, most: int) -> int:
 
 def _check(method: str, corank: int, full: int) -> None:
     if method not in METHODS:
-        raise OptionError("there is no such method", got=repr(method), allowed=", ".join(METHODS))
+        raise OptionError("there is no such method", got=repr(method), allowed=", ".join((*METHODS, RECIPROCAL)))
     if not 1 <= corank <= full:
         raise OptionError("there is no such corank for this arm and task", got=corank, allowed=f"1 … {full}")
 

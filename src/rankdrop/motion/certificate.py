@@ -84,6 +84,8 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
     for level in range(len(tree) - 1, 0, -1):
         low, high = tree[level]
         spent += len(nodes)
+        if spent > evaluations:
+            return False
         nodes = nodes[~_kept(robot, setting, drift, low[nodes], high[nodes])]
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]

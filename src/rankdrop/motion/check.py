@@ -22,7 +22,7 @@ from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import checked_frame, known_families
-from rankdrop.results.explanation.words import short
+from rankdrop.results.explanation.words import angle, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -125,7 +125,7 @@ def check_path(
     shares = _Shares(there_path, proof.setting.scale, met)
     notes = (*_limit_notes(robot, path), *survey.notes, *_hints(robot, path, rates, interpolate))
     if where is not None and where >= 0:
-        notes = (*notes, f"the distance {min_distance:g} rad could not be proven around row {where + 1}")
+        notes = (*notes, f"the distance {angle(min_distance)} could not be proven around row {where + 1}")
     if there is not robot:
         stretches = tuple(_out_of_metres(one, robot) for one in stretches)
     return PathCheck(
@@ -227,7 +227,7 @@ def _sentence(
     if free is not None:
         near = f"; nearest: {short(free.closest.distance, 3)} rad from {free.name or 'a singularity'}, {_when(free)}"
     if verdict == FREE:
-        held = f", and farther than {settings.min_distance:g} rad from any" if kept == "kept" else ""
+        held = f", and farther than {angle(settings.min_distance)} from any" if kept == "kept" else ""
         return f"Free: proven for every point of the path{held} ({spent:,} enclosure{'s' if spent != 1 else ''}){near}."
     parts = []
     if met[CROSSING]:
@@ -235,9 +235,9 @@ def _sentence(
     if met[TOUCHING]:
         parts.append(f"touches one {_times(len(met[TOUCHING]))}, first {_first(met[TOUCHING])}")
     if kept == "violated" and not met[CROSSING] and not met[TOUCHING]:
-        parts.append(f"comes nearer than {settings.min_distance:g} rad{near.replace('; nearest', '')}")
+        parts.append(f"comes nearer than {angle(settings.min_distance)}{near.replace('; nearest', '')}")
     if kept == "not proven":
-        parts.append(f"a distance of {settings.min_distance:g} rad could not be proven{near}")
+        parts.append(f"a distance of {angle(settings.min_distance)} could not be proven{near}")
     if met[UNDECIDED]:
         lasts = "" if shares.time is None else f", {shares.time:.3g} s"
         parts.append(f"{shares.length:.3g} rad of it{lasts} undecided")

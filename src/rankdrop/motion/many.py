@@ -11,6 +11,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.motion.data import CROSSING, TOUCHING, VERDICTS
 from rankdrop.motion.result import PathCheck
 from rankdrop.results.codec import Record, number_or_null
+from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
 
@@ -76,13 +77,13 @@ def many_section(many: Sequence[Judged]) -> Section:
             continue
         met = [part for part in one.result.stretches if part.verdict in (CROSSING, TOUCHING)]
         first = one.result.stretches[0] if one.result.stretches else None
-        near = f"{one.nearest:.3g}" if isfinite(one.nearest) and not met else ""
+        near = short(one.nearest, 3) if isfinite(one.nearest) and not met else ""
         rows.append((
             str(one.file), one.verdict, str(one.result.rows), str(len(met)), near, first.name if first else "",
         ))  # fmt: skip
     return Section(
         f"{holds} of {len(many)} paths proven free",
-        columns=("file", "verdict", "rows", "met", "nearest", "family"), rows=tuple(rows), texts=(0, 1, 5),
+        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
         after=tuple(one.error for one in many if one.error),
     )  # fmt: skip
 

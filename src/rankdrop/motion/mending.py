@@ -7,6 +7,7 @@ from typing import Any
 
 from rankdrop.motion.remedy import RETIME, Gain, MendingData, Parameter, Remedy
 from rankdrop.results.codec import number_or_null
+from rankdrop.results.explanation.words import fixed, short
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, html, text
 from rankdrop.units import counted_length
@@ -74,7 +75,7 @@ def _gain(gain: Gain) -> str:
     names = {"distance": "distance to the nearest singularity known", "speed": "speed that keeps the limits",
              "duration": "duration"}  # fmt: skip
     unit = f" {gain.unit}" if gain.unit else ""
-    shown = [f"{value:.4g}" if isfinite(value) else "not known" for value in (gain.before, gain.after)]
+    shown = [short(value) if isfinite(value) else "not known" for value in (gain.before, gain.after)]
     return f"{names[gain.what]}: {shown[0]} → {shown[1]}{unit}"
 
 
@@ -84,24 +85,24 @@ def _value(parameter: Parameter, robot: Robot, *, deg: bool) -> str:
         parts = []
         for joint, number in zip(robot.variables, value, strict=True):
             angle = joint.unit == "rad"
-            shown = f"{degrees(number):.2f}°" if angle and deg else f"{number:.4f} {joint.unit}"
+            shown = f"{fixed(degrees(number), 2)}°" if angle and deg else f"{fixed(number)} {joint.unit}"
             parts.append(f"{joint.name} {shown}")
         return ", ".join(parts)
     values = value if isinstance(value, tuple) else (value,)
     if parameter.unit == "rad" and deg:
-        return f"{', '.join(f'{degrees(number):.4g}' for number in values)}°"
+        return f"{', '.join(short(degrees(number)) for number in values)}°"
     unit = f" {parameter.unit}" if parameter.unit else ""
-    inside = ", ".join(f"{number:.4g}" for number in values)
+    inside = ", ".join(short(number + 0.0) for number in values)
     return f"({inside}){unit}" if isinstance(value, tuple) else f"{inside}{unit}"
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.4g} %"
+    return f"{short(100 * share)} %"
 
 
 def _small(value: float) -> str:
     """A deviation; what is below 1e-9 is rounding."""
-    return f"{value:.2g}" if value >= 1e-9 else "0"
+    return short(value, 2) if value >= 1e-9 else "0"
 
 
 def _record(one: Remedy) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import Record, robot_to_dict
+from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS, Task
@@ -112,7 +113,7 @@ class Through:
             lines.append(f"joint rates {law}: {self.rate:.3g} rad/s at most")
         if self.exponent:
             lines.append(f"joint rates at constant path speed grow as |s|^{self.exponent:.3f} (measured)")
-        yield Section(f"{self.robot.name}, {self.task.name}", lines=tuple(x.replace("-", "−") for x in lines))
+        yield Section(f"{self.robot.name}, {self.task.name}", lines=tuple(minus(x) for x in lines))
         if len(self.s):
             yield self._table(deg=deg)
         yield Section(self.sentence)
@@ -135,5 +136,5 @@ class Through:
             rows.append((f"{self.times[i]:.3f}", f"{self.s[i]:.3e}", *cells))
         names = zip(self.robot.variables, turned, strict=True)
         head = ("t [s]", "s", *(f"{joint.name} [{'°' if angle else joint.unit}]" for joint, angle in names))
-        return Section("The motion", columns=head, rows=tuple(tuple(x.replace("-", "−") for x in row) for row in rows),
+        return Section("The motion", columns=head, rows=tuple(tuple(minus(x) for x in row) for row in rows),
                        texts=())  # fmt: skip

@@ -63,8 +63,8 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
     count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}"
     css = "good" if share.explained == share.tested else "bad"
     complete = (
-        f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained '
-        f"({share_text(share.explained, share.tested)})</span>.</p>"
+        f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained'
+        "</span>.</p>"
     )
     body = "".join(_rows(analysis.robot, row, analysis.exact, limits=analysis.settings.limits) for row in rows)
     table = f"<table><thead>{_head(analysis.robot, summary)}</thead><tbody>{body}</tbody></table>"

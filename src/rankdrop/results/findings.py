@@ -34,6 +34,7 @@ def find_to_dict(found: Search) -> Record:
             "tolerances": found.tolerances.to_dict(),
             "version": VERSION,
         },
+        **({} if found.stratum is None else {"strata": _strata(found)}),
         "counts": {outcome.name.lower(): found.count(outcome) for outcome in Outcome},
         "complete": found.complete,
         "configurations": [
@@ -47,6 +48,17 @@ def find_to_dict(found: Search) -> Record:
             for index in _run(found)
         ],
     }
+
+
+def _strata(found: Search) -> list[Record]:
+    """How many configurations are from each stratum, and the largest σ_r/σ_1 of them."""
+    ratio = found.sigma[:, found.rank] / found.sigma[:, 0]
+    which = np.zeros(0, np.int32) if found.stratum is None else found.stratum
+    rows = []
+    for k, name in enumerate(found.strata):
+        mine = which == k
+        rows.append({"name": name, "count": int(mine.sum()), "residual": float(ratio[mine].max(initial=0.0))})
+    return rows
 
 
 def find_to_csv(found: Search) -> str:

@@ -1,9 +1,9 @@
 """A singular configuration proven to exist: Krawczyk's test on J^T u = 0.
 
 Unknowns are the joints x that decide and a unit vector u; the equations J(x)^T u = 0 and |u|² = 1 are fewer, and as
-many planes through the point found are added as the set of solutions has dimensions. With Y an approximate inverse of
-F′ there, and X a box around it, K = x0 − Y F(x0) + (1 − Y F′(X)) (X − x0) in the inside of X proves that X holds a
-solution, whose rank is below the number of rows. Where the set has more dimensions than its equations let it have (the
+many planes through the point found are added as the set of solutions has dimensions. With Y nearly an inverse of F′ at
+x0, and X a box around it, K = x0 − Y F(x0) + (1 − Y F′(X)) (X − x0) in the inside of X proves that X holds a solution,
+whose rank is below the number of rows. Where the set has more dimensions than its equations let it have (the
 crossing of two families, many arms with spherical wrist and shoulder) F′ has no such inverse: nothing is proven.
 """
 

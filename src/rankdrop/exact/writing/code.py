@@ -6,11 +6,20 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
+from math import pi
 from typing import Protocol
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.writing.condition import Condition, pin_c_code, pin_expression, pin_latex, pin_text
+from rankdrop.exact.writing.condition import (
+    Condition,
+    pin_c_code,
+    pin_c_slope,
+    pin_expression,
+    pin_latex,
+    pin_text,
+    pin_values,
+)
 from rankdrop.exact.writing.notation import latex_angle, latex_name
 from rankdrop.exact.writing.value import Value
 
@@ -142,7 +151,10 @@ class Code:
         return "\n".join(lines) + "\n"
 
     def c(self) -> str:
-        """A C99 header: one inline function per family, lengths as macros that can be defined before."""
+        """A C99 header: per family its name and inline functions of q: residuals, their gradients, and the distance.
+
+        Lengths are macros that can be defined before.
+        """
         mark = _mark(self.robot)
         prefix = f"RANKDROP_{mark.upper()}"
         lines = [f"/* Singularities of {_comment(self.robot)}: one function per family, derived exactly by rankdrop."]
@@ -151,9 +163,15 @@ class Code:
         for name, value in self.letters.items():
             macro = f"{prefix}_{name}"
             lines += [f"#ifndef {macro}", f"#define {macro} ({float(value)!r}) /* {name} [m] */", "#endif"]
+        if self._slides:
+            macro = f"{prefix}_LENGTH"
+            lines += [f"#ifndef {macro}", f"#define {macro} (1.0) /* slides are divided by it in distances [m] */"]
+            lines += ["#endif"]
         names = {name: f"{prefix}_{name}" for name in self.letters}
         for family in self.families:
             lines += ["", *self._c_function(family, f"rankdrop_{mark}", names)]
+            lines += ["", *self._c_gradient(family, f"rankdrop_{mark}", names)]
+            lines += ["", *self._c_distance(family, f"rankdrop_{mark}")]
         for one in self.determinants:
             text = one.value.c_code(shifts=self._shifts, names=names)
             head = f"static inline double rankdrop_{mark}_{one.mark}(const double q[{self.n}])"
@@ -172,6 +190,51 @@ class Code:
         head = f"{prefix}_{_mark(family.id)}(const double q[{self.n}], double residual[{len(residuals)}])"
         body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
         return [*lines, f"static inline void {head}", "{", *body, "}"]
+
+    def _c_gradient(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
+        rows: list[dict[int, str]] = [{j: pin_c_slope(j, values, self._shifts)} for j, values in family.pins]
+        rows += [condition.c_gradient(names=names, shifts=self._shifts) for condition in family.conditions]
+        body = [f"    gradient[{i}][{j - 1}] = {text};" for i, row in enumerate(rows) for j, text in row.items()]
+        unused = [] if any("q[" in line for line in body) else ["    (void)q;"]
+        head = f"{prefix}_{_mark(family.id)}_gradient(const double q[{self.n}], double gradient[{len(rows)}][{self.n}])"
+        return [
+            "/* Derivatives of the residuals by q. */", f"static inline void {head}", "{", "    int i, j;", *unused,
+            f"    for (i = 0; i < {len(rows)}; ++i)", f"        for (j = 0; j < {self.n}; ++j) gradient[i][j] = 0.0;",
+            *body, "}",
+        ]  # fmt: skip
+
+    def _c_distance(self, family: Described, prefix: str) -> list[str]:
+        """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
+        first, count = len(family.pins), len(family.pins) + len(family.conditions)
+        name = f"{prefix}_{_mark(family.id)}"
+        lines = ["/* Distance in joint space [rad, slides divided by the length]: pinned joints exactly, other",
+                 " * conditions by one Newton step: right near the family, an estimate far from it. */"]  # fmt: skip
+        body = ["    double square = 0.0, way;"] if first else ["    double square = 0.0;"]
+        for joint, values in family.pins:
+            shift = self.shifts[joint - 1] if len(self.shifts) else 0.0
+            for place, value in enumerate(pin_values(values)):
+                gap = f"fabs(remainder(q[{joint - 1}] - ({float(value - shift)!r}), {2 * pi!r}))"
+                body.append(f"    way = {gap if place == 0 else f'fmin(way, {gap})'};")
+            body.append("    square += way * way;")
+        if family.conditions:
+            scale = [f"            size += gradient[i][{j - 1}] * gradient[i][{j - 1}]"
+                     f"{f' * {prefix.upper()}_LENGTH * {prefix.upper()}_LENGTH' if j in self._slides else ''};"
+                     for j in range(1, self.n + 1)]  # fmt: skip
+            body += [
+                f"    double residual[{count}], gradient[{count}][{self.n}], most = 0.0;", "    int i;",
+                f"    {name}(q, residual);", f"    {name}_gradient(q, gradient);",
+                f"    for (i = {first}; i < {count}; ++i) {{", "        double size = 0.0, one;",
+                *[line[4:] for line in scale],
+                "        one = size > 0.0 ? fabs(residual[i]) / sqrt(size) : residual[i] == 0.0 ? 0.0 : HUGE_VAL;",
+                "        most = fmax(most, one);", "    }", "    square += most * most;",
+            ]  # fmt: skip
+        return [*lines, f"static inline double {name}_distance(const double q[{self.n}])", "{", *body,
+                "    return sqrt(square);", "}"]  # fmt: skip
+
+    @property
+    def _slides(self) -> frozenset[int]:
+        """Numbers of the joints that slide, as far as conditions know them."""
+        return frozenset(j for family in self.families for one in family.conditions for j in one.ring.prismatic)
 
     def latex(self) -> str:
         """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""

@@ -16,7 +16,7 @@ import numpy as np
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.form import Product, Symbol, Wave, fourier
+from rankdrop.exact.writing.form import Product, Symbol, Wave, derivative, fourier, total
 from rankdrop.exact.writing.notation import C, Latex, Notation, Python, Text, angle_words, latex_angle
 from rankdrop.exact.writing.shortest import parts_of, shortest
 from rankdrop.family.equation import Equation, Term, normalised
@@ -95,17 +95,50 @@ def pin_c_code(joint: int, values: Sequence[str], shifts: Sequence[float] | None
     return _written(joint, values, C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
 
 
+def pin_c_slope(joint: int, values: Sequence[str], shifts: Sequence[float] | None = None) -> str:
+    """The derivative of `pin_c_code` by its joint variable, as a C expression.
+
+    Example:
+        >>> pin_c_slope(4, ("0", "pi")), pin_c_slope(4, ("pi",))
+        ('cos(q[3])', '-0.5*sin(q[3]/2.0)')
+
+    Raises:
+        OptionError: a value that is not in `SIMPLE`, or none.
+    """
+    factors = _factors(joint, values, C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
+    parts = []
+    for place, (kind, angle, whole) in enumerate(factors):
+        number = ("" if whole else "0.5*") if kind == "sin" else ("-" if whole else "-0.5*")
+        others = [f"{other}({inner})" for k, (other, inner, _) in enumerate(factors) if k != place]
+        parts.append(number + "*".join([f"{'cos' if kind == 'sin' else 'sin'}({angle})", *others]))
+    return " + ".join(parts).replace("+ -", "- ")
+
+
+def pin_values(values: Sequence[str]) -> tuple[float, ...]:
+    """The angles themselves [rad].
+
+    Raises:
+        OptionError: a value that is not in `SIMPLE`, or none.
+    """
+    return tuple(RADIANS[value] for value in _checked(values))
+
+
 def _written(joint: int, values: Sequence[str], notation: Python) -> str:
+    return "*".join(f"{kind}({angle})" for kind, angle, _ in _factors(joint, values, notation))
+
+
+def _factors(joint: int, values: Sequence[str], notation: Python) -> list[tuple[str, str, bool]]:
+    """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
     kept = set(_checked(values))
     factors = []
     for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
         if kept >= pair:
-            factors.append(f"{kind}({notation.angle(((joint, 2),))})")
+            factors.append((kind, notation.angle(((joint, 2),)), True))
             kept -= pair
     for value in _checked(tuple(kept)) if kept else ():
         kind, rest = ("cos", "0") if value == "pi" else ("sin", value)
-        factors.append(f"{kind}({notation.angle(((joint, 1),), rest)})")
-    return "*".join(factors)
+        factors.append((kind, notation.angle(((joint, 1),), rest), False))
+    return factors
 
 
 def pin_equation(joint: int, values: Sequence[str], n: int, shifts: Sequence[float] | None = None) -> Equation:
@@ -214,6 +247,19 @@ class Condition:
             shifts: θ_j = q[j − 1] + shifts[j − 1] [rad]; None for none.
         """
         return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {}).zero(self.form)
+
+    def c_gradient(
+        self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None
+    ) -> dict[int, str]:
+        """Derivatives of `c_code` as C expressions, by the number of the joint; those that vanish are left out.
+
+        Args:
+            names, shifts: as in `c_code`.
+        """
+        notation = C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {})
+        parts = notation.parts(self.form)
+        slopes = {joint: total(derivative(part, joint) for part in parts) for joint in self.joints}
+        return {joint: notation.value(slope) for joint, slope in slopes.items() if slope.number}
 
     def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
         """The numeric equation in q, its largest coefficient 1.

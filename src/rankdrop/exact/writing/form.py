@@ -124,6 +124,29 @@ def total(parts: Iterable[Product]) -> Product:
     return Product(content, ((Sum(tuple(Product(p.number / content, p.factors) for p in ordered)), 1),))
 
 
+def derivative(form: Product, joint: int) -> Product:
+    """The derivative of a form by the variable of one joint, equal to it; number 0 where it does not depend on it."""
+    parts = []
+    for place, (factor, power) in enumerate(form.factors):
+        inner = _slope(factor, joint)
+        if inner.number:
+            others = [(one, p) for k, (one, p) in enumerate(form.factors) if k != place]
+            outer = [*others, *inner.factors, (factor, power - 1)]
+            parts.append(product(form.number * power * inner.number, outer))
+    return total(parts)
+
+
+def _slope(factor: Factor, joint: int) -> Product:
+    if isinstance(factor, Symbol):
+        return Product(Fraction(int(factor.slide == joint)))
+    if isinstance(factor, Sum):
+        return total(derivative(part, joint) for part in factor.parts)
+    half = Fraction(dict(factor.turns).get(joint, 0), 2)
+    if factor.kind == "sin":
+        return Product(half, ((Wave("cos", factor.turns), 1),))
+    return Product(-half, ((Wave("sin", factor.turns), 1),))
+
+
 def _rank(factor: Factor) -> tuple[Any, ...]:
     if isinstance(factor, Symbol):
         return (factor.slide > 0, factor.slide, factor.name, ())

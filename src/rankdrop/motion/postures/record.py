@@ -10,13 +10,13 @@ from math import degrees
 from rankdrop.exact.postures.decide import Decision
 from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import Record, plain, robot_to_dict
+from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
 
 SCHEMA = "rankdrop/aspects/1"
 CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
-_MINUS = str.maketrans("-", "−")
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,4 +228,4 @@ class Postures:
         for joint, value in zip(self.robot.variables, q, strict=True):
             turned = deg and joint.unit == "rad"
             shown = degrees(float(value)) if turned else float(value)
-            yield f"{shown:.{2 if turned else 4}f}".translate(_MINUS)
+            yield minus(f"{shown:.{2 if turned else 4}f}")

@@ -201,7 +201,8 @@ def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Ite
         yield from formula(f"{_INSET}{family.reality}; here it is", width)
     yield f"{_INSET}dimension {family.dimension}, codimension {family.codimension}"
     for words in family.lost_words:
-        yield from sentence(f"{_INSET}lost: {words.removeprefix('cannot ')}", width, len("lost: "))
+        told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
+        yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
         pairs = zip(family.witness, units, strict=True)
         values = ", ".join(pretty_angle(value) if unit == "rad" else _number(value, 4) for value, unit in pairs)
@@ -288,7 +289,8 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
 
 def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
     if found.left:
-        yield Section("Not finished", "", tuple(piece for one in found.left for piece in either(one, width)))
+        lines = tuple(piece for one in found.left for piece in either(one, width))
+        yield Section("Not finished", "a longer --time-limit may finish it", lines)
 
 
 def _number(value: float, digits: int = 12) -> str:

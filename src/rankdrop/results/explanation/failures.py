@@ -148,7 +148,7 @@ def _said(found: Tolerant) -> Iterator[str]:
 
 def _why_none(found: Tolerant) -> str:
     if found.spare <= 0:
-        return f"the task needs all {found.robot.n} joints: each failure costs a direction of the tool at every configuration"
+        return f"the task needs all {found.robot.n} joints: each failure costs a direction of the tool everywhere"
     if found.crucial:
         which = f"{plural('joint', len(found.crucial))} {numbers(found.crucial)}"
         return f"without {which} the rank is below {found.generic_rank} at every configuration"

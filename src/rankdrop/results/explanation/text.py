@@ -59,9 +59,10 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     hint = degrees_hint(found.q, robot)
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+    told = f"rank {rank.rank} of {r}, corank {rank.corank}; " if rank.corank else ""
     lines = [
         *_warnings(found),
-        f"{f'rank {rank.rank} of {r}, corank {rank.corank}; ' * bool(rank.corank)}{_idle(found)} (nullity {rank.nullity})",
+        f"{told}{_idle(found)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
         f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
     ]

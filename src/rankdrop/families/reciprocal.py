@@ -1,0 +1,368 @@
+"""Exact singular configurations without a search: joints at which a wrench does no work on any joint.
+
+An arm is singular exactly where some wrench u ≠ 0 of the task is reciprocal to all its screws, u · S_i = 0. Two ways to
+begin, each a *stratum*, and every one of them is drawn from:
+
+- joints a … b: the values between them are drawn, so that their screws are known in a link among them, and u is drawn
+  from the wrenches reciprocal to these. Then each next joint outwards is solved for by itself:
+
+      u · S_i(q) = A cos q + B sin q + C = 0        (a slide: linear)
+
+  Where A = B = C = 0 a joint is free, and is drawn. Random wrenches never have that; those reciprocal to a longer
+  block, as all joints of a spherical wrist, do, and families as shoulder and elbow are found there.
+- joint p alone: all the others are drawn, and the zeros of the determinant (of a redundant arm, of two of its minors
+  combined) as a function of q_p are solved for: a trigonometric polynomial of low degree. Families that pin p.
+
+Every configuration is looked at once more: σ_r at most `EXACT` times σ_1, else it is dropped and drawn anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rankdrop.errors import OptionError
+from rankdrop.kinematics import jacobian, task_jacobian
+from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import Task
+
+EXACT = 1e-13
+"""Largest σ_r / σ_1 of a configuration that is given out: some hundred roundings."""
+_ZERO = 1e-11  # coefficients of a joint's equation below this leave it free [arms of size one]
+_ROUNDS, _BATCH = 200, 16_384  # rounds in which what failed is drawn anew, and how many at one go
+_TRIED = 8192  # draws of a stratum before it is given up
+_DEGREE = 4  # of the trigonometric polynomials, at most
+_ON_CIRCLE = 1e-4  # how far a root may be from the unit circle before it is no angle
+_ABSENT = 1e-11  # rows of the Jacobian below this share of its size are zero for this arm
+_MEND = "methods lm, gradient and almarkhi search any arm and task"
+_TYPED = "--method lm"
+
+Waves = NDArray[np.complexfloating]
+Draw = Callable[[int, np.random.Generator], Array]
+"""(count, generator) -> (M, n) candidates, M ≤ count or a few times it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Singular configurations, and where they are from.
+
+    Attributes:
+        q: (N, n) [rad, m].
+        sigma: (N, min(m, n)) singular values there.
+        stratum: (N,) which of `strata`.
+        strata: what was begun with: "joints 4-6", "joint 3 alone".
+        complete: False where it was interrupted: fewer than were asked for.
+    """
+
+    q: Array
+    sigma: Array
+    stratum: NDArray[np.int32]
+    strata: tuple[str, ...]
+    complete: bool
+
+
+def drawn(
+    robot: Robot, task: Task, count: int, seed: int, *, limits: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Drawn:  # fmt: skip
+    """Draw exact singular configurations, the same number from every stratum that has any.
+
+    Args:
+        robot: the arm, of size one (`in_units`).
+        task: of it.
+        count: how many.
+        seed: of every random choice.
+        limits: within the joint limits only.
+        progress: progress(done, count).
+
+    Raises:
+        OptionError: joints that follow others or that screw, a task whose rank depends on the axes or that the arm
+            never fills, or no stratum that has a singular configuration.
+    """
+    rank = _checked(robot, task)
+    arm = _Chain(robot, task, limits)
+    ways: list[tuple[str, Draw]] = [*arm.wrenches(), *arm.single_joints(rank)]
+    rng = np.random.default_rng(seed)
+    alive = set(range(len(ways)))
+    parts: list[tuple[Array, Array, int]] = []
+    share = -(-count // len(ways))
+    have, tried = np.zeros(len(ways), dtype=np.int64), np.zeros(len(ways), dtype=np.int64)
+    complete = True
+    try:
+        for _ in range(_ROUNDS):
+            open_ = [k for k in sorted(alive) if have[k] < share]
+            if not open_:  # those that have any make up for those that have none
+                share *= 2
+                open_ = sorted(alive)
+            if have.sum() >= count or not open_:
+                break
+            for k in open_:
+                rate = (have[k] + 1) / (tried[k] + 2)
+                wanted = int(np.clip(1.5 * (share - have[k]) / rate, 64, _BATCH))
+                q, sigma = arm.kept(ways[k][1](wanted, rng), rank, int(share - have[k]))
+                have[k] += len(q)
+                tried[k] += wanted
+                parts.append((q, sigma, k))
+                if not have[k] and tried[k] >= _TRIED:
+                    alive.discard(k)
+                if progress is not None:
+                    progress(min(int(have.sum()), count), count)
+    except KeyboardInterrupt:
+        complete = False
+    return _gathered(parts, ways, count, complete=complete, n=robot.n)
+
+
+def _gathered(
+    parts: list[tuple[Array, Array, int]], ways: list[tuple[str, Draw]], count: int, *, complete: bool, n: int
+) -> Drawn:
+    """One stratum after the other in turn, so that a part of the result has all of them."""
+    if not sum(len(q) for q, _, _ in parts):
+        if not complete:
+            none = np.zeros((0, n))
+            return Drawn(none, none, np.zeros(0, np.int32), (), False)
+        raise OptionError(
+            "no reciprocal wrench was found: there may be no singular configuration, or only such as lie on no stratum",
+            where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
+        )  # fmt: skip
+    q = np.concatenate([one for one, _, _ in parts])
+    sigma = np.concatenate([one for _, one, _ in parts])
+    stratum = np.concatenate([np.full(len(one), k, dtype=np.int32) for one, _, k in parts])
+    turn = np.zeros(len(q), dtype=np.int64)
+    for k in range(len(ways)):
+        turn[stratum == k] = np.arange(int((stratum == k).sum()))
+    order = np.lexsort((stratum, turn))[:count]
+    return Drawn(q[order], sigma[order], stratum[order], tuple(name for name, _ in ways), complete)
+
+
+def _checked(robot: Robot, task: Task) -> int:
+    """The generic rank, where wrenches of the task can be told.
+
+    Raises:
+        OptionError: they cannot.
+    """
+
+    def refused(what: str, got: str) -> OptionError:
+        return OptionError(what, where="method", got=got, mend=_MEND, typed=_TYPED)
+
+    for joint in robot.joints:
+        if joint.mimic is not None:
+            raise refused("reciprocal wrenches solve for one joint at a time, and this one follows another", joint.name)
+        if joint.kind is JointKind.HELICAL:
+            raise refused("reciprocal wrenches have no closed form for a joint that screws", joint.name)
+    rank = generic_rank(robot, task)
+    if rank != task.m:
+        raise refused("some wrench is reciprocal to this arm wherever it stands", f"rank {rank} of {task.m}")
+    blocks = [block for block in ((0, 1, 2), (3, 4, 5)) if set(block) & set(task.rows)]
+    missing = [row for block in blocks for row in block if row not in task.rows]
+    if missing:
+        full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)
+        if np.abs(full[:, missing]).max() > _ABSENT * np.abs(full).max():
+            raise refused("the wrenches of a task that takes some rows only depend on where the arm stands", task.name)
+    return rank
+
+
+class _Chain:
+    """The arm as screws at q = 0 in base coordinates, linear part first; joints and links from 0."""
+
+    def __init__(self, robot: Robot, task: Task, limits: bool) -> None:
+        self.robot, self.task, self.limits = robot, task, limits
+        self.n = robot.n
+        self.low, self.high = sampling_box(robot, task, limits=limits)
+        self.screws = np.array([joint.screw for joint in robot.joints])
+        self.slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.joints])
+        self.ads = np.array([_ad(screw) for screw in self.screws])
+        self.whole = task.rows == (0, 1, 2, 3, 4, 5)
+        self.basis = self._basis()
+
+    def _basis(self) -> Array:
+        """(6, m) wrenches of the task in the frame of the last link, as it stands at q = 0."""
+        frame, joints = self.task.frame, len(self.robot.joints)
+
+        def pose(link: int) -> Array:
+            if link == 0:
+                return np.eye(4)
+            return self.robot.home if link in (-1, joints + 1) else self.robot.joints[link - 1].frame
+
+        axes, origin = pose(frame.axes)[:3, :3], pose(frame.origin)
+        point = origin[:3, :3] @ np.array(frame.point) + origin[:3, 3]
+        found = np.zeros((6, self.task.m))
+        for place, row in enumerate(self.task.rows):
+            axis = axes[:, row % 3]
+            found[:, place] = np.concatenate([axis, np.cross(point, axis)] if row < 3 else [np.zeros(3), axis])
+        return found
+
+    def drawn(self, count: int, rng: np.random.Generator) -> Array:
+        """(count, n) configurations at random."""
+        return rng.uniform(self.low, self.high, (count, self.n))
+
+    def kept(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
+        """Those that are singular to rounding, angles in (−π, π]; within the limits where these count."""
+        turning = ~self.slides
+        inside = np.isfinite(q).all(axis=1)
+        q = q[inside]
+        wrapped = q[:, turning] - 2 * np.pi * np.ceil((q[:, turning] - np.pi) / (2 * np.pi))
+        q[:, turning] = np.clip(wrapped, -np.pi, np.pi)
+        bound = self.slides | self.limits
+        q = q[((q >= self.low) & (q <= self.high) | ~bound).all(axis=1)]
+        if not len(q):
+            return q, np.zeros((0, min(self.task.m, self.n)))
+        sigma = singular_values(self.robot, q, self.task)
+        good = np.flatnonzero(sigma[:, rank - 1] <= EXACT * sigma[:, 0])[:most]
+        return q[good], sigma[good]
+
+    def wrenches(self) -> list[tuple[str, Draw]]:
+        """Strata that begin with the wrenches reciprocal to a block of joints."""
+        found: list[tuple[str, Draw]] = []
+        rng = np.random.default_rng(0)
+        for first in range(self.n):
+            for last in range(first, self.n):
+                # a wrench of six rows can be seen from any link; of fewer, from the last one
+                if (self.whole and last == first) or (not self.whole and last != self.n - 1):
+                    continue
+                link = first + 1 if self.whole else self.n
+                known = self._known(first, last, link, self.drawn(8, rng))
+                null = known.shape[2] - int(np.linalg.matrix_rank(known, tol=1e-9).max())
+                if null and last - first < self.n - 1:
+                    name = f"joints {first + 1}-{last + 1}" if last > first else f"joint {first + 1}"
+                    found.append((f"wrenches of {name}", self._from_block(first, last, link, null)))
+        return found
+
+    def _known(self, first: int, last: int, link: int, q: Array) -> Array:
+        """(B, joints, m) what the wrenches of the task do on the screws of a block, seen from a link."""
+        seen = np.empty((len(q), last - first + 1, 6))
+        motion = np.tile(np.eye(6), (len(q), 1, 1))
+        for i in range(link, last + 1):
+            seen[:, i - first] = motion @ self.screws[i]
+            motion = motion @ self._motion(i, q[:, i])
+        motion = np.tile(np.eye(6), (len(q), 1, 1))
+        for i in range(link - 1, first - 1, -1):
+            seen[:, i - first] = motion @ self.screws[i]
+            motion = motion @ self._motion(i, -q[:, i])
+        return seen if self.whole else seen @ self.basis
+
+    def _motion(self, i: int, q: Array) -> Array:
+        """(B, 6, 6) Ad(exp(S_i q))."""
+        ad = self.ads[i]
+        if self.slides[i]:
+            with np.errstate(invalid="ignore"):  # NaN where a joint before had no solution
+                return np.asarray(np.eye(6) + q[:, None, None] * ad)
+        sine, versine = np.sin(q)[:, None, None], 2 * np.sin(q / 2)[:, None, None] ** 2
+        return np.asarray(np.eye(6) + sine * ad + versine * (ad @ ad))
+
+    def _from_block(self, first: int, last: int, link: int, null: int) -> Draw:
+        def draw(count: int, rng: np.random.Generator) -> Array:
+            q = self.drawn(count, rng)
+            known = self._known(first, last, link, q)
+            v = np.linalg.svd(known)[2][:, known.shape[2] - null :]  # (B, null, m)
+            u = np.einsum("bk,bkm->bm", rng.standard_normal((count, null)), v)
+            u /= np.linalg.norm(u, axis=1, keepdims=True)
+            u = u if self.whole else u @ self.basis.T
+            for side, sign in (
+                (range(link, self.n - 1), 1), (range(min(link, self.n) - 1, 0, -1), -1)
+            ):
+                left = u
+                for i in side:
+                    beyond = i + sign
+                    if not (first <= i <= last and first <= beyond <= last):
+                        q[:, i] = self._solved(left, i, beyond, sign, q[:, i], rng)
+                    left = np.einsum("bi,bij->bj", left, self._motion(i, sign * q[:, i]))
+            return q
+
+        return draw
+
+    def _solved(self, u: Array, i: int, beyond: int, sign: int, given: Array, rng: np.random.Generator) -> Array:
+        """(B,) values of joint i at which u does no work on the joint beyond it; NaN where there are none.
+
+        Args:
+            u: (B, 6) the wrench, carried to joint i.
+            i, beyond: the joint that is solved for, and the one whose screw it turns.
+            sign: 1 outwards, −1 towards the base.
+            given: values that a joint takes which is free.
+            rng: chooses between two solutions.
+        """
+        ad, screw = self.ads[i], self.screws[beyond]
+        once = sign * (u @ (ad @ screw))
+        if self.slides[i]:
+            start = u @ screw
+            free = (np.abs(once) < _ZERO) & (np.abs(start) < _ZERO)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                return np.where(free, given, -start / once)
+        twice = u @ (ad @ (ad @ screw))
+        constant = u @ screw + twice
+        size = np.hypot(once, twice)
+        free = (size < _ZERO) & (np.abs(constant) < _ZERO)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = constant / size
+            share = np.where((np.abs(share) > 1.0) & (np.abs(share) < 1.0 + 1e-14), np.sign(share), share)
+            half = np.arccos(np.clip(share, -1.0, 1.0))
+            value = np.arctan2(-once, twice) + np.where(rng.random(len(u)) < 0.5, half, -half)
+        value = np.where(np.abs(share) <= 1.0, value, np.nan)
+        return np.where(free, given, value)
+
+    def single_joints(self, rank: int) -> list[tuple[str, Draw]]:
+        """Strata in which one turning joint is solved for."""
+        return [(f"joint {p + 1} alone", self._one_joint(p, rank)) for p in range(self.n) if not self.slides[p]]
+
+    def _one_joint(self, p: int, rank: int) -> Draw:
+        mix = np.eye(self.n) if self.n == rank else np.random.default_rng(p + 1).standard_normal((self.n, rank))
+
+        def draw(count: int, rng: np.random.Generator) -> Array:
+            count = min(count, 2048)
+            q = self.drawn(count, rng)
+            points = 2 * _DEGREE + 1
+            angles = 2 * np.pi * np.arange(points) / points
+            at = np.repeat(q[:, None, :], points, axis=1)
+            at[:, :, p] = angles
+            values = np.linalg.det(task_jacobian(self.robot, at.reshape(-1, self.n), self.task) @ mix)
+            waves = np.fft.fft(values.reshape(count, points), axis=1) / points
+            found = []
+            for slope in (False, True):  # double zeros of the determinant are simple ones of its derivative
+                rows, roots = _zeros(waves, slope)
+                one = q[rows]
+                one[:, p] = roots
+                found.append(one)
+            return np.concatenate(found)
+
+        return draw
+
+
+def _zeros(waves: Waves, slope: bool) -> tuple[NDArray[np.int64], Array]:
+    """(rows, angles) zeros of Σ_k w_k e^{ikq}, or of its derivative; waves (B, 2 d + 1) as `fft` orders them."""
+    top = waves.shape[1] // 2
+    k = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
+    waves = waves * (1j * k if slope else 1.0)
+    sizes = np.abs(waves).max(axis=0)
+    largest = float(sizes.max())
+    degree = max((int(abs(one)) for one, size in zip(k, sizes, strict=True) if size > 1e-12 * largest), default=0)
+    if not degree or not largest:
+        return np.zeros(0, np.int64), np.zeros(0)
+    rows = np.flatnonzero(np.abs(waves[:, degree]) > 1e-9 * largest)
+    order = [*range(-degree, degree + 1)]
+    row = waves[rows][:, order]  # coefficients of z^0 … z^2d, z = e^{iq}
+    row = row / row[:, -1:]
+    size = 2 * degree
+    companion = np.zeros((len(rows), size, size), dtype=np.complex128)
+    companion[:, np.arange(1, size), np.arange(size - 1)] = 1.0
+    companion[:, :, -1] = -row[:, :-1]
+    roots = np.linalg.eigvals(companion)
+    which, place = np.nonzero(np.abs(np.abs(roots) - 1.0) < _ON_CIRCLE)
+    angle = np.angle(roots[which, place])
+    numbers = np.arange(-degree, degree + 1)
+    coefficients = waves[rows[which]][:, order]
+    for _ in range(4):  # Newton, real
+        turn = np.exp(1j * angle[:, None] * numbers)
+        value, rate = (coefficients * turn).sum(axis=1).real, (coefficients * turn * 1j * numbers).sum(axis=1).real
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(rate != 0.0, value / rate, 0.0)
+        angle = angle - np.clip(step, -1e-3, 1e-3)
+    return rows[which], angle
+
+
+def _ad(screw: Array) -> Array:
+    """(6, 6) ad_S, linear part first."""
+    v, w = (np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]]) for a in (screw[:3], screw[3:]))
+    return np.block([[w, v], [np.zeros((3, 3)), w]])

@@ -1,0 +1,62 @@
+"""What an earlier version wrote is read by this one: results of every kind, saved as each was released."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from rankdrop.certify.coverfile import load
+from rankdrop.results.analysis import Analysis
+from rankdrop.schema import NAMES, load_schema
+
+SAVED = Path(__file__).resolve().parents[1] / "data" / "saved"
+FILES = sorted(SAVED.glob("*/*.json"))
+COVERINGS = sorted(SAVED.glob("*/*.cover"))
+
+
+def record(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def label(path: Path) -> str:
+    return f"{path.parent.name} {path.stem}"
+
+
+def test_every_version_has_saved_one_of_most_kinds() -> None:
+    assert SAVED.exists()
+    for folder in SAVED.iterdir():
+        kinds = {record(path)["schema"].split("/")[1] for path in folder.glob("*.json")}
+        assert kinds <= set(NAMES)
+        assert {"analysis", "conditions", "explanation", "find", "nearest"} <= kinds
+        assert list(folder.glob("*.cover"))
+
+
+@pytest.mark.parametrize("path", FILES, ids=label)
+def test_a_saved_file_satisfies_the_schema_of_today(path: Path) -> None:
+    saved = record(path)
+    _, kind, number = saved["schema"].split("/")
+    today = load_schema(kind)["properties"]["schema"]["const"].split("/")[2]
+    assert number == today, "a new number reads the old one too"
+    Draft202012Validator(load_schema(kind)).validate(saved)
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("analysis")], ids=label)
+def test_a_saved_analysis_is_read_and_holds(path: Path) -> None:
+    found, saved = Analysis.load(path), record(path)
+    assert found.residual().holds(found.settings.tolerances)
+    assert [family.name for family in found.families] == [family["name"] for family in saved["families"]]
+    for family, row in zip(found.families, saved["families"], strict=True):
+        np.testing.assert_array_equal(family.witness, row["witness"])
+
+
+@pytest.mark.parametrize("path", COVERINGS, ids=label)
+def test_a_saved_covering_is_read(path: Path) -> None:
+    plan, tree, tested, _ = load(path)
+    assert (plan.robot, tree.shape) == ("planar3r", plan.shape)
+    assert tested > 0

@@ -1,0 +1,152 @@
+"""Reciprocal wrenches give exact singular configurations of every family they can meet, and refuse what they cannot."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from reference import arms
+from reference.kinematics import jacobian as reference_jacobian
+
+from rankdrop.certify.setting import enclose, settings_for
+from rankdrop.errors import OptionError
+from rankdrop.families.reciprocal import EXACT
+from rankdrop.families.searching import refine, search
+from rankdrop.family.which import families_at
+from rankdrop.results.codec import json_text
+from rankdrop.results.findings import find_to_dict
+from rankdrop.results.known import shipped
+from rankdrop.robot.open import open_robot
+from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
+from rankdrop.tolerances import DEFAULT
+
+ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_every_configuration_is_singular_to_rounding(name):
+    robot = open_robot(name)
+    found = search(robot, 1, starts=400, method="reciprocal", seed=2)
+    assert len(found.q) == 400
+    assert len(set(found.stratum.tolist())) >= 2
+    task = resolve_task(None, robot)
+    scale = task.scale(robot)
+    for q in found.q[:60]:  # an independent model of the arm agrees
+        full = reference_jacobian(robot, q)[list(task.rows)] if name != "canadarm2" else None
+        if full is None:
+            continue
+        full = full / np.array([scale if row < 3 else 1.0 for row in task.rows])[:, None]
+        sigma = np.linalg.svd(full, compute_uv=False)
+        assert sigma[found.rank] <= 10 * EXACT * sigma[0]
+    assert (found.sigma[:, found.rank] <= EXACT * found.sigma[:, 0]).all()
+    assert (np.abs(found.q[:, robot.periodic]) <= np.pi).all()
+
+
+FAMILIES = {"puma560": 3, "pa10": 4, "panda": 4, "scara": 1}
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_shoulder_elbow_and_wrist_are_among_them(name):
+    robot = open_robot(name)
+    found = search(robot, 1, starts=300, method="reciprocal", seed=1)
+    task = resolve_task(None, robot)
+    families = [one for one in shipped(name).families if one.corank == 1]
+    met = {one.family.id for q in found.q for one in families_at(families, robot, q, task, DEFAULT)}
+    assert len(met) >= FAMILIES[name]
+
+
+def test_every_stratum_has_families_of_its_own():
+    # at two joints a random wrench goes past the wrist centre, so that axes 4 and 6 align; nothing else comes of it
+    robot = open_robot("puma560")
+    found = search(robot, 1, starts=600, method="reciprocal", seed=1)
+    task = resolve_task(None, robot)
+    families = [one for one in shipped("puma560").families if one.corank == 1]
+    names = np.array(found.strata)[found.stratum]
+    begins = {"joint 2 alone": "shoulder", "joint 3 alone": "elbow", "joint 5 alone": "wrist",
+              "wrenches of joints 1-2": "wrist"}  # fmt: skip
+    for stratum, name in begins.items():
+        met = [families_at(families, robot, q, task, DEFAULT) for q in found.q[names == stratum]]
+        assert len(met) > 20
+        share = np.mean([any(one.family.name.startswith(name) for one in here) for here in met])
+        assert share > (0.9 if "wrenches" in stratum else 0.2), stratum
+        assert all(met)
+
+
+def test_same_seed_same_configurations_and_another_seed_others():
+    robot = open_robot("ur5")
+    one, same, other = (search(robot, 1, starts=50, method="reciprocal", seed=seed).q for seed in (3, 3, 4))
+    assert (one == same).all()
+    assert not np.isclose(one, other).all()
+
+
+def test_within_limits_every_configuration_is_inside_them():
+    robot = open_robot("panda")
+    found = search(robot, 1, starts=20, method="reciprocal", limits=True)
+    assert len(found.q) == 20
+    assert ((found.q >= robot.lower) & (found.q <= robot.upper)).all()
+
+
+def test_an_arm_in_millimetres_has_the_same_ones():
+    robot = open_robot("stanford")
+    from reference import region
+
+    one = search(robot, 1, starts=40, method="reciprocal", seed=5).q
+    big = search(region.scaled(robot, 1000.0), 1, starts=40, method="reciprocal", seed=5).q
+    turns = [j for j, joint in enumerate(robot.variables) if joint.unit == "rad"]
+    np.testing.assert_allclose(one[:, turns], big[:, turns], atol=1e-7)
+
+
+def test_random_arms_have_them_too_and_searching_from_them_stays():
+    for seed, kinds in ((1, "rrrrrr"), (2, "rrrrrrr"), (3, "rprrrr")):
+        robot = arms.random_chain(np.random.default_rng(seed), kinds)
+        found = search(robot, 1, starts=40, method="reciprocal", seed=seed)
+        assert len(found.q) == 40
+        again = refine(robot, found.q, 1)
+        assert (np.abs(again.q - found.q).max(axis=1) < 1e-9).all()
+
+
+def test_the_record_satisfies_its_schema_and_tells_the_strata():
+    record = json.loads(json_text(find_to_dict(search(open_robot("ur5"), 1, starts=40, method="reciprocal"))))
+    Draft202012Validator(load_schema("find")).validate(record)
+    assert sum(one["count"] for one in record["strata"]) == 40
+    assert all(one["residual"] <= EXACT for one in record["strata"])
+
+
+@pytest.mark.parametrize(("name", "corank", "task", "words"), [
+    ("ur5", 2, None, "corank 1"), ("ur5", 1, "0,1,5", "some rows"), ("scara", 1, "pose", "wherever it stands"),
+    ("fetch", 1, "vx,vy", "some rows"),
+])  # fmt: skip
+def test_what_cannot_be_drawn_is_refused_with_what_to_use(name, corank, task, words):
+    task = "planar" if task == "0,1,5" else task
+    with pytest.raises(OptionError, match=words) as error:
+        search(open_robot(name), corank, task=task, method="reciprocal")
+    assert "lm" in str(error.value)
+
+
+def test_mimics_and_screws_are_refused():
+    from reference import region
+
+    coupled = region.coupled(np.random.default_rng(6), "r r r1:0.3 r r r r")
+    with pytest.raises(OptionError, match="follows another"):
+        search(coupled, 1, method="reciprocal")
+    with pytest.raises(OptionError, match="screws"):
+        search(arms.random_chain(np.random.default_rng(5), "rhrrrr"), 1, method="reciprocal")
+    with pytest.raises(OptionError, match="nothing is iterated"):
+        search(open_robot("ur5"), 1, method="reciprocal", iterations=5)
+
+
+@pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])
+def test_no_enclosure_around_one_is_called_free(name):
+    """The oracle of certificates: a ball or box proven free holds none of them."""
+    robot = open_robot(name)
+    q = search(robot, 1, starts=200, method="reciprocal", seed=6).q
+    rng = np.random.default_rng(7)
+    for setting in settings_for(robot, resolve_task(None, robot))[::6]:
+        half = rng.uniform(0, 0.3, (len(q), 1)) ** 2 * np.ones_like(q)
+        centre = np.ascontiguousarray(q + rng.uniform(-1, 1, q.shape) * half * setting.scale * 0.999)
+        assert not enclose(robot, setting, centre, half)[0].any()
+        away = np.linalg.norm(((centre - q) / setting.scale)[:, setting.matters], axis=1)
+        assert (enclose(robot, setting, centre, radius=3.0)[1] <= away * (1 + 1e-12)).all()

@@ -1,0 +1,82 @@
+"""What a release is made with agrees with pyproject.toml, and the tools that try it see what they are to see."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from scripts import tool
+
+ROOT = Path(__file__).resolve().parents[2]
+PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def lowest() -> dict[str, str]:
+    """Name -> lowest version of what the plain install asks for."""
+    return dict(line.split(">=") for line in PROJECT["dependencies"])
+
+
+def parts(version: str) -> tuple[int, ...]:
+    """1.26.0 and 1.26 are the same version."""
+    numbers = [int(part) for part in version.split(".")]
+    return tuple(numbers + [0] * (3 - len(numbers)))
+
+
+def test_the_lowest_versions_are_those_that_are_asked_for() -> None:
+    lines = (ROOT / ".ci" / "lowest.txt").read_text(encoding="utf-8").splitlines()
+    tried = dict(line.split("==") for line in lines if not line.startswith("#"))
+    assert {name: parts(version) for name, version in tried.items()} == {
+        name: parts(version) for name, version in lowest().items()
+    }
+
+
+def test_the_recipe_is_of_this_version_and_asks_for_the_same() -> None:
+    text = (ROOT / "packaging" / "recipe.yaml").read_text(encoding="utf-8")
+    recipe = yaml.safe_load(text.replace("${{", "").replace("}}", ""))
+    assert recipe["context"]["version"] == PROJECT["version"]
+    run = dict(line.replace("matplotlib-base", "matplotlib").split(" >=") for line in recipe["requirements"]["run"])
+    assert run.pop("python") == PROJECT["requires-python"].removeprefix(">=")
+    assert run == lowest()
+    assert recipe["about"]["summary"] == PROJECT["description"]
+
+
+def test_the_container_has_the_plain_install_and_no_superuser() -> None:
+    lines = (ROOT / "packaging" / "Containerfile").read_text(encoding="utf-8").splitlines()
+    said = [line for line in lines if line and not line.startswith("#")]
+    assert sum(line.startswith("FROM python:") for line in said) == 2
+    assert [line for line in said if line.startswith("USER")] == ["USER user"]
+    assert not any(re.search(r"pip install .*\[", line) for line in said)
+
+
+def test_mutants_are_of_what_they_say() -> None:
+    """Each changes one place of the file; the file as it is is none of them."""
+    mutate = tool("mutate")
+    text = 'def f(x: int = 3) -> int:\n    """One é."""\n    return x + 1 if not x < 2 and True else -x\n'
+    made = mutate.of_python(text)
+    assert {one.line for one in made} == {1, 3}
+    assert all(one.text != text for one in made)
+    values = []
+    for one in made:
+        names: dict[str, Any] = {}
+        exec(one.text, names)  # every mutant is Python
+        values.append([names["f"](x) for x in (0, 1, 2, 3)] + [names["f"]()])
+    names = {}
+    exec(text, names)
+    want = [names["f"](x) for x in (0, 1, 2, 3)] + [names["f"]()]
+    assert sum(value != want for value in values) >= 8
+    assert {one.what for one in mutate.of_cpp("if (a < b && c != d) return a + b;  // a < b\n#include <x>\n")} == {
+        f"if (a < b && c != d) return a + b;: {change}" for change in ("< -> <=", "&& -> ||", "!= -> ==", "+ -> -")
+    }
+
+
+def test_memory_that_grows_is_not_flat() -> None:
+    soak = tool("soak")
+    assert soak.flat([10.0, *[60.0] * 19], 1.0) == 0.0
+    assert soak.flat([60.0] * 15 + [60.5] * 5, 1.0) == 0.5
+    with pytest.raises(SystemExit):
+        soak.flat([60.0 + i for i in range(20)], 8.0)

@@ -1,0 +1,188 @@
+"""Do the tests see a fault? One small change at a time to a file, and whether some test fails then.
+
+    .venv/bin/python tools/mutate.py src/rankdrop/certify/bittree.py --tests tests/certify/test_covering.py --most 40
+    .venv/bin/python tools/mutate.py src/core/readable.cpp --tests tests/local/test_readable_planted.py --most 20
+
+Changes of Python are made in its syntax tree: comparisons, arithmetic, and/or, not, numbers, True and False,
+conditions. Changes of C++ are the same signs in its text; the core is built anew for each, in build/mutate. Both work
+on a copy of the package: the sources stay as they are. A change that no test sees is printed with its line: a test is
+missing, or the change makes no difference. docs/tried.md has what was found.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import copy
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+COMPARED = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
+            ast.In: ast.NotIn, ast.NotIn: ast.In, ast.Is: ast.IsNot, ast.IsNot: ast.Is}  # fmt: skip
+COMPUTED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Add, ast.Div: ast.Mult, ast.FloorDiv: ast.Mult,
+            ast.Mod: ast.Mult, ast.LShift: ast.RShift, ast.RShift: ast.LShift, ast.BitAnd: ast.BitOr,
+            ast.BitOr: ast.BitAnd, ast.BitXor: ast.BitAnd, ast.MatMult: ast.Add, ast.Pow: ast.Mult}  # fmt: skip
+WRITTEN = (("<=", "<"), (">=", ">"), (" < ", " <= "), (" > ", " >= "), ("==", "!="), ("!=", "=="), (" + ", " - "),
+           (" - ", " + "), (" * ", " + "), (" / ", " * "), ("&&", "||"), ("||", "&&"), ("++", "--"))  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """A changed text of the file, and where it differs."""
+
+    text: str
+    line: int
+    what: str
+
+
+def changes(node: ast.AST) -> Iterator[ast.AST]:
+    """Copies of an expression with one small change each, in the expression itself."""
+    made = copy.deepcopy(node)
+    if isinstance(made, ast.Compare):
+        made.ops[0] = COMPARED[type(made.ops[0])]()
+        yield made
+    elif isinstance(made, ast.BinOp) and type(made.op) in COMPUTED:
+        made.op = COMPUTED[type(made.op)]()
+        yield made
+    elif isinstance(made, ast.BoolOp):
+        made.op = ast.Or() if isinstance(made.op, ast.And) else ast.And()
+        yield made
+    elif isinstance(made, ast.UnaryOp) and isinstance(made.op, ast.Not | ast.USub):
+        yield made.operand
+    elif isinstance(made, ast.Constant) and isinstance(made.value, bool):
+        made.value = not made.value
+        yield made
+    elif isinstance(made, ast.Constant) and isinstance(made.value, int | float):
+        made.value = made.value + 1
+        yield made
+    elif isinstance(made, ast.IfExp):
+        yield made.body
+        yield made.orelse
+
+
+def of_python(text: str) -> list[Mutant]:
+    """Every mutant of a Python file; annotations and f-strings are left alone."""
+    tree = ast.parse(text)
+    noted = [one for node in ast.walk(tree) for name in ("annotation", "returns") if (one := getattr(node, name, None))]
+    left = {id(part) for one in noted for part in ast.walk(one)}
+    left |= {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
+    lines = text.splitlines(keepends=True)
+    starts = [0]
+    for line in lines:
+        starts.append(starts[-1] + len(line.encode()))
+    whole, found = text.encode(), []
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.expr) or id(node) in left:
+            continue
+        assert node.end_lineno is not None
+        assert node.end_col_offset is not None
+        begin, end = starts[node.lineno - 1] + node.col_offset, starts[node.end_lineno - 1] + node.end_col_offset
+        for changed in changes(node):
+            new = f"({ast.unparse(changed)})"
+            old = whole[begin:end].decode()
+            found.append(Mutant((whole[:begin] + new.encode() + whole[end:]).decode(), node.lineno, f"{old} -> {new}"))
+    return found
+
+
+def of_cpp(text: str) -> list[Mutant]:
+    """Every mutant of a C++ file; comments, includes and templates' brackets are left alone."""
+    found, at = [], 0
+    for number, line in enumerate(text.splitlines(keepends=True), start=1):
+        code = line.split("//")[0]
+        if not code.lstrip().startswith(("#", "template", "namespace", "using")):
+            for old, new in WRITTEN:
+                for match in re.finditer(re.escape(old), code):
+                    begin = at + match.start()
+                    changed = text[:begin] + new + text[begin + len(old) :]
+                    found.append(Mutant(changed, number, f"{code.strip()}: {old.strip()} -> {new.strip()}"))
+        at += len(line)
+    return found
+
+
+class Copy:
+    """A copy of the sources in which one file is another."""
+
+    def __init__(self, folder: Path, file: Path) -> None:
+        self.folder, self.file = folder, folder / file.relative_to(ROOT)
+        for part in ("src", "tests", "tools"):
+            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        for part in ("CMakeLists.txt", "pyproject.toml", "README.md"):
+            shutil.copy(ROOT / part, folder / part)
+        self.native = file.suffix in (".cpp", ".hpp")
+
+    def build(self) -> bool:
+        """Build the core of the copy, where the file is part of it; False where it does not compile."""
+        if not self.native:
+            return True
+        place = ROOT / "build" / "mutate"
+        asked = [sys.executable, "-m", "nanobind", "--cmake_dir"]
+        nanobind = subprocess.run(asked, text=True, capture_output=True, check=True)
+        told = ["cmake", "-S", self.folder, "-B", place, "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}",
+                f"-Dnanobind_ROOT={nanobind.stdout.strip()}"]  # fmt: skip
+        if subprocess.run([str(part) for part in told], capture_output=True, check=False).returncode:
+            raise SystemExit("the core cannot be configured: cmake and ninja are needed")
+        if subprocess.run(["ninja", "-C", str(place)], capture_output=True, check=False).returncode:
+            return False
+        for core in place.glob("_core*.so"):
+            shutil.copy(core, self.folder / "src" / "rankdrop" / core.name)
+        return True
+
+    def seen(self, text: str, tests: list[str], seconds: float) -> str:
+        """How the tests take a text: "killed", "survived", or "no build"."""
+        self.file.write_text(text, encoding="utf-8")
+        if not self.build():
+            return "no build"
+        environment = os.environ | {"PYTHONPATH": f"{self.folder / 'src'}{os.pathsep}{self.folder / 'tests'}",
+                                    "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+        try:
+            done = subprocess.run(
+                command, cwd=self.folder, env=environment, capture_output=True, timeout=seconds, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return "killed"  # it does not end any more
+        return "survived" if done.returncode == 0 else "killed"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """The command line; 1 where the tests fail without any change."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", type=Path, help="to change")
+    parser.add_argument("--tests", nargs="+", required=True, help="files of tests that are to see it")
+    parser.add_argument("--most", type=int, default=50, help="mutants tried, drawn at random of all there are")
+    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--seconds", type=float, default=120.0, help="after which a test run has not ended")
+    given = parser.parse_args(argv)
+    file = given.file.resolve()
+    text = file.read_text(encoding="utf-8")
+    every = of_python(text) if file.suffix == ".py" else of_cpp(text)
+    tried = random.Random(given.seed).sample(every, min(given.most, len(every)))
+    counts = {"killed": 0, "survived": 0, "no build": 0}
+    with tempfile.TemporaryDirectory() as folder:
+        copied = Copy(Path(folder) / "copy", file)
+        if copied.seen(text, given.tests, 10 * given.seconds) != "survived":
+            print("the tests fail as it is", file=sys.stderr)
+            return 1
+        for mutant in sorted(tried, key=lambda one: one.line):
+            ended = copied.seen(mutant.text, given.tests, given.seconds)
+            counts[ended] += 1
+            if ended == "survived":
+                print(f"{given.file}:{mutant.line}: {mutant.what}", flush=True)
+    judged = counts["killed"] + counts["survived"]
+    print(json.dumps({"file": str(given.file), "of": len(every), "tried": len(tried), **counts,
+                      "score": round(counts["killed"] / max(1, judged), 3)}))  # fmt: skip
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

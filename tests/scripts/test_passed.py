@@ -11,9 +11,9 @@ import rankdrop
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (77, 62),
-    "conditions puma560 --quiet": (50, 33),
-    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (80, 65),
+    "analyze planar3r --starts 300 --quiet --threads 1": (70, 60),
+    "conditions puma560 --quiet": (45, 32),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (76, 64),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""
 
@@ -29,7 +29,9 @@ def test_a_command_passes_no_more_files_and_types_than_before(line: str) -> None
         assert len(passed) <= bound, f"{len(passed)} {kind}, {bound} are allowed:\n" + "\n".join(passed)
 
 
-WHOLE = {"robot": (19, 25)}
+WHOLE = {
+    "problem": (1, 2), "solve": (1, 0), "robot": (27, 25), "local": (31, 55), "family": (7, 16), "compare": (5, 13),
+}  # fmt: skip
 """Room -> at most so many files, at most so many classes."""
 
 

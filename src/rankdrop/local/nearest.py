@@ -131,12 +131,13 @@ def nearest_singularity(
     walk = _Walk(problem, centre, np.stack([robot.lower, robot.upper]) if limits else None)
     rng = np.random.default_rng(seed)
     first = max(1, starts // 4)
-    found = walk.run(np.concatenate([given, walk.around(rng, first)]))
-    found = found.joined(walk.run(walk.within(rng, starts - first, found.distance.min(initial=np.inf))))
-    if not len(found.q):
+    early = walk.run(np.concatenate([given, walk.around(rng, first)]))
+    late = walk.run(walk.within(rng, starts - first, early[1].min(initial=np.inf)))
+    q_found, distances, stationarity = (np.concatenate(both) for both in zip(early, late, strict=True))
+    if not len(q_found):
         return None
-    number = int(found.distance.argmin())
-    best = walk.without_idle_motion(found.q[number])
+    number = int(distances.argmin())
+    best = walk.without_idle_motion(q_found[number])
     distance = walk.distance(best)
     sigma, rank = problem.sigma(best), problem.rank
     inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
@@ -146,9 +147,9 @@ def nearest_singularity(
         delta=tuple((best - centre).tolist()),
         corank=rank + corank - int((sigma > tolerances.singular).sum()),
         sigma=float(sigma[rank]),
-        stationarity=float(found.stationarity[number]),
+        stationarity=float(stationarity[number]),
         starts=len(given) + starts,
-        agreeing=int((found.distance <= distance + SAME).sum()),
+        agreeing=int((distances <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
 
@@ -157,21 +158,6 @@ def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
     """A configuration of `in_metres(robot)` as one of the arm itself."""
     q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
     return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """Where starts ended: singular configurations only."""
-
-    q: Array
-    distance: Array
-    stationarity: Array
-
-    def joined(self, other: _Found) -> _Found:
-        return _Found(
-            np.concatenate([self.q, other.q]), np.concatenate([self.distance, other.distance]),
-            np.concatenate([self.stationarity, other.stationarity]),
-        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,8 +193,12 @@ class _Walk:
         x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(moves.sum()))) / length
         return np.asarray(self.centre + x * self.problem.scale)
 
-    def run(self, starts: Array) -> _Found:
-        """Onto the singular set, then along it to the nearest point; what is not singular in the end is dropped."""
+    def run(self, starts: Array) -> tuple[Array, Array, Array]:
+        """Onto the singular set, then along it to the nearest point; what is not singular in the end is dropped.
+
+        Returns:
+            (C, n) where starts ended, (C,) their distances, (C,) their stationarity.
+        """
         problem = self.problem
         rows, _ = configurations(problem.robot, starts)
         if self.box is not None:
@@ -227,7 +217,7 @@ class _Walk:
         near = self._brought_near(q[outcome == 0])
         q, distance, stationarity, _ = _core.nearest(chain, view, near, along, threads=1)
         kept = problem.singular(q) & np.isfinite(distance)
-        return _Found(q[kept], problem.length(q[kept] - self.centre), stationarity[kept])
+        return q[kept], problem.length(q[kept] - self.centre), stationarity[kept]
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""

@@ -7,6 +7,7 @@ import pytest
 from reference import arms, region
 from reference.displaced import displaced_arm
 
+from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
 from rankdrop.certify.proof.verifying import verify
 from rankdrop.certify.proof.writing import ball_certificate, write_certificate
@@ -20,7 +21,7 @@ from rankdrop.task import resolve_task
 
 NEAR = ModelTolerance(3e-4, 1e-3)
 ARMS = {
-    **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "puma560", "panda", "pa10", "planar3r")},
+    **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "puma560", "panda", "pa10")},
     "random 6R": lambda: arms.random_chain(np.random.default_rng(3), "rrrrrr"),
 }
 
@@ -40,9 +41,9 @@ def moved_columns(robot, other, q, setting):
 def test_no_displaced_arm_goes_beyond_the_bound(name):
     robot = ARMS[name]()
     rng = np.random.default_rng(1)
-    task = resolve_task("pose", robot) if name != "planar3r" else resolve_task(None, robot)
+    task = resolve_task("pose", robot)
     for setting in settings_for(robot, task)[::4]:
-        bound = displaced_columns(robot, setting, NEAR)
+        bound = displaced_columns(robot, setting, NEAR, task.rows)
         assert bound.any()
         for _ in range(40):
             count = len(robot.joints)
@@ -77,7 +78,7 @@ def test_the_bound_is_reached_by_links_that_twist():
         shift = np.tile([0.0, moves, 0.0], (count, 1))
         other = displaced_arm(robot, turns, shift)
         for setting in settings_for(robot, resolve_task(None, robot)):
-            bound = displaced_columns(robot, setting, near)
+            bound = displaced_columns(robot, setting, near, setting.rows)
             change = np.linalg.norm(moved_columns(robot, other, np.zeros(count), setting), axis=1)
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()
             matter = bound > 0.0
@@ -91,11 +92,13 @@ def test_balls_for_near_arms_hold_none_of_their_singular_configurations(name, tm
     robot = open_robot(name)
     q = [0.3, -0.8, 1.2, 0.4, 0.9, 0.1] if name == "ur5" else [0.3, 0.4, -0.3, 0.4, 1.2, 0.1]
     near = ModelTolerance(1e-4, 2e-4)
-    record = ball_certificate(robot, q, tolerance=near, evaluations=20_000)
-    plain = ball_certificate(robot, q, evaluations=20_000)
-    radius = record["claim"]["radius"]
-    assert 0.0 < radius < plain["claim"]["radius"]
-    small = ball_certificate(robot, q, tolerance=near, radius=radius / 2)
+    whole = certified_radius(robot, q, evaluations=20_000).radius
+    radius = 0.8 * whole
+    record = ball_certificate(robot, q, tolerance=near, radius=radius, evaluations=20_000)
+    assert record["tolerance"]["angle"] == near.angle
+    with pytest.raises(OptionError, match="not proven"):
+        ball_certificate(robot, q, tolerance=ModelTolerance(0.05, 0.1), radius=radius, evaluations=2_000)
+    small = ball_certificate(robot, q, tolerance=near, radius=0.2 * whole)
     assert verify(write_certificate(small, tmp_path / "b.json"), robot).holds
     rng = np.random.default_rng(5)
     count = len(robot.joints)
@@ -124,6 +127,8 @@ def test_what_a_tolerance_is_not_for_is_refused():
         ball_certificate(open_robot("stanford"), [0.3] * 6, tolerance=NEAR)
     with pytest.raises(OptionError, match="rotation"):
         ball_certificate(open_robot("puma560"), [0.3] * 6, "position", tolerance=NEAR)
+    with pytest.raises(OptionError, match="whole tasks"):
+        ball_certificate(open_robot("planar3r"), [0.3, 1.2, 0.4], tolerance=NEAR)
     with pytest.raises(OptionError, match="small angle"):
         ModelTolerance(0.0, 1.0)
     with pytest.raises(OptionError, match="no length"):

@@ -63,12 +63,22 @@ def points_of(robot: Robot) -> Array:
     return np.array(found)
 
 
-def displaced_columns(robot: Robot, setting: Setting, tolerance: ModelTolerance) -> Array:
+def displaced_columns(robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...]) -> Array:
     """(N,) D_i: how far each column, seen as the setting has it, can change for any arm within the tolerance.
 
+    Args:
+        robot, setting: the arm as a certificate looks at it.
+        tolerance: how far a joint may be from where it is described.
+        rows: of the task; all that the setting has, for rows that are zero for this arm need not be for those near it.
+
     Raises:
-        OptionError: the arm has joints that do not turn or that follow others, or the task takes no rotation.
+        OptionError: the arm has joints that do not turn or that follow others, or the task takes no rotation, or some
+            rows only.
     """
+    if tuple(rows) != setting.rows:
+        raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
+                          "not for those near it", where="model_tolerance", got=f"rows {rows}",
+                          allowed="pose, orientation")  # fmt: skip
     if any(joint.kind is not JointKind.REVOLUTE or joint.mimic is not None for joint in robot.joints):
         raise OptionError("a tolerance of the model is for arms whose joints all turn, each for itself",
                           where="model_tolerance", got=robot.name)  # fmt: skip

@@ -39,7 +39,7 @@ def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -
     """
     setting = chosen(found.robot, settings_of(found.robot, found.task), found.curve)
     if tolerance is not None:
-        displaced_columns(found.robot, setting, tolerance)  # refuses what it is not for
+        displaced_columns(found.robot, setting, tolerance, found.task.rows)  # refuses what it is not for
     control = found.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
     square = found.robot.n == setting.rank == len(setting.rows)
@@ -77,7 +77,7 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
     """
     robot = found.robot
     setting = chosen(robot, settings_of(robot, found.task), found.curve)
-    drift = displaced_columns(robot, setting, tolerance)
+    drift = displaced_columns(robot, setting, tolerance, found.task.rows)
     tree = box_tree(found.curve)
     nodes = np.zeros(1, dtype=np.int64)
     spent = 0

@@ -203,12 +203,19 @@ class Arm:
             rank: how many.
             tolerance: for every arm so near as well.
         """
+        found = self.enclosed(region, rows, rank, tolerance)
+        return found is not None and regular(found[0].tolist(), rank)
+
+    def enclosed(
+        self, region: Region, rows: list[int], rank: int, tolerance: Tolerance | None = None
+    ) -> tuple[Matrix, Array, Array] | None:
+        """U^T J V over a region, as intervals (r, r), with U (rows, r) and V (n, r); None where J has no such rank."""
         f = self._f
         zeros = [f.arb(0)] * self.variables
         at = self.seen(region.centre, zeros).columns
         u, sigma, vt = np.linalg.svd(self.jacobian(at)[rows])
         if len(sigma) < rank or not sigma[rank - 1] > 0.0:
-            return False
+            return None
         left = f.arb_mat(rank, 6, [0.0] * (6 * rank))
         for place, row in enumerate(rows):
             for k in range(rank):
@@ -231,7 +238,7 @@ class Arm:
                 total += self._second(side, over, weights, region.half, left)
         if tolerance is not None:
             total += self._shifted(seen, weights, tolerance, left, rank)
-        return regular(total.tolist(), rank)
+        return total, u[:, :rank], vt[:rank].T
 
     def sign(self, q: list[Interval], rows: list[int]) -> int:
         """Sign of the determinant of the rows at a configuration, 0 where it is not decided; as many rows as variables.

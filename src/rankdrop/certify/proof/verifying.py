@@ -204,6 +204,8 @@ def _arm(told: Told) -> Arm:
     if told.tolerance is not None:
         if told.whole_rows == [0, 1, 2] or any(one.kind != "revolute" for one in told.links):
             raise Unproven("a tolerance of the model is proven for turning joints and tasks with rotation only")
+        if list(told.rows) != told.whole_rows:
+            raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _points_on_axes(told)
     return Arm(told.links, told.variables, told.link, point, length)
 

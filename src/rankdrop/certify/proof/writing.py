@@ -31,7 +31,8 @@ SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3)
 BOXES = 20_000
 """Boxes of a certificate, at most: some twenty seconds of checking."""
 _SEAM = 1e-15  # corners are rounded: boxes are tested so much wider [rad]
-_BATCH = 1024  # boxes tested at one go, nearest first
+_BATCH = 128  # boxes tested at one go, nearest first
+_SIZES = 20  # boxes around the centre that are tried first, each half as wide as the one before
 _NARROW = 1e-6  # boxes narrower than this are not halved [rad]
 _NEAR = 1e-9  # how far from q a singular configuration is claimed at least [rad, m]
 
@@ -123,11 +124,13 @@ def ball_certificate(
     setting, most = found.setting, found.radius
     if tolerance is not None:
         most = max(most, 1e-12)
-        setting, most = _with_tolerance(robot, resolved, centre, tolerance, most, evaluations)
-    test = _Test(robot, setting, centre, tolerance)
+        spend = evaluations if radius is None else evaluations // 4  # where a radius is given the setting counts alone
+        setting, most = _with_tolerance(robot, resolved, centre, tolerance, most, spend)
+    test = _Test(robot, setting, resolved.rows, centre, tolerance)
     if radius is None and most < 1e-5:  # nothing to be halved any more
-        raise OptionError("no ball around q is proven to be free: it is singular, or nearly", where="q",
-                          got=f"a radius of {most:.3g}")  # fmt: skip
+        raise OptionError("no ball around q is proven to be free: it is singular, or so nearly that the arms within "
+                          "the tolerance may be" if tolerance else "no ball around q is proven to be free: it is "
+                          "singular, or nearly", where="q", got=f"a radius of {most:.3g}")  # fmt: skip
     for share in SHARES if radius is None else (1.0,):
         wanted = most * share if radius is None else radius
         tree = tree_of(test, wanted, BOXES if share > SHARES[-1] else 50 * BOXES)
@@ -141,11 +144,11 @@ def ball_certificate(
 def _with_tolerance(
     robot: Robot, task: Task, q: Array, tolerance: ModelTolerance, at_most: float, evaluations: int
 ) -> tuple[Setting, float]:
-    """The setting and the radius: every setting is tried with a twentieth, the best with all."""
+    """The setting and the radius: every setting is tried with a fortieth of the budget, the best with all."""
     settings = settings_of(robot, task)
-    tried = [free_radius(_Test(robot, one, q, tolerance), at_most, max(64, evaluations // 400)) for one in settings]
+    tried = [free_radius(_Test(robot, one, task.rows, q, tolerance), at_most, evaluations // 40) for one in settings]
     best = settings[int(np.argmax(tried))]
-    return best, free_radius(_Test(robot, best, q, tolerance), at_most, evaluations // 5)
+    return best, free_radius(_Test(robot, best, task.rows, q, tolerance), at_most, evaluations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +157,7 @@ class _Test:
 
     robot: Robot
     setting: Setting
+    rows: tuple[int, ...]
     q: Array
     tolerance: ModelTolerance | None
 
@@ -171,7 +175,7 @@ class _Test:
         found = enclose(self.robot, self.setting, q, wide)
         if self.tolerance is None:
             return np.asarray(found[0] != 0)
-        drift = displaced_columns(self.robot, self.setting, self.tolerance)
+        drift = displaced_columns(self.robot, self.setting, self.tolerance, self.rows)
         extra = np.einsum("i,bij->bj", drift, np.abs(found[5]))
         return regular(found[3], found[2] + extra[:, None, :])
 
@@ -179,9 +183,12 @@ class _Test:
 def free_radius(test: _Test, at_most: float, evaluations: int) -> float:
     """How far from the centre the nearest box is that is not proven free when the budget ends, boxes nearest first."""
     d = len(test.places)
+    sizes = at_most * 0.5 ** np.arange(_SIZES)
+    whole = test.free(np.zeros((_SIZES, d)), np.repeat(sizes[:, None], d, axis=1))
+    least = float(sizes[whole].max(initial=0.0))  # of one box alone: what a small budget is sure of
     centre, half = np.zeros((1, d)), np.full((1, d), at_most)
     gap = np.zeros(1)
-    spent, stuck = 0, at_most
+    spent, stuck = _SIZES, at_most
     while len(centre):
         order = np.argsort(gap, kind="stable")
         now, later = order[:_BATCH], order[_BATCH:]
@@ -189,7 +196,7 @@ def free_radius(test: _Test, at_most: float, evaluations: int) -> float:
             break
         spent += len(now)
         if spent > evaluations:
-            return min(stuck, float(gap.min()))
+            return max(least, min(stuck, float(gap.min())))
         left = now[~test.free(centre[now], half[now])]
         narrow = half[left].max(axis=1) < _NARROW
         stuck = min(stuck, *gap[left[narrow]].tolist(), np.inf)
@@ -198,7 +205,7 @@ def free_radius(test: _Test, at_most: float, evaluations: int) -> float:
         gap = np.linalg.norm(np.maximum(0.0, np.abs(centre) - half), axis=1)
         inside = gap < stuck
         centre, half, gap = centre[inside], half[inside], gap[inside]
-    return stuck
+    return max(least, stuck)
 
 
 def _halved(centre: Array, half: Array) -> tuple[Array, Array]:

@@ -1,0 +1,119 @@
+"""What the checker encloses holds the arm's own values, at every place of a region, and is not much wider."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reference import arms, region
+from reference.displaced import displaced_arm
+
+from rankdrop.certify.displaced import ModelTolerance, points_of
+from rankdrop.certify.proof.intervals import BITS, Arm, Link, Region, Tolerance, flint
+from rankdrop.certify.setting import settings_for
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+ARMS = {
+    **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "panda", "stanford", "almarkhi4")},
+    "random screws": lambda: arms.random_chain(np.random.default_rng(5), "rhrphr"),
+    "mimics": lambda: region.coupled(np.random.default_rng(6), "r p r1:0.3 p1:-0.4 r h0:2.5 r p0:0.3 r"),
+}
+ROUNDED = 1e-11  # of the reference, in doubles
+
+
+@pytest.fixture(autouse=True)
+def bits():
+    with flint().ctx.workprec(BITS):
+        yield
+
+
+def checker(robot, setting):
+    """The arm as the checker sees it, and what turns numbers into intervals."""
+    arb = flint().arb
+    place = {joint.name: k for k, joint in enumerate(robot.variables)}
+    links = [
+        Link(str(joint.kind), tuple(joint.screw.tolist()), place[joint.mimic.leader if joint.mimic else joint.name],
+             *((joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else (1.0, 0.0)))
+        for joint in robot.joints
+    ]  # fmt: skip
+    frame = robot.joints[setting.link - 1].frame
+    point = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
+    return Arm(links, robot.n, setting.link, [arb(float(x)) for x in point], arb(setting.length)), frame[:3, :3]
+
+
+def values(robot, q, setting, turn, u, v):
+    """U^T J V from the independent model, in the axes that the link has at q = 0 in base coordinates."""
+    both = np.kron(np.eye(2), turn)
+    full = np.zeros((6, robot.n))
+    full[list(setting.rows)] = region.jacobian(robot, q, setting)
+    return u.T @ (both @ full)[list(setting.rows)] @ v
+
+
+def middles(found):
+    low, high = np.array([[[float(x.lower()), float(x.upper())] for x in row] for row in found.tolist()]).T
+    return (low.T + high.T) / 2, (high.T - low.T) / 2
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("wide", [0.02, 0.3])
+@pytest.mark.parametrize("along", [False, True])
+def test_every_place_of_a_region_is_in_it(name, wide, along):
+    robot = ARMS[name]()
+    rng = np.random.default_rng(11)
+    arb = flint().arb
+    reached = 0.0
+    for setting in settings_for(robot, resolve_task(None, robot))[::7]:
+        arm, turn = checker(robot, setting)
+        q = rng.uniform(-2, 2, robot.n)
+        half = rng.uniform(0.3, 1.0, robot.n) * wide * (0.02 if along else 1.0)
+        chord = rng.uniform(-1.0, 1.0, robot.n) * wide if along else np.zeros(robot.n)
+        numbers = [[arb(float(x)) for x in row] for row in (q, half, chord)]
+        place = Region(numbers[0], numbers[1], numbers[2] if along else None)
+        found, u, v = arm.enclosed(place, list(setting.rows), setting.rank)
+        middle, width = middles(found)
+        for k in range(60):
+            s = rng.choice([-1.0, 1.0], robot.n) if k % 2 else rng.uniform(-1, 1, robot.n)
+            t = rng.choice([-1.0, 1.0])
+            off = np.abs(values(robot, q + half * s + chord * t, setting, turn, u, v) - middle)
+            assert (off <= width + ROUNDED * (1 + np.abs(middle).max())).all()
+            reached = max(reached, float((off / (width + 1e-9)).max()))
+    if wide < 0.1:
+        assert reached > 0.9
+
+
+def test_a_region_without_size_is_a_point():
+    robot = open_robot("ur5")
+    setting = settings_for(robot, resolve_task(None, robot))[3]
+    arm, turn = checker(robot, setting)
+    q = np.array([0.3, -0.8, 1.2, 0.4, 0.9, 0.1])
+    zero = [flint().arb(0)] * 6
+    found, u, v = arm.enclosed(Region([flint().arb(float(x)) for x in q], zero), list(setting.rows), 6)
+    middle, width = middles(found)
+    assert width.max() < 1e-15
+    np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda"])
+def test_arms_within_a_tolerance_are_in_it(name):
+    robot = open_robot(name)
+    rng = np.random.default_rng(12)
+    arb = flint().arb
+    near = ModelTolerance(3e-4, 1e-3)
+    told = Tolerance(near.length, near.angle, points_of(robot))
+    reached = 0.0
+    count = len(robot.joints)
+    for setting in settings_for(robot, resolve_task(None, robot))[::5]:
+        arm, turn = checker(robot, setting)
+        q = rng.uniform(-2, 2, robot.n)
+        zero = [arb(0)] * robot.n
+        place = Region([arb(float(x)) for x in q], zero)
+        found, u, v = arm.enclosed(place, list(setting.rows), setting.rank, told)
+        middle, width = middles(found)
+        for _ in range(150):
+            turns, moves = rng.standard_normal((count, 3)), rng.standard_normal((count, 3))
+            turns *= near.angle / np.linalg.norm(turns, axis=1, keepdims=True)
+            moves *= near.length / np.linalg.norm(moves, axis=1, keepdims=True)
+            off = np.abs(values(displaced_arm(robot, turns, moves), q, setting, turn, u, v) - middle)
+            assert (off <= width + ROUNDED).all()
+            reached = max(reached, float((off / (width + 1e-12)).max()))
+    assert reached > 0.5  # by chance; all joints at once at their worst is rare

@@ -21,7 +21,7 @@ author = "the rankdrop authors"
 copyright = author
 version = release = rankdrop.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.napoleon", "mathml", "gallery"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.napoleon", "mathml", "gallery", "commands", "atlas"]
 exclude_patterns = ["_ext"]
 nitpicky = True
 

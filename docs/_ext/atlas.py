@@ -81,7 +81,8 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
     table = "\n".join([
         "| | family | " + " | ".join(heads) + " | dim | lost |", "|" + "---|" * (len(heads) + 4), *rows,
     ])  # fmt: skip
-    more = f"\n\n{len(found.families) - _MOST} more: `rankdrop analyze {entry.name} --all`." if len(rows) == _MOST else ""
+    rest = len(found.families) - len(rows)
+    more = f"\n\n{rest} more: `rankdrop analyze {entry.name} --all`." if rest else ""
     coranks = ", ".join(
         f"{len(found.of_corank(one.corank))} of corank {one.corank}" for one in found.coranks
         if found.of_corank(one.corank)
@@ -90,7 +91,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
     parts = [
         f"# {title(entry)}",
         f"{entry.about}. {_maker(entry)}{coranks or 'No families were found, which is no proof.'}. "
-        f"{found.verdict.sentence}",
+        f"{found.verdict.sentence.split(';')[0]}.",
         "```{raw} html\n" + picture(found) + "\n```",
         f'<a href="{entry.name}-report.html">The report: the arm in 3-D, conditions, workspace</a>' if report else "",
         f"```console\nrankdrop analyze {entry.name}\nrankdrop report {entry.name}\nrankdrop view {entry.name}\n```",
@@ -118,7 +119,8 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
     rows = []
     for entry in entries:
         families = found[entry.name].families
-        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *(one.name for one in families[:_MOST])])
+        names = (one.name for one in families[:_MOST])
+        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names])
         rows.append(
             f'<tr data-words="{escape(words.lower())}"><td>{picture(found[entry.name])}</td>'
             f'<td><a href="{entry.name}.html">{escape(entry.name)}</a><br>{escape(entry.about)}</td>'
@@ -128,7 +130,8 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
     return (
         "# Atlas\n\nThe singularities of every arm of the catalogue, from the analyses that come with rankdrop.\n\n"
         "```{raw} html\n"
-        '<p><label>Name, maker, or words of a family: <input id="atlas-words" type="search" autocomplete="off"></label> '
+        '<p><label>Name, maker, or words of a family: '
+        '<input id="atlas-words" type="search" autocomplete="off"></label> '
         f'<span id="atlas-count" role="status">{len(entries)} arms</span></p>\n'
         '<table class="atlas"><thead><tr><th>picture</th><th>arm</th><th>maker</th><th>families</th></tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>\n<script>{_SEARCH}</script>\n```\n\n"

@@ -18,6 +18,7 @@ from .drawn import Drawn as Drawn
 from .drawn import drawn_at as drawn_at
 from .drawn import skeleton as skeleton
 from .failures import failures_at as failures_at
+from .inverse import damped_inverse as damped_inverse
 from .nearest import nearest_singularity as nearest_singularity
 from .null_motion import self_motion as self_motion
 from .ordered import OrderedScrewSet as OrderedScrewSet

@@ -29,6 +29,7 @@ from rankdrop.robot import CatalogEntry, near_ideal, search_catalog
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds
 _SIZE = 150  # of a picture [px]
+_ORPHAN = "---\norphan: true\n---\n\n"  # in the sidebar of every page they would make the site slow to build
 _TURN, _TILT = -0.9, 0.38  # of the view [rad], as in the report
 
 
@@ -103,7 +104,7 @@ def arm_page(entry: CatalogEntry, found: Analysis, alike: list[CatalogEntry], re
         + ", ".join(f"[{one.name}]({one.name}.md)" for one in alike[:12]) + "." if alike else "",
         f"Numbers: {entry.source}" if entry.source else "",
     ]
-    return "\n\n".join(filter(None, parts)) + "\n"
+    return _ORPHAN + "\n\n".join(filter(None, parts)) + "\n"
 
 
 def _maker(entry: CatalogEntry) -> str:
@@ -126,7 +127,6 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
             f'<td><a href="{entry.name}.html">{escape(entry.name)}</a><br>{escape(entry.about)}</td>'
             f"<td>{escape(entry.maker or 'documents')}</td><td>{len(families)}</td></tr>"
         )
-    toctree = "\n".join(entry.name for entry in entries)
     return (
         "# Atlas\n\nThe singularities of every arm of the catalogue, from the analyses that come with rankdrop.\n\n"
         "```{raw} html\n"
@@ -134,8 +134,7 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
         '<input id="atlas-words" type="search" autocomplete="off"></label> '
         f'<span id="atlas-count" role="status">{len(entries)} arms</span></p>\n'
         '<table class="atlas"><thead><tr><th>picture</th><th>arm</th><th>maker</th><th>families</th></tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table>\n<script>{_SEARCH}</script>\n```\n\n"
-        f"```{{toctree}}\n:hidden:\n:titlesonly:\n\n{toctree}\n```\n"
+        f"<tbody>{''.join(rows)}</tbody></table>\n<script>{_SEARCH}</script>\n```\n"
     )
 
 

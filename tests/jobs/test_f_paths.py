@@ -29,11 +29,18 @@ def program(path: Path) -> None:
     np.savetxt(path, np.column_stack([time, degrees]), delimiter=",", header=head, comments="", fmt="%.8f")
 
 
-def test_fifty_thousand_rows_are_judged_every_one(tmp_path: Path) -> None:
+def test_fifty_thousand_rows_are_judged_and_mended(tmp_path: Path) -> None:
     program(tmp_path / "program.csv")
-    done = run(tmp_path, "path", "ur5e", "program.csv", "--deg", "--json", "judged.json", "--quiet", seconds=600)
+    done = run(tmp_path, "path", "ur5e", "program.csv", "--deg", "--fixed", "mended.csv", "--json", "judged.json",
+               "--quiet", seconds=600)  # fmt: skip
     assert done.returncode == 3, done.stderr
     found = json.loads((tmp_path / "judged.json").read_text(encoding="utf-8"))
-    assert found["rows"] == ROWS
-    crossings = [one for one in found["stretches"] if one["verdict"] == "crossing"]
-    assert len(crossings) == 2  # in over 0°, and back
+    assert (found["rows"], found["verdict"]) == (ROWS, "crossing")
+    assert len(found["crossings"]) == 2  # in over 0°, and back
+    assert {one["name"].split(":")[0] for one in found["crossings"]} == {"wrist"}
+
+    again = run(tmp_path, "path", "ur5e", "mended.csv", "--json", "mended.json", "--quiet", seconds=600)
+    assert again.returncode == 0, again.stdout[-800:]
+    mended = json.loads((tmp_path / "mended.json").read_text(encoding="utf-8"))
+    assert (mended["verdict"], mended["crossings"]) == ("free", [])
+    assert mended["rows"] >= ROWS

@@ -21,7 +21,8 @@ author = "the rankdrop authors"
 copyright = author
 version = release = rankdrop.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.napoleon", "mathml", "gallery"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "docstrings", "sphinx.ext.napoleon", "mathml"]
+extensions += ["gallery", "commands", "atlas"]  # pages that are made
 exclude_patterns = ["_ext"]
 nitpicky = True
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+from pages import write_pages
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
 
@@ -42,21 +43,13 @@ def page(script: Path) -> str:
     )
 
 
-def write_pages(app: Sphinx) -> None:
+def write(app: Sphinx) -> None:
     """Write `gallery/*.md` into the source folder, where they have changed; docs/gallery.md lists them."""
-    folder = Path(app.srcdir) / "gallery"
-    folder.mkdir(exist_ok=True)
     pages = {f"{script.stem}.md": page(script) for script in sorted(EXAMPLES.glob("[0-9]*_*.py"))}
-    for old in folder.glob("*.md"):
-        if old.name not in pages:
-            old.unlink()
-    for name, text in pages.items():
-        target = folder / name
-        if not target.exists() or target.read_text(encoding="utf-8") != text:
-            target.write_text(text, encoding="utf-8")
+    write_pages(Path(app.srcdir) / "gallery", pages)
 
 
 def setup(app: Sphinx) -> ExtensionMetadata:
     """Write the pages before the source folder is read."""
-    app.connect("builder-inited", write_pages)
+    app.connect("builder-inited", write)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -139,10 +139,32 @@ def test_every_public_name_and_example_has_an_entry(site: Path, pages: dict[Path
     }
 
 
+def test_the_atlas_has_a_page_for_every_arm_and_finds_them(site: Path, pages: dict[Path, Loads]) -> None:
+    from rankdrop.robot.open import robot_names
+
+    index = (site / "atlas" / "index.html").read_text(encoding="utf-8")
+    assert {page.stem for page in (site / "atlas").glob("*.html")} == {*robot_names(), "index"}
+    for name in robot_names():
+        assert f"{name}.html" in pages[site / "atlas" / "index.html"].links
+    assert index.count("<tr data-words=") == len(robot_names())
+    ur10e = (site / "atlas" / "ur10e.html").read_text(encoding="utf-8")
+    assert "<title>Singularities of the Universal Robots UR10e" in ur10e
+    assert "ur10e" in (site / "searchindex.js").read_text(encoding="utf-8")
+
+
+def test_every_command_has_a_page_with_its_help(site: Path) -> None:
+    from rankdrop.cli.main import app
+
+    names = {name for name in app if not name.startswith("-")}
+    assert {page.stem for page in (site / "commands").glob("*.html")} == {*names, "index"}
+    for name in names:
+        assert f"Usage: rankdrop {name}" in (site / "commands" / f"{name}.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
 @pytest.mark.parametrize(
-    "name", ["index", "start", "choose", "mathematics/escape", "mathematics/distance", "api/local"]
+    "name", ["index", "start", "choose", "commands/analyze", "mathematics/escape", "mathematics/distance", "api/local"]
 )
 def test_pages_fit_a_phone_and_show_no_error(name: str, site: Path, tmp_path: Path) -> None:
     """The page, in a frame as wide as a phone (no window is so narrow), tells its own width once it is laid out."""

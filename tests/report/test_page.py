@@ -174,6 +174,10 @@ def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
     turned = (replace(wrist.pinned[0], values=(np.pi,)),)
     wrist_at_pi = replace(wrist, pinned=turned, witness=(0.0, 0.0, 0.0, 0.0, np.pi, 0.0))
     assert standing(replace(found.analysis, robot=tight), wrist_at_pi) == "outside"
+    elsewhere = replace(wrist, witness=(9.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert standing(found.analysis, elsewhere) == "none found"
+    free = replace(robot, joints=tuple(replace(one, lower=-np.inf, upper=np.inf) for one in robot.joints))
+    assert standing(replace(found.analysis, robot=free), wrist) == ""
 
 
 def test_every_way_out_that_is_offered_leads_out() -> None:

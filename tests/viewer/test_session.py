@@ -152,6 +152,7 @@ def test_the_panel_says_lost_motions_and_joints_to_blame() -> None:
     assert all(escape(seen.constraints[0]) in text and escape(seen.axes) in text for seen in found.lost.seen)
 
 
-@pytest.mark.parametrize(("sigma", "share"), [(0.0, 0.0), (1e-9, 0.0), (1e-3, 2 / 3), (1.0, 1.0), (5.0, 1.0)])
-def test_bars_are_logarithmic(sigma: float, share: float) -> None:
-    assert bar_share(sigma) == pytest.approx(share)
+@pytest.mark.parametrize(("sigma", "share"), [(0.0, 0.0), (1e-3, 5e-4), (1.0, 0.5), (2.0, 1.0)])
+def test_bars_are_linear(sigma: float, share: float) -> None:
+    assert bar_share(sigma, 2.0) == pytest.approx(share)
+    assert bar_share(sigma, 0.0) == 0.0

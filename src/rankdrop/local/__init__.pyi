@@ -16,6 +16,7 @@ from .directions import lost_in_frame as lost_in_frame
 from .directions import lost_in_sparsest_frame as lost_in_sparsest_frame
 from .directions import readable_basis as readable_basis
 from .failures import failures_at as failures_at
+from .inverse import damped_inverse as damped_inverse
 from .lines import Drawn as Drawn
 from .lines import drawn_at as drawn_at
 from .lines import skeleton as skeleton

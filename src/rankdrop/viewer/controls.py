@@ -44,6 +44,7 @@ class Controls:
         gui = server.gui
         self._status = gui.add_html(panel.message_html("…"))
         self._details = gui.add_html("")
+        self._said = ""  # the details, while they are of the configuration that is shown
         self.message = gui.add_html("")
         self.tabs = gui.add_tab_group()
         self._unit = [degrees(1.0) if joint.unit == "rad" else 1.0 for joint in self.robot.variables]
@@ -98,10 +99,20 @@ class Controls:
     def shown(self, now: Now, source: object) -> None:
         """A configuration was looked at."""
         self.now = now
-        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, len(self.live.families))
+        of_this = self.found is not None and np.array_equal(self.found.q, now.q)
+        self._tell(now, self.found if of_this else None)
         for index, slider in enumerate(self.sliders):
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
+
+    def _tell(self, now: Now, found: Explanation | None) -> None:
+        """Status and details, of one configuration both; details of another one are dimmed until it is explained."""
+        known = len(self.live.families)
+        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, known, found)
+        if found is not None:
+            self._details.content = self._said = panel.details_html(found)
+        elif self._said:
+            self._details.content, self._said = panel.dimmed_html(self._said), ""
 
     def _place(self, index: int, value: float) -> None:
         """A slider to a value; its range grows where a motion goes beyond it."""
@@ -117,7 +128,8 @@ class Controls:
     def explained(self, found: Explanation) -> None:
         """A configuration was explained."""
         self.found = found
-        self._details.content = panel.details_html(found)
+        if self.now is not None and np.array_equal(self.now.q, found.q):
+            self._tell(self.now, found)
 
     def _random(self) -> Array:
         low, high = sampling_box(self.robot, self.live.task, limits=True)

@@ -62,12 +62,17 @@ def free_port(host: str, port: int, *, next_one: bool) -> int:
     raise OptionError("the port is in use", where="--port", got=port, mend="name another, or 0 for any that is free")
 
 
-def start_gated(host: str, gate: Gate) -> viser.ViserServer:
+def start_gated(host: str, gate: Gate, arrived: Callable[[str], None] | None = None) -> viser.ViserServer:
     """A viser server that answers nobody whom the gate refuses.
 
     viser offers no hook before its own request handler. It passes that handler to `websockets.asyncio.server.serve`,
     which is wrapped while the server starts. Afterwards a request under a foreign name is tried: if it were answered
     (another viser, built differently), nothing is served.
+
+    Args:
+        host: address to listen on.
+        gate: its rules.
+        arrived: is told the path, with its query, of every request for the page that the gate lets in.
 
     Raises:
         MissingExtraError: viser is not installed.
@@ -78,7 +83,7 @@ def start_gated(host: str, gate: Gate) -> viser.ViserServer:
         import websockets.asyncio.server as sockets
     except ImportError:
         raise MissingExtraError("viser", None, "the viewer") from None
-    with _starting, _guarding(sockets, gate), contextlib.redirect_stdout(io.StringIO()):
+    with _starting, _guarding(sockets, gate, arrived), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=gate.port, label="rankdrop", verbose=False)
     closed: Any = server
     closed.request_share_url = lambda verbose=True: None  # a client could ask for a tunnel through viser's own server
@@ -101,14 +106,14 @@ def stop(server: viser.ViserServer) -> None:
 
 
 @contextlib.contextmanager
-def _guarding(sockets: Any, gate: Gate) -> Iterator[None]:
+def _guarding(sockets: Any, gate: Gate, arrived: Callable[[str], None] | None) -> Iterator[None]:
     """Within it, websocket servers ask the gate first."""
     plain = sockets.serve
 
     @functools.wraps(plain)
     def serve(handler: Any, *args: Any, **options: Any) -> Any:
         inner = options.get("process_request")
-        bounds = {"max_size": LARGEST_MESSAGE, "max_queue": 4, "process_request": _asking(gate, inner)}
+        bounds = {"max_size": LARGEST_MESSAGE, "max_queue": 4, "process_request": _asking(gate, inner, arrived)}
         return plain(_few(handler), *args, **{**options, **bounds})
 
     sockets.serve = serve
@@ -181,7 +186,7 @@ def bound_uploads(server: viser.ViserServer, say: Callable[[str], None]) -> None
     gui._current_file_upload_states = _Uploads(say)
 
 
-def _asking(gate: Gate, inner: Any) -> Any:
+def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> Any:
     def process_request(connection: Any, request: Any) -> Any:
         try:
             reason = gate.refuses(request.path, request.headers)
@@ -191,6 +196,9 @@ def _asking(gate: Gate, inner: Any) -> Any:
             return connection.respond(HTTPStatus.FORBIDDEN, f"rankdrop: {reason}\n")
         response = inner(connection, request) if inner is not None else None
         cookie = gate.cookie(request.path)
+        if response is not None and arrived is not None and "Sec-WebSocket-Key" not in request.headers:
+            with contextlib.suppress(Exception):  # a link that says nothing moves nothing; the page comes either way
+                arrived(request.path)
         if response is not None:
             _harden(response.headers, cookie)
         return response

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
-from math import isfinite, log10
+from math import isfinite
 
 from rankdrop.family import Condition, Family
 from rankdrop.local import Circuit
@@ -24,23 +24,33 @@ VERDICTS = {
 }
 CIRCUITS = (ORANGE, PURPLE, GREEN)
 """Of the circuits to blame, the smallest first; further ones take the last."""
-_FLOOR = 9  # decades of σ that a bar shows
 _STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.5em 0.6em;overflow-wrap:anywhere"
 _QUIET = "opacity:0.75"
 
 
-def status_html(now: Now, length_of_chain: int, generic_rank: int, known: int) -> str:
-    """Verdict, σ bars, family and distance: what is known at once; `known` families are."""
-    background, ink, sign = VERDICTS[now.verdict]
+def status_html(
+    now: Now, length_of_chain: int, generic_rank: int, known: int, found: Explanation | None = None
+) -> str:
+    """Verdict, σ bars, family and distance.
+
+    Args:
+        now: what is known at once, with the distance by families.
+        length_of_chain, generic_rank: of the arm.
+        known: how many families are.
+        found: the explanation of this very configuration, once there is one: verdict, distance and nearest family are
+            then its own, so that no two lines contradict each other.
+    """
+    verdict = now.verdict if found is None else found.verdict
+    background, ink, sign = VERDICTS[verdict]
     badge = (
         f'<span style="background:{background};color:{ink};border-radius:0.5em;padding:0.15em 0.6em;'
-        f'font-weight:700">{sign} {now.verdict}</span>'
+        f'font-weight:700">{sign} {verdict}</span>'
     )
     rank = f"rank {now.seen.rank} of {generic_rank}"
     idle = length_of_chain - now.seen.rank
     lines = [
         f"{badge} &nbsp;{rank}" + (f", {idle} idle joint motion{'s' if idle > 1 else ''}" if idle else ""),
-        _family_line(now, known),
+        _family_line(now, known) if found is None else _found_line(now, known, found),
         _bars(now, generic_rank),
     ]
     if now.outside:
@@ -61,6 +71,19 @@ def _family_line(now: Now, known: int) -> str:
     return f"{first}<br><span style='{_QUIET}'>nearest family:</span> {_name(now.nearest)}"
 
 
+def _found_line(now: Now, known: int, found: Explanation) -> str:
+    """The nearest singular configuration as the search found it, and its family."""
+    if now.seen.corank:
+        return _family_line(now, known)
+    nearest, family = found.far.nearest, found.far.nearest_family
+    if nearest is None:
+        return "no singular configuration was found near"
+    line = f"nearest singular configuration found: {angle(nearest.distance)} away"
+    if family is None:
+        return line
+    return f"{line}<br><span style='{_QUIET}'>family:</span> {_name(family.family)}"
+
+
 def _name(family: Condition) -> str:
     known = f"{escape(family.id)} " if isinstance(family, Family) else ""
     return known + escape(family.name)
@@ -70,9 +93,9 @@ def _numbers(numbers: tuple[int, ...]) -> str:
     return ", ".join(str(number) for number in numbers)
 
 
-def bar_share(sigma: float) -> float:
-    """Length of σ's bar, 0 … 1: its decades above 1e−9; full from 1 up."""
-    return 0.0 if sigma <= 10.0**-_FLOOR else min(1.0, (log10(sigma) + _FLOOR) / _FLOOR)
+def bar_share(sigma: float, largest: float) -> float:
+    """Length of σ's bar, 0 … 1: its share of the largest."""
+    return min(1.0, sigma / largest) if largest > 0 else 0.0
 
 
 def _bars(now: Now, generic_rank: int) -> str:
@@ -80,16 +103,17 @@ def _bars(now: Now, generic_rank: int) -> str:
     for i, sigma in enumerate(now.sigma, start=1):
         lost = i > now.seen.rank
         colour = VERMILION if lost else ORANGE if sigma <= 1e-3 else BLUE
+        width = 100 * bar_share(float(sigma), float(now.sigma[0]))
         note = " lost" if lost and i <= generic_rank else " never" if lost else ""
         rows.append(
             f'<div style="display:flex;align-items:center;gap:0.5em"><span style="width:1.8em">σ{i}</span>'
             f'<span style="flex:1;height:0.6em;border-radius:0.3em;background:rgba(128,128,128,0.25)">'
-            f'<span style="display:block;height:100%;width:{100 * bar_share(float(sigma)):.1f}%;border-radius:0.3em;'
+            f'<span style="display:block;height:100%;width:{width:.1f}%;border-radius:0.3em;'
             f'background:{colour}"></span></span>'
             f'<span style="width:7em;text-align:right;font-variant-numeric:tabular-nums">'
             f"{short(float(sigma), 3)}{note}</span></div>"
         )
-    return f'<div style="margin:0.3em 0" title="logarithmic: 1e−{_FLOOR} … 1">{"".join(rows)}</div>'
+    return f'<div style="margin:0.3em 0" title="lengths: shares of σ1">{"".join(rows)}</div>'
 
 
 def details_html(found: Explanation) -> str:
@@ -132,6 +156,25 @@ def legend_html() -> str:
     ]
     rows = "".join(f'<div><span style="color:{colour}">■</span> {text}</div>' for colour, text in items)
     return f'<div style="{_STYLE}">{rows}</div>'
+
+
+def dimmed_html(content: str) -> str:
+    """What was said of another configuration, until the new one is explained."""
+    return f'<div style="opacity:0.4" aria-hidden="true">{content}</div>' if content else ""
+
+
+def large_html(title: str, sentence: str) -> str:
+    """A title and a sentence to be read from the back of a room."""
+    return (
+        f'<div style="padding:0.4em 0.6em"><div style="font-size:1.5em;font-weight:700;line-height:1.2">'
+        f'{escape(title)}</div><div style="font-size:1.25em;line-height:1.35;margin-top:0.4em">{escape(sentence)}</div>'
+        "</div>"
+    )
+
+
+def escaped(text: str) -> str:
+    """Text inside HTML."""
+    return escape(text)
 
 
 def message_html(text: str) -> str:

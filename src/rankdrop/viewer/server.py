@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import shlex
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rankdrop.families import posed
 from rankdrop.local import start_posture
 from rankdrop.motion import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
 from rankdrop.robot import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 from rankdrop.viewer.gate import Gate, new_token
 from rankdrop.viewer.gated import bound_uploads, free_port, start_gated, stop
+from rankdrop.viewer.handle import Handle
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import meshes_of
 from rankdrop.viewer.session import Session
@@ -25,7 +28,9 @@ from rankdrop.viewer.stage import Stage
 from rankdrop.viewer.tab_escape import EscapeTab
 from rankdrop.viewer.tab_families import FamiliesTab
 from rankdrop.viewer.tab_path import PathTab
+from rankdrop.viewer.tab_share import ShareTab, state_of
 from rankdrop.viewer.tab_slice import SliceTab
+from rankdrop.viewer.tab_tour import TourTab
 from rankdrop.viewer.visuals import visuals_of
 
 if TYPE_CHECKING:
@@ -34,6 +39,7 @@ if TYPE_CHECKING:
 PORT = 8765
 """Where it listens by default; a later one where this is in use."""
 HOST = "127.0.0.1"
+_POSED = 60  # families whose witnesses are put into good postures: hundreds, of calibrated arms, would take seconds
 _SOURCES = {"catalogue": "from the catalogue", "analysis": "from the analysis given", "on the spot": "none known"}
 
 
@@ -82,13 +88,16 @@ class Viewer:
 
     def __init__(self, robot: Robot, task: Task, wishes: Wishes) -> None:
         families, source = known_families(robot, task, wishes.analysis, DEFAULT)
+        if len(families) <= _POSED:
+            families = tuple(posed(robot, task, family) for family in families)
         live = Live(robot, task, families)
+        self._wishes, self._others = wishes, list[Viewer]()
         visuals, left_out = visuals_of(robot, wishes.packages)
         meshes, unread = meshes_of(visuals)
         self.notes = (*left_out, *unread)
         port = free_port(wishes.host, PORT if wishes.port is None else wishes.port, next_one=wishes.port is None)
         gate = Gate(port, new_token() if wishes.expose else None)
-        self.server: viser.ViserServer = start_gated(wishes.host, gate)
+        self.server: viser.ViserServer = start_gated(wishes.host, gate, self._arrived)
         self.url = _url(wishes.host, gate)
         start = start_posture(robot, task) if wishes.q is None else wishes.q
         self.session = Session(live, self, start, analysis=wishes.analysis, limits=wishes.limits,
@@ -97,10 +106,13 @@ class Viewer:
         self.stage.look_at_arm()
         self.controls = Controls(self.server, self.session, self.stage)
         bound_uploads(self.server, self.controls.say)
+        self._handle = Handle(self.controls)
         self._escape = EscapeTab(self.controls)
         self._families = FamiliesTab(self.controls, _SOURCES[source])
         self.path = PathTab(self.controls, deg=wishes.deg)
         self.slice = SliceTab(self.controls)
+        self._tour = TourTab(self.controls)
+        self.share = ShareTab(self.controls, self.url.split("?")[0], f"rankdrop view {_name(robot)}", self._another)
         self._add_look(dark=wishes.dark)
         self.session.start()
         if wishes.trajectory is not None:
@@ -114,10 +126,14 @@ class Viewer:
             night = gui.add_checkbox("dark page", dark)
             weakest = gui.add_checkbox("weakest motion", True, hint="arrows at regular configurations too")
             numbers = gui.add_checkbox("joint numbers", True)
+            handle = gui.add_checkbox("handle at the tip", False, hint="pull it: the joints follow, by damped inverse")
+            ghost = gui.add_checkbox("nearest singular posture", True, hint="as a ghost, while the arm is regular")
             if self.stage.has_meshes:
                 drawn = gui.add_checkbox("meshes", True)
                 drawn.on_update(lambda _: self.stage.show_meshes(drawn.value))
         night.on_update(lambda _: self._paint(dark=night.value))
+        handle.on_update(lambda _: self._handle.show(handle.value))
+        ghost.on_update(lambda _: self._allow_ghost(ghost.value))
         numbers.on_update(lambda _: self.stage.show_numbers(numbers.value))
         weakest.on_update(lambda _: self._show_weakest(weakest.value))
         self._paint(dark=dark)
@@ -125,6 +141,32 @@ class Viewer:
     def _show_weakest(self, shown: bool) -> None:
         self.stage.always_weakest = shown
         self.session.set(self.session.q)
+
+    def _allow_ghost(self, shown: bool) -> None:
+        self.stage.allow_ghost(shown)
+        if self.controls.found is not None:
+            self._show_ghost(self.controls.found)
+
+    def _show_ghost(self, found: Explanation) -> None:
+        """The nearest singular posture, where the arm stands still and regular."""
+        now = self.controls.now
+        at = now is not None and np.array_equal(now.q, found.q) and not now.seen.corank
+        nearest = found.far.nearest if at else None
+        self.stage.show_ghost(None if nearest is None else np.array(nearest.q))
+
+    def _arrived(self, path: str) -> None:
+        """A request for the page: a link may say where the arm is to stand."""
+        session = getattr(self, "session", None)
+        q = None if session is None else state_of(path, session.live.robot)
+        if session is not None and q is not None:
+            session.go(q)
+
+    def _another(self, robot: Robot) -> str:
+        """The address of a viewer of another arm; closed with this one."""
+        wishes = replace(self._wishes, q=None, analysis=None, trajectory=None, port=None)
+        viewer = Viewer(robot, resolve_task(None, robot), wishes)
+        self._others.append(viewer)
+        return viewer.url
 
     def _paint(self, *, dark: bool) -> None:
         self.server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False,
@@ -140,12 +182,17 @@ class Viewer:
         self.stage.blame([one.numbers for one in circuits], now)
         self.controls.shown(now, source)
         self.path.shown(now, source)
+        self.share.shown(now, source)
+        self._handle.shown(now, source)
+        if now.seen.corank or self.session.moving:
+            self.stage.show_ghost(None)
         self.slice.shown(now, source)
 
     def explained(self, found: Explanation) -> None:
         """Show what an explanation adds."""
         self.controls.explained(found)
         self._escape.explained(found)
+        self._show_ghost(found)
         now = self.controls.now
         if now is not None and np.array_equal(now.q, found.q):
             self.stage.blame([one.numbers for one in found.blame.smallest], now)
@@ -156,8 +203,16 @@ class Viewer:
 
     def close(self) -> None:
         """End all threads and the server."""
+        for other in self._others:
+            other.close()
         self.session.close()
         stop(self.server)
+
+
+def _name(robot: Robot) -> str:
+    """What names the arm on a command line: its file where it was read from one, else its name."""
+    origin = robot.source.origin
+    return shlex.quote(origin if origin and Path(origin).is_file() else robot.name)
 
 
 def _url(host: str, gate: Gate) -> str:

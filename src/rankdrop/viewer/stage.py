@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rankdrop.kinematics import link_poses
 from rankdrop.robot import Array
 from rankdrop.viewer.live import Live, Now
 from rankdrop.viewer.meshes import Mesh
@@ -63,6 +64,7 @@ class Stage:
         ]  # fmt: skip
         self.has_meshes = bool(meshes)
         self._add_marks()
+        self._add_ghost()
         self.show_meshes(self.has_meshes)
         self.paint(dark=False)
 
@@ -95,6 +97,33 @@ class Stage:
         self._heads = scene.add_arrows("/lost/rotation heads", _NONE, red, **shape, visible=False)
         self._dashes = scene.add_line_segments("/lost/rotations", _NONE, red, thickness=0.022 * size, visible=False)
         self._axes = scene.add_line_segments("/blamed", _NONE, rgb(ORANGE), thickness=0.012 * size, visible=False)
+
+    def _add_ghost(self) -> None:
+        """The arm once more, seen through: where the nearest singular configuration is."""
+        scene = self.server.scene
+        self._ghost_on = True
+        self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
+        for i, one in enumerate(self.live.body.capsules):
+            vertices, faces = capsule_mesh(one.start, one.end, 0.7 * one.radius)
+            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", vertices, faces, color=rgb(VERMILION), opacity=0.28,
+                                  cast_shadow=False)  # fmt: skip
+
+    def show_ghost(self, q: Array | None) -> None:
+        """The ghost at a configuration; None hides it."""
+        shown = q is not None and self._ghost_on
+        if q is not None and shown:
+            poses = link_poses(self.live.robot, q)
+            for frame, turn, pose in zip(self._ghost, wxyz(poses[:, :3, :3]), poses, strict=True):
+                frame.wxyz = turn
+                frame.position = pose[:3, 3]
+        for frame in self._ghost:
+            frame.visible = shown
+
+    def allow_ghost(self, shown: bool) -> None:
+        """Whether a ghost is drawn at all."""
+        self._ghost_on = shown
+        if not shown:
+            self.show_ghost(None)
 
     def look_at_arm(self) -> None:
         """Place the camera so that the arm is seen whole, left of the panel or, on an upright screen, above it."""

@@ -1,0 +1,162 @@
+"""States as links, sessions as path files, arms from a file, the tour, the handle and the ghost; without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from http.client import HTTPConnection
+from time import monotonic, sleep
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rankdrop.errors import RobotError
+from rankdrop.kinematics import pose
+from rankdrop.local.block import singular_values
+from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
+
+pytest.importorskip("viser", reason="viser and trimesh are not installed")
+
+from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.viewer.pulled import pulled
+from rankdrop.viewer.server import Viewer, Wishes
+from rankdrop.viewer.tab_share import path_csv, state_of, state_text
+from rankdrop.viewer.tab_tour import stops_of
+
+ARM = open_robot("ur5e")
+TASK = resolve_task(None, ARM)
+START = np.radians([20.0, -70.0, 80.0, -100.0, -80.0, 10.0])
+URDF = """<robot name="two"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j1" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="j2" type="revolute"><parent link="b"/><child link="c"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>"""
+
+
+def until(holds: Callable[[], bool], seconds: float = 20.0) -> None:
+    end = monotonic() + seconds
+    while not holds():
+        assert monotonic() < end, "it never came true"
+        sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Viewer]:
+    made = Viewer(ARM, TASK, Wishes(port=0, q=START))
+    until(lambda: made.controls.found is not None)
+    yield made
+    made.close()
+
+
+def test_a_state_goes_to_a_link_and_back() -> None:
+    assert state_of(f"/?q={state_text(ARM, START)}", ARM) == pytest.approx(START, abs=1e-7)
+    slides = open_robot("stanford")
+    q = np.array([0.1, -0.2, 0.35, 0.4, 0.5, -0.6])
+    assert state_of(f"/?token=x&q={state_text(slides, q)}", slides) == pytest.approx(q, abs=1e-6)
+
+
+@pytest.mark.parametrize("path", ["/", "/?q=1,2", "/?q=1,2,3,4,5,nan", "/?q=a,b,c,d,e,f", "/?q=1,2,3,4,5,9e999"])
+def test_a_link_that_says_nothing_moves_nothing(path: str) -> None:
+    assert state_of(path, ARM) is None
+
+
+def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
+    target = np.radians([0.0, -90.0, 60.0, 0.0, 80.0, 0.0])
+    port = viewer.server.get_port()
+    connection = HTTPConnection("127.0.0.1", port, timeout=10)
+    connection.request("GET", f"/?q={state_text(ARM, target)}", headers={"Host": f"127.0.0.1:{port}"})
+    assert connection.getresponse().status == 200
+    connection.close()
+    until(lambda: bool(np.allclose(viewer.session.q, target, atol=1e-6)))
+    until(lambda: state_text(ARM, target) in viewer.share._link.value)
+    assert viewer.share._line.value == f"rankdrop view ur5e --deg --q {state_text(ARM, target)}"
+
+
+def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:
+    viewer.share.record()
+    viewer.session.go(START)
+    until(lambda: not viewer.session.moving and np.allclose(viewer.session.q, START))
+    until(lambda: bool(np.allclose(viewer.share.rows[-1][1], START)))
+    viewer.share.record()
+    count = len(viewer.share.rows)
+    read = parse_trajectory(path_csv(ARM, viewer.share.rows), "session.csv", ARM)
+    assert count == len(read.q) > 5
+    assert read.q[-1] == pytest.approx(START, abs=1e-7)
+    assert read.timed
+    assert (np.diff(read.times) >= 0).all()
+
+
+def test_an_arm_of_ones_own_opens_in_a_viewer_of_its_own(viewer: Viewer) -> None:
+    viewer.share.open(SimpleNamespace(name="two.urdf", content=URDF.encode()))
+    assert viewer._others[-1].session.live.robot.n == 2
+    assert viewer._others[-1].url in viewer.share._opened.content
+
+
+@pytest.mark.parametrize(("name", "content"), [("evil.xacro", b"<robot/>"), ("arm.urdf", b"no xml"), ("arm", b"")])
+def test_what_is_no_robot_file_is_refused_under_its_own_name(viewer: Viewer, name: str, content: bytes) -> None:
+    with pytest.raises(RobotError, match=name):
+        viewer.share.open(SimpleNamespace(name=name, content=content))
+
+
+def test_the_tip_follows_the_hand() -> None:
+    target = pose(ARM, START)
+    target[:3, 3] += [0.03, -0.02, 0.04]
+    q, missing = pulled(ARM, TASK, START, target)
+    assert missing < 1e-5
+    assert pose(ARM, q) == pytest.approx(target, abs=1e-4)
+
+
+def test_out_of_reach_the_arm_goes_as_far_as_it_can_and_no_limit_is_crossed() -> None:
+    arm = open_robot("panda")
+    task = resolve_task(None, arm)
+    q = np.clip(np.radians([0.0, 30.0, 0.0, -100.0, 0.0, 100.0, 0.0]), arm.lower, arm.upper)
+    target = pose(arm, q)
+    target[:3, 3] = [-0.6, 0.0, -1.5]
+    missing = np.inf
+    for _ in range(40):
+        q, left = pulled(arm, task, q, target)
+        assert left <= missing
+        missing = left
+    assert missing > 0.3
+    assert np.isfinite(q).all()
+    assert ((q >= arm.lower) & (q <= arm.upper)).all()
+    assert np.isclose(q, arm.lower, atol=1e-9).any() or np.isclose(q, arm.upper, atol=1e-9).any()
+
+
+def test_the_handle_moves_the_arm(viewer: Viewer) -> None:
+    viewer.session.set(START)
+    target = pose(ARM, START)
+    target[:3, 3] += [0.0, 0.0, 0.05]
+    viewer._handle.pull(target)
+    until(lambda: abs(float(pose(ARM, viewer.session.q)[2, 3]) - target[2, 3]) < 1e-4)
+
+
+def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> None:
+    viewer.session.set(START)
+    until(lambda: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, START))
+    until(lambda: viewer.stage._ghost[-1].visible)
+    nearest = viewer.controls.found.far.nearest
+    assert np.allclose(viewer.stage._ghost[-1].position, pose(ARM, np.array(nearest.q))[:3, 3])
+    viewer.session.set(np.array(nearest.q))
+    until(lambda: not viewer.stage._ghost[-1].visible)
+
+
+def test_status_and_details_are_of_one_configuration(viewer: Viewer) -> None:
+    viewer.session.set(START)
+    until(lambda: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, START))
+    until(lambda: "nearest singular configuration found" in viewer.controls._status.content)
+    assert f"{viewer.controls.found.verdict}" in viewer.controls._status.content
+    assert "opacity:0.4" not in viewer.controls._details.content
+
+
+def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:
+    names = [family.name.split(":")[0] for family in stops_of(viewer.session.live.families)]
+    assert names[:3] == ["shoulder", "elbow", "wrist"]
+    viewer._tour.go(1)
+    until(lambda: not viewer.session.moving)
+    assert "1 of 3" in viewer._tour._told.content
+    assert singular_values(ARM, viewer.session.q, TASK)[5] < 1e-9
+    viewer._tour.go(-1)
+    until(lambda: not viewer.session.moving)
+    assert "3 of 3" in viewer._tour._told.content

@@ -67,7 +67,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--explains", type=int, default=100_000, help="calls of explain; 0: none")
     parser.add_argument("--analyses", type=int, default=1_000, help="calls of analyze; 0: none")
-    parser.add_argument("--most", type=float, default=8.0, help="growth that is still flat [MB]")
+    parser.add_argument("--most", type=float, default=1.0, help="growth that is still flat [MB]")
     given = parser.parse_args(argv)
     arms = [open_robot(name) for name in ARMS]
     rng = np.random.default_rng(0)

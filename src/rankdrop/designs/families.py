@@ -5,7 +5,7 @@ from the similar arm come the forms of conditions alone (`rankdrop.families.memo
 open is done again from nothing, and then with more starts:
 
     recalled forms   every row sound, every fresh point explained  →  taken
-    else             from nothing, the same starts
+    else             the same with three times the starts: a small family may have had too few points
     else             from nothing, three and ten times the starts; what is left then is told
 """
 
@@ -25,7 +25,7 @@ from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_units, task_in_units
 from rankdrop.version import VERSION
 
-MORE = (1, 3, 10)
+MORE = (3, 10)
 """Times the starts, where something is left open."""
 
 
@@ -70,11 +70,8 @@ def families_of(robot: Robot, task: Task, effort: Effort, memory: Memory) -> Ana
 
 
 def _of_corank(robot: Robot, task: Task, corank: int, effort: Effort, memory: Memory) -> CorankFamilies:
-    found, recalled = _once(robot, task, corank, effort, 1, memory)
-    if holds(found.summary, found.families):
-        return found
-    for times in MORE if recalled else MORE[1:]:
-        found, _ = _once(robot, task, corank, effort, times, Memory())
+    for times, known in ((1, memory), (MORE[0], memory), *((times, Memory()) for times in MORE)):
+        found = _once(robot, task, corank, effort, times, known)
         if holds(found.summary, found.families):
             break
     return found
@@ -82,15 +79,13 @@ def _of_corank(robot: Robot, task: Task, corank: int, effort: Effort, memory: Me
 
 def _once(
     robot: Robot, task: Task, corank: int, effort: Effort, times: int, memory: Memory
-) -> tuple[CorankFamilies, bool]:
-    """The families of one corank, and whether any of their conditions was fitted from a known form."""
-    before = memory.recalled
+) -> CorankFamilies:
+    """The families of one corank."""
     cloud = search(robot, corank, task=task, starts=times * effort.starts, seed=effort.seed, limits=effort.limits,
                    threads=1)  # fmt: skip
     if not cloud.complete:
         raise KeyboardInterrupt  # the core met Ctrl-C
-    found = families(cloud, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False, memory=memory)
-    return found, memory.recalled > before
+    return families(cloud, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False, memory=memory)
 
 
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:

@@ -1,7 +1,6 @@
 """Hostile files for every reader: whatever the bytes are, a reader gives what it is to give, or says what is wrong.
 
-    .venv/bin/pip install atheris
-    .venv/bin/python tools/fuzz_readers.py robot --cases 100000      # one reader
+    .venv/bin/python tools/fuzz_readers.py robot --cases 100000      # one reader; needs the package atheris
     .venv/bin/python tools/fuzz_readers.py --blind trajectory        # without coverage: Python alone
     .ci/fuzz 20000                                                   # every reader, so many cases each
 

@@ -14,6 +14,7 @@ import tomllib
 from pathlib import Path
 
 from rankdrop.cli.main import run
+from rankdrop.disk import replace_file
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMANDS = {
@@ -43,7 +44,7 @@ def main() -> int:
         said = io.StringIO()
         with contextlib.redirect_stdout(said):
             run([*line.split(), "-", "--quiet"])
-        (folder / f"{name}.json").write_text(said.getvalue(), encoding="utf-8")
+        replace_file(folder / f"{name}.json", said.getvalue().encode())
         print(f"{name}: {len(said.getvalue())} bytes")
     with contextlib.redirect_stdout(io.StringIO()):
         run(["cover", "planar3r", "--width", "0.4", "--out", str(folder / "cover.cover"), "--quiet"])

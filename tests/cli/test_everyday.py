@@ -272,7 +272,7 @@ def test_the_plain_install_has_what_the_readme_shows() -> None:
     plain = {re.split(r"[><=\[ ]", one)[0] for one in project["dependencies"]}
     assert plain >= {"python-flint", "matplotlib", "viser", "trimesh", "pycollada", "xacrodoc", "pyyaml"}
     assert set(project["optional-dependencies"]) == {
-        "mujoco", "bags", "parquet", "test", "cross", "docs", "browser", "dev",
+        "mujoco", "bags", "parquet", "sweep", "cluster", "test", "cross", "docs", "browser", "dev",
     }  # fmt: skip
     source = ROOT / "src" / "rankdrop"
     texts = [path.read_text(encoding="utf-8") for path in source.rglob("*.py")]

@@ -236,7 +236,7 @@ def test_the_limit_holds_on_an_arm_without_any_structure(method: str) -> None:
 
 
 def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
-    found = derive(chain_of("canadarm2"), "singular_vector", 0.25)
+    found = derive(chain_of("canadarm2"), "singular_vector", 0.1)
     assert not found.complete
     assert found.generic
     assert "cases" in found.left[0]

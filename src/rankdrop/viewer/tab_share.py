@@ -12,6 +12,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
+from rankdrop.disk import replace_file
 from rankdrop.errors import RobotError
 from rankdrop.robot import Array, Robot, open_robot
 from rankdrop.viewer import panel
@@ -123,7 +124,7 @@ class ShareTab:
                              allowed=f"{_MOST_BYTES:,} bytes")  # fmt: skip
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"arm{ending}"
-            path.write_bytes(file.content)
+            replace_file(path, file.content)
             try:
                 robot = open_robot(path)
             except RobotError as error:

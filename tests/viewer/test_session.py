@@ -65,7 +65,7 @@ def session() -> Iterator[tuple[Session, Ear]]:
 
 def test_it_looks_and_explains(session: tuple[Session, Ear]) -> None:
     made, ear = session
-    until(lambda: bool(ear.found))
+    until(lambda: bool(ear.found and ear.nows))
     assert (ear.nows[0].q == START).all()
     made.set_joint(4, 0.0, "me")
     until(lambda: ear.nows[-1].verdict == "singular")

@@ -140,7 +140,7 @@ class SideBySide:
     def _arm(self, name: str, about: str, one: Mapping[str, Any]) -> Section:
         shares = {share["id"]: share for share in one.get("near", {}).get("families", [])}
         rows = tuple(
-            (family["id"], family["name"], str(family["dimension"]),
+            (str(family["corank"]), family["name"], str(family["dimension"]),
              measure_text("near", shares[family["id"]]["share"]) if family["id"] in shares else "–")
             for family in one.get("families", [])
         )  # fmt: skip
@@ -153,8 +153,8 @@ class SideBySide:
         for path in one.get("paths", []):
             told = f": {path['why']}" if path["sigma"] is None else f", smallest σ {path['sigma']:.4g}"
             lines.append(f"{path['name']}: {path['verdict']}{told}")
-        columns = ("", "family", "dim", "near") if rows else ()
-        return Section(name, about, lines=tuple(lines), columns=columns, rows=rows, texts=(0, 1))
+        columns = ("corank", "family", "dim", "near") if rows else ()
+        return Section(name, about, lines=tuple(lines), columns=columns, rows=rows, texts=(1,))
 
     def __str__(self) -> str:
         return text(self.sections())

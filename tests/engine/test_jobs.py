@@ -61,6 +61,20 @@ def test_chunks_come_in_order_whatever_the_number_of_workers(truth: list[tuple[i
     assert str(os.getpid()) not in {line[1] for line in lines}
 
 
+def test_workers_wait_for_a_slow_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two workers may be a chunk each ahead of what waits to be written, two chunks at most."""
+    log, ahead, keep = tmp_path / "log", [], Folder.keep
+
+    def slowly(self: Folder, chunk: int, content: bytes) -> None:
+        time.sleep(0.1)
+        keep(self, chunk, content)
+        ahead.append(len(log.read_text().splitlines()) - len(ahead))
+
+    monkeypatch.setattr(Folder, "keep", slowly)
+    assert len(made(job(chunks=20, log=str(log)), 2, folder=tmp_path / "out")) == 20
+    assert max(ahead) <= 6
+
+
 def test_a_worker_that_is_killed_costs_one_chunk(truth: list[tuple[int, bytes]], tmp_path: Path) -> None:
     log = tmp_path / "log"
     assert made(job("dies_once", mark=str(tmp_path / "mark"), log=str(log)), 2, folder=tmp_path / "out") == truth

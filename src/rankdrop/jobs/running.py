@@ -106,7 +106,7 @@ def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, 
 
 def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, None, None]:
     todo: queue.SimpleQueue[int] = queue.SimpleQueue()
-    answers: queue.SimpleQueue[Made | Exception] = queue.SimpleQueue()
+    answers: queue.Queue[Made | Exception] = queue.Queue(count)  # workers wait for a slow disk, not the memory for them
     for chunk in chunks:
         todo.put(chunk)
     crew = [_Worker(job) for _ in range(count)]
@@ -124,13 +124,15 @@ def _on_processes(job: Job, chunks: list[int], count: int) -> Generator[Made, No
             with contextlib.suppress(queue.Empty):
                 todo.get_nowait()
         for one, thread in zip(crew, threads, strict=True):
-            while thread.is_alive():  # it may just have begun another process
+            while thread.is_alive():  # it may just have begun another process, or wait until its answer is taken
                 one.close()
+                with contextlib.suppress(queue.Empty):
+                    answers.get_nowait()
                 thread.join(0.1)
             one.stop()
 
 
-def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.SimpleQueue[Made | Exception]) -> None:
+def _serve(worker: _Worker, todo: queue.SimpleQueue[int], answers: queue.Queue[Made | Exception]) -> None:
     """Feed one worker until nothing is left to do."""
     while True:
         try:

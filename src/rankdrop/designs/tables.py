@@ -82,15 +82,20 @@ def _every(records: Sequence[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
             yield {**family, "variant": record["number"] + 1, "share": shares.get(family["id"])}
 
 
+def _picked(part: str, key: int | str) -> Callable[[Mapping[str, Any]], Any]:
+    """Entry `key` of a part of a record, null where a measure is not there."""
+    return lambda one: one[part][key] if isinstance(key, int) else one[part].get(key)
+
+
 def _variant_columns(found: Designs) -> list[Column]:
     columns: list[Column] = [("variant", "int64", "number of the variant, from 1", lambda one: one["number"] + 1)]
     for k, parameter in enumerate(found.parameters):
         columns.append((f"{parameter.name}_{parameter.unit}", "float64", f"parameter, sets {_sets(parameter.places)}",
-                        lambda one, k=k: one["values"][k]))  # type: ignore[misc]  # fmt: skip
+                        _picked("values", k)))  # fmt: skip
     for name in found.measures:
         unit = f"; {UNITS[name]}" if UNITS[name] else ""
         columns.append((name, "float64", MEANINGS[name] + unit,
-                        lambda one, name=name: one["measures"].get(name)))  # type: ignore[misc]  # fmt: skip
+                        _picked("measures", name)))  # fmt: skip
     columns += [
         ("verdict", "string", "of its families; null where they were not asked for", lambda one: one.get("verdict")),
         ("error", "string", "why it could not be measured as a whole; null where it was", lambda one: one["error"]),

@@ -37,7 +37,7 @@ def _answer(job: dict[str, object], chunk: int) -> tuple[str, bytes]:
         return "ok", perform(str(job["work"]), job["plan"], chunk)  # type: ignore[arg-type]  # plain data of a Job
     except RankdropError as error:
         return "error", json.dumps(error_to_dict(error)).encode()
-    except Exception:
+    except Exception:  # whatever it is goes to the parent, which raises it with the traceback
         return "broken", traceback.format_exc().encode()
 
 

@@ -187,7 +187,7 @@ class _Work:
         path, robot = self.found.curve, self.found.robot
         met = np.array([one.closest.place.row - 1 + one.closest.place.share for one in self._bad()])
         count = 0
-        for count, one in enumerate(blends(robot, path, self.scale, met, most), start=1):  # noqa: B007
+        for count, one in enumerate(blends(robot, path, self.scale, met, most), start=1):  # noqa: B007  # told after the loop
             tool = ToolPath(robot, self.found.task, path, one.place, one.q, np.zeros((0, 4, 4)), False)
             made, again = self._in_time(tool.trajectory(one.q, self.interpolate))
             check = self._judged(made)

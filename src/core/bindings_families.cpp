@@ -137,7 +137,7 @@ nb::object zeros(const Families& table, const In2& q, const ZeroSettings& settin
     const std::size_t rows = q.shape(0), n = q.shape(1), count = table.terms.size() - 1;
     if (settings.along.size() % n != 0 || settings.along.size() > n * n) throw nb::value_error("along has shape (n, d), d <= n");
     const std::size_t free = settings.along.empty() ? n : settings.along.size() / n;
-    if (count == 0 || std::min(count, free) > kMostEquations) throw nb::value_error("one to 64 equations, or joints that may move");
+    if (count == 0 || std::min(count, free) > kMostEquations) throw nb::value_error("one to 200 equations, or joints that may move");
     Result<double> ends({rows, n}), worst({rows});
     std::copy_n(q.data(), q.size(), ends.data());
     each(rows, threads, [&](std::int64_t from, std::int64_t to) {

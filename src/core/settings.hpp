@@ -102,7 +102,7 @@ struct NearestOutput {
     std::int32_t* evaluations;
 };
 
-inline constexpr std::size_t kMostEquations = 64;  // that are solved together, or joints that may move: kMaxColumns of an SVD
+inline constexpr std::size_t kMostEquations = 200;  // that are solved together, or joints that may move: kMaxColumns of an SVD
 
 // How common zeros of equations are looked for.
 struct ZeroSettings {

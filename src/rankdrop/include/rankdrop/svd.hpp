@@ -7,7 +7,7 @@
 namespace rankdrop::RANKDROP_ISA {
 
 inline constexpr int kMaxSweeps = 16;
-inline constexpr int kMaxColumns = 64;  // on the narrow side of a matrix (a task has 6, a family one equation for each joint at most)
+inline constexpr int kMaxColumns = 200;  // on the narrow side of a matrix: a task has 6, a family an equation for each joint of the longest arm
 inline constexpr int kMaxPairs = kMaxColumns / 2;
 // When the Jacobi sweeps may stop.
 struct Precision {

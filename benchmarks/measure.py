@@ -22,6 +22,8 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # the NumPy oracle
 
+from rankdrop.version import VERSION  # noqa: E402  # after the threads
+
 Row = dict[str, Any]
 
 
@@ -105,7 +107,7 @@ def report(
         else:
             row["holds"] = None
     if arguments.json:
-        versions = {name: version(name) for name in ("rankdrop", "numpy")}
+        versions = {"rankdrop": VERSION, "numpy": version("numpy")}
         print(json.dumps({"claim": claim, "target": target, "machine": machine() | versions, "missing": missing or {},
                           "megabytes": peak_megabytes(), "rows": rows}, indent=1))  # fmt: skip
         return

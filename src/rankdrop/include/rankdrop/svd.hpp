@@ -97,8 +97,9 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
     }
     constexpr Pairs<COLUMNS ? COLUMNS : 2> fixed;
     const RoundRobin schedule(columns);
-    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-        bool settled = true;
+    Mask open = zero == zero;  // lanes that are not settled: one that is turns no more, whatever its neighbours need
+    for (int sweep = 0; sweep < kMaxSweeps && any(open); ++sweep) {
+        Mask unsettled = zero > zero;
         for (int round = 0; round < schedule.rounds; ++round) {
             // all sums first, then all angles: the chains of one stage overlap
             Pack difference[kMaxPairs], product[kMaxPairs], sine[kMaxPairs], half[kMaxPairs];
@@ -114,16 +115,16 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
                     yy = yy + y[k] * y[k];
                     xy = xy + x[k] * y[k];
                 }
-                const Mask turn = (xy * xy > tolerance * (xx * yy)) & (min(xx, yy) > noise);
+                const Mask turn = (xy * xy > tolerance * (xx * yy)) & (min(xx, yy) > noise) & open;
                 turns[pair] = any(turn);
-                settled = settled && !any((xy * xy > coarse * (xx * yy)) & turn);
+                unsettled = unsettled | ((xy * xy > coarse * (xx * yy)) & turn);
                 difference[pair] = yy - xx, product[pair] = select(turn, xy + xy, zero);
             }
             for (int pair = 0; pair < schedule.pairs; ++pair) {
                 // sine and half tangent: the form of a rotation in which lengths drift least (Rutishauser)
                 const Pack h = select(product[pair] == zero, zero, half_tangent(difference[pair], product[pair]));
                 half[pair] = h, sine[pair] = (h + h) / (one + h * h);
-                settled = settled && !any(abs(h) > angle);
+                unsettled = unsettled | (abs(h) > angle);
             }
             for (int pair = 0; pair < schedule.pairs; ++pair) {
                 if (!turns[pair]) continue;
@@ -132,7 +133,7 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
                 if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, sine[pair], half[pair]);
             }
         }
-        if (settled) break;
+        open = open & unsettled;
     }
     for (int i = 0; i < columns; ++i) {
         Pack sum = zero;

@@ -37,6 +37,7 @@
 #include "sightings.hpp"
 
 namespace rankdrop {
+namespace RANKDROP_ISA {
 
 class Monitor {
   public:
@@ -111,11 +112,13 @@ class Monitor {
         RANKDROP_ISA::Workspace ws;
         Pack *x, *scratch, *gradient;
         RANKDROP_ISA::WalkRoom<double> walks;
+        RANKDROP_ISA::FarRoom far;
 
         Work(const Chain& chain, int m, const Families& families)
             : ws(chain, m, arena), x(arena.take<Pack>(static_cast<std::size_t>(chain.variables))),
               scratch(arena.take<Pack>(static_cast<std::size_t>(chain.variables) * static_cast<std::size_t>(m))),
-              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))), walks(families, arena) {}
+              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))), walks(families, arena),
+              far(chain, m, families, arena) {}
     };
 
     static constexpr double kAlong = 1e-9;  // a share of motion that rounding makes [1]
@@ -134,10 +137,17 @@ class Monitor {
         out.rank = 0;
         for (int i = 0; i < settings_.generic; ++i) out.rank += sigma_[i] > settings_.singular;
         out.corank = settings_.generic - out.rank;
-        RANKDROP_ISA::waves_of_one(families_, q, phase_.data(), sine_.data(), cosine_.data());
+        RANKDROP_ISA::waves_of_one(families_, out.corank > 0, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
         for (int f = 0; f < families(); ++f)
-            each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
+            if (families_.lengthy[f] && out.corank == 0) {
+                const int lanes[RANKDROP_ISA::kGroup] = {};
+                RANKDROP_ISA::Apart<double> found[RANKDROP_ISA::kGroup];
+                RANKDROP_ISA::apart_by_set(chain_, view_, families_, settings_, f, work_->x, ws, lanes, work_->far, found,
+                                           away_.data() + f * n);
+                each_[f] = found[0];
+            } else
+                each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
         RANKDROP_ISA::walk_all<double>(families_, settings_.start, q, work_->walks, each_.data(), away_.data());
         const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, each_.data());
         out.family = static_cast<int>(met.family), out.nearest = static_cast<int>(met.nearest), out.residual = met.residual;
@@ -418,5 +428,9 @@ class Monitor {
     std::vector<int> bound_;
     std::vector<char> active_;
 };
+
+}  // namespace RANKDROP_ISA
+
+using RANKDROP_ISA::Monitor;
 
 }  // namespace rankdrop

@@ -19,7 +19,7 @@ ARMS = ("ur5", "puma560", "pa10", "panda", "canadarm2", "gen3", "sawyer", "rizon
 
 
 def main() -> None:
-    """Random configurations of ten arms: within 5 % in 95 %, never above by more than 20 %; and of a step's distance."""
+    """Random configurations of ten arms: within 5 % in 95 %, never above by more than 20 %; and what a step says."""
     count, rows = (200 if measure.quick() else 10_000), []
     for name in ARMS:
         arm = open_robot(name)

@@ -33,6 +33,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "enclosure.hpp"
 #include "monitor.h"
 #include "sightings.hpp"
 
@@ -51,6 +52,7 @@ class Monitor {
     explicit Monitor(const rankdrop_arm& arm) : Monitor(chain_of(arm), view_of(arm), families_of(arm), settings_of(arm)) {
         name_ = arm.name;
         for (int f = 0; f < arm.families; ++f) ids_.emplace_back(arm.ids[f]), names_.emplace_back(arm.names[f]);
+        for (int b = 0; b < arm.bounds; ++b) bounds_.push_back(bound_of(arm, b));
     }
 
     Monitor(Chain chain, const View& view, Families families, MonitorSettings settings)
@@ -103,8 +105,32 @@ class Monitor {
         return {each_[f].distance, each_[f].residual, slope_.data() + f * size()};
     }
 
+    // A radius around q within which no configuration is singular, of a known family or not [rad]: proven, by an enclosure
+    // of each kind the arm came with; some hundred times the time of a step. 0 where nothing is proven or q is not finite.
+    // Allocates: throws std::bad_alloc.
+    double at_least(const double* q) const {
+        double most = 0.0;
+        for (int j = 0; j < chain_.variables; ++j)
+            if (!std::isfinite(q[j])) return 0.0;
+        for (const Bound& one : bounds_) {
+            Arena arena;
+            double radius = 0.0;
+            EnclosureOutput out;
+            out.radius = &radius;
+            RANKDROP_ISA::Enclosure(chain_, one.view, one.settings, arena).run(q, nullptr, 0, 1, out);
+            most = std::max(most, radius);
+        }
+        return kBelow * most;
+    }
+
   private:
     using Pack = RANKDROP_ISA::Pack;
+
+    // One way to look at the arm for a proof.
+    struct Bound {
+        View view;
+        EnclosureSettings settings;
+    };
 
     // Scratch of the kernels, and the arena it lies in.
     struct Work {
@@ -121,6 +147,8 @@ class Monitor {
               far(chain, m, families, arena) {}
     };
 
+    static constexpr double kBelow = 1.0 - 1e-9;   // of a proven radius: what bisection and rounding leave open
+    static constexpr double kLargest = 3.141592653589793;  // no larger ball is asked for
     static constexpr double kAlong = 1e-9;  // a share of motion that rounding makes [1]
 
     std::size_t size() const { return static_cast<std::size_t>(chain_.variables); }
@@ -406,6 +434,26 @@ class Monitor {
         return out;
     }
 
+    static Bound bound_of(const rankdrop_arm& arm, int number) {
+        check(arm.joints <= kMostJoints && arm.bound_rows >= 1 && arm.bound_rows <= 6, "it has too many joints or rows for a proof");
+        check(arm.bound_link[number] >= 0 && arm.bound_link[number] <= arm.joints, "no such link");
+        check(arm.generic_rank <= std::min(arm.bound_rows, arm.variables), "a proof keeps the generic rank");
+        Bound out;
+        View& view = out.view;
+        view.links = arm.joints + 2, view.axes = view.origin = arm.bound_link[number], view.m = arm.bound_rows;
+        for (int i = 0; i < 3; ++i) view.point[i] = arm.bound_point[3 * number + i];
+        for (int a = 0; a < view.m; ++a) {
+            check(arm.bound_row[a] >= 0 && arm.bound_row[a] < 6, "a row is out of range");
+            view.row[a] = arm.bound_row[a];
+            view.factor[a] = view.row[a] < 3 ? 1.0 / arm.bound_length[number] : 1.0;
+        }
+        out.settings.rank = arm.generic_rank, out.settings.length = arm.bound_length[number];
+        out.settings.radius = kLargest, out.settings.repeats = arm.bound_repeats;
+        out.settings.scale = taken(arm.scale, arm.variables);
+        out.settings.arm = taken(arm.bound_reach + number * arm.joints, arm.joints);
+        return out;
+    }
+
     static MonitorSettings settings_of(const rankdrop_arm& arm) {
         MonitorSettings out;
         out.generic = arm.generic_rank, out.singular = arm.singular, out.on = arm.on, out.loose = arm.loose;
@@ -420,6 +468,7 @@ class Monitor {
     MonitorSettings settings_;
     std::string name_;
     std::vector<std::string> ids_, names_;
+    std::vector<Bound> bounds_;
     std::unique_ptr<Work> work_;
     std::vector<double> sigma_, u_, phase_, sine_, cosine_;
     std::vector<RANKDROP_ISA::Apart<double>> each_;  // of families, and sigma over its slope

@@ -202,5 +202,6 @@ def test_the_node_of_the_how_to_compiles_and_scales(tmp_path: Path) -> None:
     assert [float(word) for word in before[1:]] == [0.0] * 6  # nothing goes on before every joint was heard of
     seen = monitor.step(q, rates)
     assert 0.0 < seen.scaling < 1.0
-    np.testing.assert_allclose([float(word) for word in after[1:]], min(seen.scaling, seen.rate_scaling) * rates, rtol=1e-12)
+    want = min(seen.scaling, seen.rate_scaling) * rates
+    np.testing.assert_allclose([float(word) for word in after[1:]], want, rtol=1e-12)
     assert monitor.families[seen.nearest].name in done.stderr

@@ -16,7 +16,7 @@ from known.arms import structures
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import search
-from rankdrop.family.record import Family
+from rankdrop.family.record import Condition
 from rankdrop.family.which import families_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import JointKind
@@ -42,7 +42,7 @@ ARMS = [
 
 
 @cache
-def met(name: str) -> list[tuple[Search, list[list[Family]]]]:
+def met(name: str) -> list[tuple[Search, list[list[Condition]]]]:
     """For every corank that has families: what is drawn, and the families each lies on."""
     robot, found = open_robot(name), shipped(name)
     task = resolve_task(None, robot)

@@ -1,7 +1,7 @@
 """Exact singular configurations without a search: joints at which a wrench does no work on any joint.
 
-An arm is singular exactly where some wrench u ≠ 0 of the task is reciprocal to all its screws, u · S_i = 0; of corank k,
-where k independent ones are. Three ways to begin, each a *stratum*, and every one of them is drawn from:
+An arm is singular exactly where some wrench u ≠ 0 of the task is reciprocal to all its screws, u · S_i = 0, of corank
+k where k independent ones are. Three ways to begin, each a *stratum*, and every one of them is drawn from:
 
 - joints a … b: the values between them are drawn, so that their screws are known in a link among them, and u is drawn
   from the wrenches reciprocal to these. Then each next joint outwards is solved for by itself:
@@ -12,12 +12,13 @@ where k independent ones are. Three ways to begin, each a *stratum*, and every o
   block, as all joints of a spherical wrist, do, and families as shoulder and elbow are found there.
 - joint p alone: all the others are drawn, and the zeros of the determinant (of a redundant arm, of two of its minors
   combined) as a function of q_p are solved for: a trigonometric polynomial of low degree. Families that pin p.
-- joints p, q … together (and a slide alone; of a higher corank, joints alone too): all the others are drawn, these begin
-  anywhere, and k wrenches and what they leave are brought to zero, U₂ᵀ J V₂ = 0, by Newton's method in these joints
-  alone. A family of codimension c is, almost everywhere, a graph over all joints but some c: every family is met by a
-  stratum of as many joints as it has conditions, if enough are drawn.
+- joints p, q … together (and a slide alone; of a higher corank, joints alone too): all the others are drawn, these
+  begin anywhere, and U₂ᵀ J V₂ = 0 (`rankdrop.local.block`) is solved by Newton's method in these joints alone. A family
+  of codimension c is, almost everywhere, a graph over all joints but some c: every family is met by a stratum of as
+  many joints as it has conditions, if enough are drawn.
 
-The first two are of corank 1 (or more) and in closed form. Every configuration is looked at once more: σ_r at most `EXACT` times σ_1, else it is dropped and drawn anew.
+The first two are of corank 1 (or more) and in closed form. Every configuration is looked at once more: σ_r is at most
+`EXACT` times σ_1, else it is dropped and drawn anew.
 """
 
 from __future__ import annotations

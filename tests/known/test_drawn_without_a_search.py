@@ -16,8 +16,7 @@ from known.arms import structures
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import search
-from rankdrop.family.record import Condition
-from rankdrop.family.which import families_at
+from rankdrop.family.which import Condition, families_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot

@@ -24,6 +24,7 @@ from rankdrop.certify.proof.writing import (
     write_certificate,
 )
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.searching import search
 from rankdrop.motion.certificate import path_certificate
 from rankdrop.motion.check import check_path
 from rankdrop.robot.open import open_robot
@@ -298,6 +299,34 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     radius = ball_certificate(robot, q, evaluations=2_000)["claim"]["radius"] * 0.6
     record = ball_certificate(robot, q, radius=radius)
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
+
+
+@pytest.mark.parametrize(("name", "task"), [
+    ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
+    ("stanford", None), ("canadarm2", None),
+])  # fmt: skip
+def test_a_singular_configuration_of_every_task_exists(tmp_path, name, task):
+    """Found by a search, proven where the equations are as many as the set lets them be; and nowhere beside it."""
+    robot = open_robot(name)
+    held = 0
+    for q in search(robot, 1, task=task, starts=12, seed=3).converged[:4]:
+        record = existence_certificate(robot, q, task)
+        found = verify(write_certificate(record, tmp_path / "e.json"), robot)
+        held += found.holds
+        assert found.holds or "more dimensions" in found.reason
+        beside = np.array(q) + 1e-3
+        record["claim"]["q"] = beside.tolist()
+        assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
+    assert held >= (1 if name == "stanford" else 4)
+
+
+def test_where_equations_depend_on_each_other_existence_is_not_shown(tmp_path):
+    """At a tool point on the last axes some columns vanish wherever the arm stands: no interval method can tell."""
+    robot = open_robot("puma560")
+    q = search(robot, 1, task="position", starts=5, seed=3).converged[0]
+    found = verify(write_certificate(existence_certificate(robot, q, "position"), tmp_path / "e.json"), robot)
+    assert not found.holds
+    assert "more dimensions" in found.reason
 
 
 def test_nothing_is_certified_at_a_singularity_and_nothing_singular_elsewhere():

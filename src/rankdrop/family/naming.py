@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, structure_of
+from rankdrop.family.shortening import PARTS, shortened
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.circuits import to_blame
@@ -52,7 +53,6 @@ def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tup
 _POINTS = 12  # sample points looked at
 _AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
 _LOST = 1e-6  # σ at or below this at the samples is zero; a joint moved by _AWAY lifts it by far more
-_PARTS = ("shoulder", "elbow", "wrist")
 
 
 def name_family(
@@ -102,6 +102,7 @@ def name_family(
 
 _ONE = 1e-5  # values of a joint that differ by less are one [rad, m]
 _FEW = 2  # values of one joint that a name tells
+_DECIMALS = 5  # an angle that is nearly, but not quite, a right one is told with fewer
 
 
 def _open(robot: Robot, q: Array, uncovered: set[int], pinned: Sequence[int], coupled: Sequence[int]) -> str:
@@ -148,7 +149,11 @@ def _value(robot: Robot, joint: int, value: float) -> str:
         return f"{as_given(robot, np.eye(robot.n)[joint] * value)[joint]:.3g} m".replace("-", "−")
     if _simple(value):
         return pretty_angle(round(value / (np.pi / 2)) * (np.pi / 2))
-    return f"{np.degrees(value):.1f}°".replace("-", "−")
+    degrees = float(np.degrees(value))
+    for decimals in range(1, _DECIMALS):
+        if not _simple(np.radians(round(degrees, decimals))):  # 179.997° is not 180.0°
+            break
+    return f"{degrees:.{decimals}f}°".replace("-", "−")
 
 
 def _letter(robot: Robot, joint: int) -> str:
@@ -164,7 +169,7 @@ def _run(joints: Sequence[int], robot: Robot) -> str:
 
 
 def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
-    """Names made unique: of those that are the same each gets the first short condition that only it has.
+    """Names made unique: of those that are the same each gets the first short condition that only it has; then short.
 
     Args:
         names: of the families of one corank, in their order.
@@ -188,7 +193,7 @@ def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[
             own = [text for text in texts[number] if text not in others and len(text) <= _SHORT]
             mark = own[0] if own else _ORDINALS.get(number, f"{number + 1}th")
             result[place] = f"{name[:-1]}, {mark})" if name.endswith(")") else f"{name} ({mark})"
-    return result
+    return shortened(result)
 
 
 _SHORT = 24  # characters of a condition that stands in a name
@@ -233,7 +238,7 @@ def _explain(structure: Structure, scene: Scene, matter: set[int], corank: int) 
 def _compose(facts: Sequence[Fact], tight: bool, corank: int) -> str:
     """ "elbow: …"; the parts alone ("elbow and wrist") where each of several independent facts is one part's own."""
     named = {role for fact in facts for role in fact.roles}
-    parts = [part for part in _PARTS if part in named]
+    parts = [part for part in PARTS if part in named]
     head = " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else "".join(parts)
     if tight and corank > 1 and len(parts) == corank:
         body = _details([fact for fact in facts if len(fact.roles) != 1])

@@ -199,6 +199,15 @@ def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
     return ring.half.from_dict(found)
 
 
+def shipped_record(robot: Robot, task: Task) -> Record | None:
+    """The shipped conditions of this arm and task as they stand in their file, or None; see `known_conditions`."""
+    for name in candidates(robot):
+        record = _record(name)
+        if record is not None and record["settings"]["version"] == VERSION and is_of(record, robot, task):
+            return record
+    return None
+
+
 def known_conditions(
     robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
 ) -> Conditions | None:
@@ -222,11 +231,8 @@ def known_conditions(
         True
     """
     resolved = resolve_task(task, robot)
-    for name in candidates(robot):
-        record = _record(name)
-        if record is not None and record["settings"]["version"] == VERSION and is_of(record, robot, resolved):
-            return from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
-    return None
+    record = shipped_record(robot, resolved)
+    return None if record is None else from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
 
 
 def shipped_conditions(name: str) -> Conditions:

@@ -5,15 +5,14 @@ Parts of an explanation that are shown only on demand: ellipsoids, redundancy, c
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isinf
 
 import numpy as np
 
-from rankdrop.family.which import Met
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
+from rankdrop.results.conditions.told import told_conditions
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
@@ -34,7 +33,6 @@ from rankdrop.sections import Section
 
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
-_LONG = 160  # characters of an equation that is printed
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
 _TWIST = "v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]"
 _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
@@ -122,8 +120,7 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     lines = []
     for met in own:
         lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        if told := _conditions(met):
-            lines.append(f"    {told}")
+        lines.append(f"    {'; '.join(told_conditions(found.robot, found.task, met.family))}")
     if others:
         lines.append(f"lies on: {'; '.join(others)}")
     if special:
@@ -135,17 +132,6 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
 
 def _focus(found: ExplanationData) -> str:
     return "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
-
-
-def _conditions(met: Met) -> str:
-    """What has to hold, one after the other; long equations by the joints they are about."""
-    told = [f"{one} = 0" for one in met.family.equations] or list(getattr(met.family, "words", ()))
-    long = [text for text in told if len(text) > _LONG]
-    parts = [text for text in told if len(text) <= _LONG]
-    if long:
-        joints = sorted({int(number) for text in long for number in re.findall(r"[θq](\d+)", text)})
-        parts.append(f"{len(long)} long {plural('condition', len(long))} on joints {numbers(joints)} (in the JSON)")
-    return "; ".join(parts)
 
 
 def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:

@@ -10,8 +10,7 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.searching import search
-from rankdrop.family.naming import name_family
-from rankdrop.family.shortening import LONGEST, shortened
+from rankdrop.family.naming import LONGEST, name_family, shortened
 from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot

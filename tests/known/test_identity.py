@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from known.arms import FEW
-from rankdrop.family.shortening import LONGEST
+from rankdrop.family.naming import LONGEST
 from rankdrop.report.content import content
 from rankdrop.results.conditions.known import conditions_names, shipped_conditions
 from rankdrop.results.known import known_names, shipped

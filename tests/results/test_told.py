@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rankdrop.report.tables import row_conditions
-from rankdrop.results.conditions.known import shipped_conditions
-from rankdrop.results.conditions.told import LONGEST, told_conditions
+from rankdrop.results.conditions.known import LONGEST, shipped_conditions, told_conditions
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

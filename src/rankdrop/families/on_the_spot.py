@@ -24,9 +24,8 @@ from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
-from rankdrop.family.naming import name_family
+from rankdrop.family.naming import name_family, shortened
 from rankdrop.family.record import LocalFamily, Pinned, condition_words, relation_words, rescaled, slides_of
-from rankdrop.family.shortening import shortened
 from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, wrap

@@ -6,9 +6,9 @@ from .codec import json_text as json_text
 from .codec import plain as plain
 from .conditions.conditions import Conditions as Conditions
 from .conditions.known import known_conditions as known_conditions
+from .conditions.known import told_conditions as told_conditions
 from .conditions.text import arm_lines as arm_lines
 from .conditions.text import steps_text as steps_text
-from .conditions.told import told_conditions as told_conditions
 from .covered import Covered as Covered
 from .explanation.explanation import Explanation as Explanation
 from .explanation.explanation import far_to_dict as far_to_dict

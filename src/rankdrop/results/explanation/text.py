@@ -12,7 +12,7 @@ import numpy as np
 
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
-from rankdrop.results.conditions.told import told_conditions
+from rankdrop.results.conditions.known import told_conditions
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part

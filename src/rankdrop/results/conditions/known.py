@@ -35,7 +35,7 @@ from rankdrop.family.equation import Equation
 from rankdrop.results.codec import Record, known
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
-from rankdrop.results.known import candidates
+from rankdrop.results.known import ANSWERS, candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -56,6 +56,7 @@ def to_stored(found: ConditionsData) -> Record:
     if not found.complete or found.interrupted:
         raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
     record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    record["answers"] = ANSWERS
     record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
     record["generic_rank"] = found.generic_rank
     record["families"] = [
@@ -141,7 +142,7 @@ def _read(
         interrupted=record["interrupted"],
         left=tuple(record["left"]),
         seconds=0.0,
-        settings=ConditionSettings(**known(ConditionSettings, record["settings"])),
+        settings=replace(ConditionSettings(**known(ConditionSettings, record["settings"])), version=VERSION),
         chain=chain,
         anew=anew,
     )
@@ -202,7 +203,7 @@ def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
 def known_conditions(
     robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
 ) -> Conditions | None:
-    """The shipped conditions of this arm, or None: another arm, another task, or made by another version.
+    """The shipped conditions of this arm, or None: another arm or task, or made by code with other `ANSWERS`.
 
     Args:
         robot: any arm.
@@ -224,13 +225,13 @@ def known_conditions(
     resolved = resolve_task(task, robot)
     for name in candidates(robot):
         record = _record(name)
-        if record is not None and record["settings"]["version"] == VERSION and is_of(record, robot, resolved):
+        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, resolved):
             return from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
     return None
 
 
 def shipped_conditions(name: str) -> Conditions:
-    """The conditions that are shipped for one arm of the catalogue, whatever version made them.
+    """The conditions that are shipped for one arm of the catalogue, whatever code made them.
 
     Raises:
         MissingExtraError: python-flint is not installed.

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -107,37 +106,6 @@ class Joined:
             if match.row == row:
                 return tuple(known[i] for i in match.families), tuple(known[i] for i in match.parts)
         return (), ()
-
-
-def joined_from_dict(record: Mapping[str, Any]) -> Joined:
-    """The record that `plain` made data of; entries of later versions are ignored."""
-    families = [
-        ExactRow(
-            id=one["id"],
-            name=one["name"],
-            corank=one["corank"],
-            dimension=one["dimension"],
-            pinned=tuple(Pinned(pin["joint"], pin["number"], tuple(pin["values"])) for pin in one["pinned"]),
-            conditions=tuple(one["conditions"]),
-            latex=tuple(one["latex"]),
-            reality=one["reality"],
-        )
-        for one in record["families"]
-    ]
-    return Joined(
-        status=record["status"],
-        asked=record["asked"],
-        seconds=record["seconds"],
-        reason=record["reason"],
-        letters=record["letters"],
-        shifts=tuple(record["shifts"]),
-        families=tuple(families),
-        matches=tuple(Match(m["row"], tuple(m["families"]), tuple(m["parts"])) for m in record["matches"]),
-        numeric=Check(record["numeric"]["tested"], record["numeric"]["agree"]),
-        exact=Check(record["exact"]["tested"], record["exact"]["agree"]),
-        disagreements=tuple(record["disagreements"]),
-        wider=tuple(Wider(w["family"], w["solved"], w["elsewhere"]) for w in record["wider"]),
-    )
 
 
 EXACTLY = "exactly"

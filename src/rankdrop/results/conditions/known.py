@@ -32,7 +32,7 @@ from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.equation import Equation
-from rankdrop.results.codec import Record, known
+from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
 from rankdrop.results.known import ANSWERS, candidates
@@ -131,10 +131,10 @@ def _read(
         remarks=tuple(record["remarks"]),
         method=record["method"],
         reason=record["reason"],
-        steps=tuple(Step(one["title"], tuple(one["lines"])) for one in record["steps"]),
+        steps=restored(tuple[Step, ...], record["steps"]),
         families=tuple(_family(one, chain) for one in record["families"]),
         lowest=record["lowest"],
-        assumptions=tuple(Assumption(**known(Assumption, one)) for one in record["assumptions"]),
+        assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(record["not_real"]),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
         disagreements=tuple(record["disagreements"]),
@@ -142,7 +142,7 @@ def _read(
         interrupted=record["interrupted"],
         left=tuple(record["left"]),
         seconds=0.0,
-        settings=replace(ConditionSettings(**known(ConditionSettings, record["settings"])), version=VERSION),
+        settings=replace(restored(ConditionSettings, record["settings"]), version=VERSION),
         chain=chain,
         anew=anew,
     )
@@ -163,7 +163,7 @@ def _family(record: Record, chain: Chain) -> ExactFamily:
         reality=record["reality"],
         witness=tuple(record["witness"]),
         lost_words=tuple(record["lost_words"]),
-        rank_check=Check(**known(Check, record["rank_check"])),
+        rank_check=restored(Check, record["rank_check"]),
         numbers=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
         pieces=(),

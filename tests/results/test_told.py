@@ -12,7 +12,6 @@ from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task
 
-
 pytestmark = pytest.mark.shipped
 
 

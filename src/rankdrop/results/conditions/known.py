@@ -39,7 +39,7 @@ from rankdrop.family.which import Condition as Met
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
-from rankdrop.results.known import candidates
+from rankdrop.results.known import ANSWERS, candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -60,6 +60,7 @@ def to_stored(found: ConditionsData) -> Record:
     if not found.complete or found.interrupted:
         raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
     record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    record["answers"] = ANSWERS
     record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
     record["generic_rank"] = found.generic_rank
     record["families"] = [
@@ -145,7 +146,7 @@ def _read(
         interrupted=record["interrupted"],
         left=tuple(record["left"]),
         seconds=0.0,
-        settings=restored(ConditionSettings, record["settings"]),
+        settings=replace(restored(ConditionSettings, record["settings"]), version=VERSION),
         chain=chain,
         anew=anew,
     )
@@ -207,7 +208,7 @@ def shipped_record(robot: Robot, task: Task) -> Record | None:
     """The shipped conditions of this arm and task as they stand in their file, or None; see `known_conditions`."""
     for name in candidates(robot):
         record = _record(name)
-        if record is not None and record["settings"]["version"] == VERSION and is_of(record, robot, task):
+        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, task):
             return record
     return None
 
@@ -215,7 +216,7 @@ def shipped_record(robot: Robot, task: Task) -> Record | None:
 def known_conditions(
     robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
 ) -> Conditions | None:
-    """The shipped conditions of this arm, or None: another arm, another task, or made by another version.
+    """The shipped conditions of this arm, or None: another arm or task, or made by code with other `ANSWERS`.
 
     Args:
         robot: any arm.
@@ -240,7 +241,7 @@ def known_conditions(
 
 
 def shipped_conditions(name: str) -> Conditions:
-    """The conditions that are shipped for one arm of the catalogue, whatever version made them.
+    """The conditions that are shipped for one arm of the catalogue, whatever code made them.
 
     Raises:
         MissingExtraError: python-flint is not installed.

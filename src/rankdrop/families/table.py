@@ -34,7 +34,8 @@ from rankdrop.family.record import (
     CorankFamilies,
     CorankSummary,
     Family,
-    Pinned,
+    Pin,
+    Sampled,
     Share,
     Soundness,
     family_out_of_units,
@@ -209,7 +210,7 @@ def _family(
     """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, problem.robot
     pinned = tuple(
-        Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
+        Pin(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     if memory is None:
         directions, sentences = lost_motions(problem, at, generic)
@@ -232,9 +233,7 @@ def _family(
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        soundness=sound,
-        explained=share,
-        evidence=row.evidence,
+        evidence=Sampled(row.evidence, sound, share),
     )
 
 

@@ -128,7 +128,7 @@ def _focus(found: ExplanationData) -> str:
 
 def _conditions(met: Met) -> str:
     """What has to hold, one after the other; long equations by the joints they are about."""
-    told = [f"{one} = 0" for one in met.family.equations] or list(getattr(met.family, "words", ()))
+    told = [f"{one} = 0" for one in met.family.equations] or list(met.family.words)
     long = [text for text in told if len(text) > _LONG]
     parts = [text for text in told if len(text) <= _LONG]
     if long:

@@ -40,7 +40,8 @@ def differs(found: Analysis) -> Analysis:
 
 
 def unsound(found: Analysis) -> Analysis:
-    return replace(found, families=(replace(found.families[0], evidence=Sampled("made up", Soundness(176, 141))),))
+    evidence = Sampled("made up", Soundness(176, 141), Share(1, 1))
+    return replace(found, families=(replace(found.families[0], evidence=evidence),))
 
 
 def unexplained(found: Analysis) -> Analysis:

@@ -114,8 +114,8 @@ class Sampled:
     """
 
     how: str
-    soundness: Soundness = Soundness(0, 0)
-    explained: Share = Share(0, 0)
+    soundness: Soundness
+    explained: Share
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.naming import lost_motions, name_family, told_apart
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem, wrapped
@@ -264,7 +264,7 @@ def _family(
         corank=corank,
         dimension=piece.dimension,
         codimension=piece.codimension,
-        pins=tuple(sorted(row.pins.items())),
+        pins=tuple(AnglePin(*one) for one in sorted(row.pins.items())),
         conditions=conditions,
         free=tuple(j for j in range(1, chain.n + 1) if j not in row.pins and j not in coupled),
         coupled=coupled,

@@ -30,7 +30,7 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
@@ -155,7 +155,7 @@ def _family(record: Record, chain: Chain) -> ExactFamily:
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],
-        pins=tuple((joint, tuple(values)) for joint, values in record["pins"]),
+        pins=tuple(AnglePin(joint, tuple(values)) for joint, values in record["pins"]),
         conditions=tuple(Condition(chain.ring, _polynomial(chain.ring, terms)) for terms in record["polynomials"]),
         free=tuple(record["free"]),
         coupled=tuple(record["coupled"]),

@@ -24,7 +24,7 @@ from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
-from rankdrop.family.naming import name_family
+from rankdrop.family.naming import name_family, shortened
 from rankdrop.family.record import Condition, Family, Local, Pin, Relation, condition_words, family_from_metres
 from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
@@ -171,7 +171,12 @@ def name_on_the_spot(
     configuration = one_configuration(robot, q)
     if metre_exponent(robot):
         there = name_on_the_spot(
-            in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), corank, seed, fit=fit,
+            in_metres(robot),
+            into_metres(robot, configuration),
+            task_in_metres(task, robot),
+            corank,
+            seed,
+            fit=fit,
             tolerances=tolerances,
         )
         return family_from_metres(there, robot, metre_exponent(robot))
@@ -238,9 +243,10 @@ def _family(
     conditions: tuple[Condition, ...] = (*pinned, *relations, *(rest or ()))
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
     words = condition_words(robot, conditions, coupled if rest is None else ())
+    name = name_family(robot, problem.task, spread, [one.number for one in pinned], coupled=coupled)
     return Family(
         id="",
-        name=name_family(robot, problem.task, spread, [one.number for one in pinned], coupled=coupled),
+        name=shortened([name])[0],
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -322,9 +328,10 @@ def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) ->
     pinned = tuple(Pin(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
     words = "an isolated singular configuration" if isolated else "no condition found around it"
     how = "D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound"
+    name = name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None)
     return Family(
         id="",
-        name=name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None),
+        name=shortened([name])[0],
         named=isolated,
         corank=problem.corank,
         dimension=round(float(np.trace(at.tangent[0]))),

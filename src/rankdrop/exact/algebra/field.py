@@ -29,7 +29,9 @@ PRIMES = tuple((1 << 61) - below for below in _BELOW)
 P = PRIMES[0]
 """The one that is taken first."""
 
-_KEPT = 50_000  # polynomials whose residues are remembered
+_KEPT = 200_000
+"""Terms of polynomials that an evaluator remembers modulo primes: ten megabytes or so. Most derivations have 25,000."""
+_RINGS = 4  # whose evaluators are remembered: a derivation has one with letters, one with numbers, seldom a third
 
 
 class Point(dict[str, int]):
@@ -66,24 +68,17 @@ def residue(value: Fraction, prime: int = P) -> int:
     return value.numerator % prime * pow(value.denominator, -1, prime) % prime
 
 
-_reduced: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}  # by id, which the first one keeps, and prime
-
-
 def reduced(f: Polynomial, prime: int = P) -> Polynomial:
-    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables); kept."""
-    kept = _reduced.get((id(f), prime))
-    if kept is None or kept[0] is not f:
-        if len(_reduced) > _KEPT:
-            _reduced.clear()
-        module = flint()
-        context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
-        terms = {tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()}
-        kept = _reduced[id(f), prime] = (f, context.from_dict(terms))
-    return kept[1]
+    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables)."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
+    return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
 
 
 class Evaluator:
     """Evaluates polynomials of one context modulo the prime of a point.
+
+    What it has reduced modulo a prime it remembers, up to `_KEPT` terms; the memory ends with the evaluator.
 
     Args:
         names: of the context's variables, in order.
@@ -91,17 +86,30 @@ class Evaluator:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = tuple(names)
+        self._reduced: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}  # by id, which the first keeps, and p
+        self._terms = 0
 
     def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
         """f at a point; variables that the point gives no value to are not in f."""
         tick(3 + 0.12 * len(f))
-        return int(reduced(f, modulus(point))(*(point.get(name, 0) for name in self._names)))
+        return int(self.reduced(f, modulus(point))(*(point.get(name, 0) for name in self._names)))
+
+    def reduced(self, f: Polynomial, prime: int) -> Polynomial:
+        """`reduced`, remembered."""
+        kept = self._reduced.get((id(f), prime))
+        if kept is None:
+            self._terms += 1 + len(f)
+            if self._terms > _KEPT:
+                self._reduced.clear()
+                self._terms = 1 + len(f)
+            kept = self._reduced[id(f), prime] = (f, reduced(f, prime))
+        return kept[1]
 
     def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
         """f modulo the prime with every variable but those left at a point."""
         tick(10 + len(f))
         values = {name: point[name] for name in self._names if name not in left and name in point}
-        return reduced(f, modulus(point)).subs(values)
+        return self.reduced(f, modulus(point)).subs(values)
 
     def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
         """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
@@ -116,13 +124,13 @@ class Evaluator:
         return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=_RINGS)
 def half_evaluator(ring: Ring) -> Evaluator:
     """Evaluates half-angle polynomials of a ring."""
     return Evaluator(ring.names)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=_RINGS)
 def trig_evaluator(ring: Ring) -> Evaluator:
     """Evaluates trigonometric polynomials of a ring."""
     return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))

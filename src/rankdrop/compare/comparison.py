@@ -1,7 +1,7 @@
 """The exact conditions beside an analysis: what was derived, whether it is what was found, and one partition for both.
 
-`Joined` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the fitted
-ones otherwise.
+`Comparison` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the
+fitted ones otherwise.
 
 Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
 puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
@@ -58,7 +58,7 @@ class ExactRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Joined:
+class Comparison:
     """The exact families of an arm, held against the numeric ones.
 
     Attributes:
@@ -114,26 +114,26 @@ _LONGEST = 300  # characters of a condition that is printed
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
 
 
-def conditions_of(row: Family, joined: Joined | None) -> list[tuple[str, str]]:
+def conditions_of(row: Family, comparison: Comparison | None) -> list[tuple[str, str]]:
     """(label, text) of every condition of a row that its table does not say.
 
     Exact ones stand in place of fitted ones. Where they hold on more than the row, the fitted ones stay, and long ones
     are only counted: programs find them in the JSON.
     """
-    exactly, instead = exact_conditions(row, joined)
+    exactly, instead = exact_conditions(row, comparison)
     fitted = [] if instead else coupled_conditions(row, folded=bool(exactly))
     return [*((COUPLED, text) for text in fitted), *((EXACTLY, text) for text in exactly)]
 
 
-def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], bool]:
+def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[str], bool]:
     """The exact conditions of a row: (lines, whether they may stand in place of the fitted ones).
 
     No line where the table says it all: joints at simple values.
     """
-    if joined is None:
+    if comparison is None:
         return [], False
-    whole, parts = joined.of_row(row.id)
-    wider = {one.family for one in joined.wider}
+    whole, parts = comparison.of_row(row.id)
+    wider = {one.family for one in comparison.wider}
     lines = [_line(row, family, alone=len(whole) == 1) for family in whole]
     lines = [
         text + (" (and elsewhere, see the end)" if family.id in wider else "")

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from rankdrop.compare.joined import DIFFERS
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
 from rankdrop.exact.letters import covered, doubled, settled
@@ -65,7 +65,7 @@ def test_a_square_at_these_lengths_is_seen() -> None:
     ring = ring_of.ring
     one, two, t = ring.letter_half[a], ring.letter_half[b], ring.t[5]
     f = one * (1 + t**2) - two * t * 2
-    drop = Drop(Variety(ring, {}, rest=(f,), equations=(f,)), 5)
+    drop = Drop(ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5)
     same = replace(ring_of, letters={**ring_of.letters, b: x})
     assert x != y
     assert not doubled(ring_of, replace(tree, drops=[drop]))

@@ -15,7 +15,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra import factoring
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, holds, roots
+from rankdrop.exact.algebra.field import P, Point, common_zeros, complete, holds, in_one, in_two, roots
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
@@ -69,15 +69,14 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
         rng.shuffle(moving)
         chosen = rng.sample(subsets, min(2, len(subsets)))
         minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
-        found = [ring.to_half(p)[0] for p in (ring.at(p, pins) for p in minors) if p != 0]
-        evaluate = Evaluator(ring.names)
+        found = [ring.to_half(p).f for p in (ring.at(p, pins) for p in minors) if p != 0]
         if found and moving and rng.random() < 0.5:
-            zeros = roots(evaluate.in_one(found[0], moving[0], values))
+            zeros = roots(in_one(found[0], moving[0], values))
             if zeros:
                 values[moving[0]] = rng.choice(zeros)
         elif len(found) == 2 and len(moving) > 1:
             x, y = moving[:2]
-            pair = next(common_zeros(*(evaluate.in_two(f, x, y, values) for f in found)), None)
+            pair = next(common_zeros(*(in_two(f, x, y, values) for f in found)), None)
             if pair is not None:
                 values[x], values[y] = pair
         point = complete(ring, values, pins)

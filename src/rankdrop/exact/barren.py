@@ -17,7 +17,7 @@ from math import prod
 
 from rankdrop.exact.algebra.field import P, reduced
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.work import Work, spent, tick
 
 _EACH = 6  # polynomials kept of those in the same variables
@@ -57,13 +57,12 @@ def barren(
     known = _Known(ring)
     lengths = {name: _number(work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))) for name in ring.letters}
     for f in conditions:
-        known.add(turned.half(f.subs(lengths), [int(d) for d in f.degrees()]))
+        known.add(turned.half(Form(ring, f.subs(lengths), ring.form(f).degrees)))
     here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
     until = spent() + _LIMIT
     for minor in islice(_minors(ring, here, order), _MINORS):
         work.check()
-        f, degree = ring.to_half(minor)
-        known.add(turned.half(f, [2 * int(d) for d in degree]))  # of a lower degree it vanishes at π, too
+        known.add(turned.half(ring.to_half(minor)))
         if known.barren:
             return True
     for _ in range(_ROUNDS):
@@ -104,10 +103,10 @@ class _Turned:
             self._bottoms.append(1 - gens[k] * u)
         self._moving = ring.moving
 
-    def half(self, f: Polynomial, degrees: Sequence[int]) -> Polynomial:
-        """f · Π (1 − u_j t_j)^degree at the turned angles; the degrees are those it counts for."""
-        g = reduced(f)
-        tick(20 + 12 * len(f) + 2 * prod(1 + degree for degree in degrees[: self._angles]))
+    def half(self, form: Form) -> Polynomial:
+        """f · Π (1 − u_j t_j)^D_j at the turned angles."""
+        g, degrees = reduced(form.f), form.degrees
+        tick(20 + 12 * len(form.f) + 2 * prod(1 + degree for degree in degrees))
         powers: dict[tuple[int, int], Polynomial] = {}
 
         def nested(items: list[tuple[tuple[int, ...], int]], k: int) -> Polynomial:

@@ -9,8 +9,8 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Atom
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import WIDE, Chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.decoupling import Decoupling, decouple, why_not
@@ -178,14 +178,14 @@ def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> Cora
     return CorankOne("decoupling", found.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree))
 
 
-def _as_set(chain: Chain, atom: Atom) -> Variety:
+def _as_set(chain: Chain, atom: Atom) -> ZeroSet:
     if atom.pinned:
-        return Variety(chain.ring, {atom.joint: atom.value})
-    return Variety(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
+        return ZeroSet(chain.ring, {atom.joint: atom.value})
+    return ZeroSet(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
 
 
 def _differences(
-    chain: Chain, method: str, missing: Sequence[Variety], surplus: Sequence[Variety], tree: Tree
+    chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: Tree
 ) -> tuple[str, ...]:
     """One line for each way round: how many sets, and a configuration on one of them; the sets may be polynomials of
     thousands of terms."""
@@ -197,7 +197,7 @@ def _differences(
     )
 
 
-def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
+def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
     """A real configuration on one of the sets, in words."""
     rng, r = np.random.default_rng(0), tree.generic_rank
     for one in sets:
@@ -222,14 +222,13 @@ def _suppressed(
 def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
     """Random points of each method's sets, tried on those of the other."""
     pieces = [piece for family in found.families for piece in family.stratum.pieces]
-    closed = [Variety(chain.ring, piece.pins, equations=tuple(piece.equations)) for piece in pieces]
     missing = []
-    for piece, one in zip(pieces, closed, strict=True):
+    for piece in pieces:
         point = piece.point(work.rng)
         if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops):
-            missing.append(one)
+            missing.append(piece)
     surplus = [
-        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in closed)
+        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in pieces)
     ]
     return _differences(chain, "suppression", missing, surplus, tree)
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import P, complete, trig_evaluator
+from rankdrop.exact.algebra.field import P, complete, value_at
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -321,12 +321,12 @@ def _agrees(
     seed: int,
 ) -> bool:
     """Whether J · adj J = det J · 1 at a random point modulo the prime."""
-    rng, evaluate, n = random.Random(seed), trig_evaluator(ring), len(rows)
+    rng, n = random.Random(seed), len(rows)
     point = None
     while point is None:
         point = complete(ring, {name: rng.randrange(P) for name in ring.names}, {})
-    one = [[evaluate(x, point) for x in row] for row in rows]
-    two = [[evaluate(x, point) for x in row] for row in adjugate]
-    middle = evaluate(whole, point)
+    one = [[value_at(x, point) for x in row] for row in rows]
+    two = [[value_at(x, point) for x in row] for row in adjugate]
+    middle = value_at(whole, point)
     entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
     return all(value == (middle if i == j else 0) for i, j, value in entries)

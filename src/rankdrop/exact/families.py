@@ -18,10 +18,10 @@ import numpy as np
 
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.polynomial import Polynomial, used
-from rankdrop.exact.algebra.solving import form
+from rankdrop.exact.algebra.ring import Form
 from rankdrop.exact.algebra.split import with_points
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check, rank_agreement
 from rankdrop.exact.family import ExactFamily
@@ -42,8 +42,8 @@ _FAR = 1e-6  # |f| above this, coefficients of size one: the condition does not 
 
 
 def sharpened(
-    chain: Chain, piece: Variety, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
-) -> Variety | None:
+    chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
+) -> ZeroSet | None:
     """The set with one more condition, which fails at some of the strays; None where none was found.
 
     Args:
@@ -75,7 +75,7 @@ def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
 
 
 def _candidates(
-    chain: Chain, piece: Variety, rank: int, known: Sequence[Polynomial], work: Work
+    chain: Chain, piece: ZeroSet, rank: int, known: Sequence[Polynomial], work: Work
 ) -> Iterator[Polynomial]:
     """Half-angle polynomials that vanish on a set: known ones, then factors of minors that are zero on it."""
     ring = piece.ring
@@ -104,7 +104,7 @@ _CHECKED = 3  # random points modulo a prime at which the rank of each irreducib
 class RealSet:
     """An irreducible set with real points of the arm on it."""
 
-    piece: Variety
+    piece: ZeroSet
     rank: int
     reality: Reality
 
@@ -118,7 +118,7 @@ def real_sets(
     them by the derivatives of its conditions. What time does not allow is told in `left`.
     """
     kept: list[RealSet] = []
-    left_out: dict[str, list[Variety]] = {}
+    left_out: dict[str, list[ZeroSet]] = {}
     known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
@@ -162,7 +162,7 @@ def real_sets(
 
 def _sharp(
     chain: Chain, drop: Drop, rng: np.random.Generator, known: list[Polynomial], work: Work
-) -> tuple[Variety, Reality]:
+) -> tuple[ZeroSet, Reality]:
     """A set in short words, with conditions added until no configuration of higher rank satisfies them."""
     piece = tidy(drop.piece, work)
     found = reality(chain, piece, drop.rank, rng)
@@ -177,25 +177,26 @@ def _sharp(
     return piece, found
 
 
-def _named(piece: Variety) -> str:
+def _named(piece: ZeroSet) -> str:
     """A set for people: its conditions, or how long they are."""
     terms = sum(map(len, piece.equations))
     return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"
 
 
-def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
+def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
     """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
-    if len(piece.equations) != 1 or piece.also:
+    if len(piece.equations) != 1 or piece.zero:
         return []
-    ring, (f, degree) = chain.ring, form(piece.equations[0], chain.ring)
+    ring, form = chain.ring, chain.ring.form(piece.equations[0])
+    f = form.f
     slopes = []
     for place, name in enumerate(ring.names[: ring.moving]):
         slope = f.derivative(name)
         if place < ring.angles:  # by the angle, of f / (1 + t²)^(D/2): a polynomial of degree D again
             t = f.context().gen(place)
-            slope = (1 + t**2) * slope - degree[place] * t * f
-        slopes.append((slope, degree))
-    found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
+            slope = (1 + t**2) * slope - form.degrees[place] * t * f
+        slopes.append(Form(ring, slope, form.degrees))
+    found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
     smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
     return [Drop(one, rank_on(chain.columns, one)) for one in smaller]
 
@@ -224,7 +225,7 @@ def families(
     seen = {id(one.piece): one.reality for one in sets}
     for corank in range(1, generic_rank + 1):
         rank = generic_rank - corank
-        by_reality: dict[str, list[Variety]] = {}
+        by_reality: dict[str, list[ZeroSet]] = {}
         for one in sets:
             if one.rank == rank:
                 by_reality.setdefault(one.reality.condition, []).append(one.piece)

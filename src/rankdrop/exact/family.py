@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi, remainder
 
-from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.writing.condition import RADIANS, Condition, pin_equation, pin_latex, pin_text
@@ -52,7 +52,7 @@ class ExactFamily:
     rank_check: Check
     numbers: dict[str, float]
     shifts: tuple[float, ...]
-    pieces: tuple[Variety, ...]
+    pieces: tuple[ZeroSet, ...]
 
     def in_units(self, chain: Chain) -> ExactFamily:
         """The family in the arm's own unit of length: its equations and its witness are those of `chain.own`."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, used
-from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.writing.condition import RADIANS, Condition
@@ -50,7 +50,7 @@ class Reality:
         return self.smooth and len(self.points) > 0
 
 
-def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> Reality:
+def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> Reality:
     """Look for real points on a set, with the arm's own lengths.
 
     Args:
@@ -76,14 +76,14 @@ def reality(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -
     return Reality(points, smooth, "", condition, strays, unclear)
 
 
-def real_points(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
+def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
     """(k, n) real configurations of `Chain.own` on a set with exactly its rank, whether the set is smooth at one of
     them, and those of higher rank that satisfy its conditions.
     """
     return _met(chain, piece, rank, rng)[:3]
 
 
-def _met(chain: Chain, piece: Variety, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array, int]:
+def _met(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array, int]:
     """`real_points`, and at how many more its conditions hold and the rank is neither lost nor clearly higher."""
     n = chain.n
     theta = rng.uniform(-np.pi, np.pi, (STARTS, n))
@@ -121,7 +121,7 @@ def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:
     return np.asarray((np.linalg.svd(gradients, compute_uv=False) > _SMOOTH).sum(axis=1) >= wanted)
 
 
-def _discriminant(piece: Variety, f: Polynomial) -> Polynomial | None:
+def _discriminant(piece: ZeroSet, f: Polynomial) -> Polynomial | None:
     """b² − 4ac of a condition on one angle alone; None for another one."""
     ring = piece.ring
     places = [place for place in used(f) if place < ring.moving]

@@ -11,7 +11,6 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import lru_cache
 from typing import Any
 
 from rankdrop.exact.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint
@@ -66,73 +65,62 @@ def residue(value: Fraction, prime: int = P) -> int:
     return value.numerator % prime * pow(value.denominator, -1, prime) % prime
 
 
-_reduced: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}  # by id, which the first one keeps, and prime
+_Residues = tuple[Polynomial, Polynomial, tuple[str, ...]]  # over the rationals, modulo a prime, names of the variables
+_reduced: dict[tuple[int, int], _Residues] = {}  # by id, which the first one keeps, and prime
 
 
-def reduced(f: Polynomial, prime: int = P) -> Polynomial:
-    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables); kept."""
+def _residues(f: Polynomial, prime: int) -> _Residues:
+    """A polynomial, itself modulo a prime, and the names of its variables; kept."""
     kept = _reduced.get((id(f), prime))
     if kept is None or kept[0] is not f:
         if len(_reduced) > _KEPT:
             _reduced.clear()
-        module = flint()
-        context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
+        module, names = flint(), tuple(f.context().names())
+        context = module.nmod_mpoly_ctx.get(list(names), prime, module.Ordering.lex)
         terms = {tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()}
-        kept = _reduced[id(f), prime] = (f, context.from_dict(terms))
-    return kept[1]
+        kept = _reduced[id(f), prime] = (f, context.from_dict(terms), names)
+    return kept
 
 
-class Evaluator:
-    """Evaluates polynomials of one context modulo the prime of a point.
-
-    Args:
-        names: of the context's variables, in order.
-    """
-
-    def __init__(self, names: Sequence[str]) -> None:
-        self._names = tuple(names)
-
-    def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
-        """f at a point; variables that the point gives no value to are not in f."""
-        tick(3 + 0.12 * len(f))
-        return int(reduced(f, modulus(point))(*(point.get(name, 0) for name in self._names)))
-
-    def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
-        """f modulo the prime with every variable but those left at a point."""
-        tick(10 + len(f))
-        values = {name: point[name] for name in self._names if name not in left and name in point}
-        return reduced(f, modulus(point)).subs(values)
-
-    def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
-        """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
-        return dense(self._put(f, (name,), point), self._names.index(name))
-
-    def in_two(self, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
-        """f as a polynomial in two variables modulo the prime (`flint.nmod_mpoly` in x, y)."""
-        a, b = self._names.index(one), self._names.index(two)
-        put = self._put(f, (one, two), point)
-        module = flint()
-        context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
-        return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+def reduced(f: Polynomial, prime: int = P) -> Polynomial:
+    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables); kept."""
+    return _residues(f, prime)[1]
 
 
-@lru_cache(maxsize=32)
-def half_evaluator(ring: Ring) -> Evaluator:
-    """Evaluates half-angle polynomials of a ring."""
-    return Evaluator(ring.names)
+def value_at(f: Polynomial, point: Mapping[str, int]) -> int:
+    """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
+    tick(3 + 0.12 * len(f))
+    _, residues, names = _residues(f, modulus(point))
+    return int(residues(*(point.get(name, 0) for name in names)))
 
 
-@lru_cache(maxsize=32)
-def trig_evaluator(ring: Ring) -> Evaluator:
-    """Evaluates trigonometric polynomials of a ring."""
-    return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))
+def in_one(f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+    """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
+    put, names = _put(f, (name,), point)
+    return dense(put, names.index(name))
+
+
+def in_two(f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+    """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
+    put, names = _put(f, (one, two), point)
+    a, b = names.index(one), names.index(two)
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
+    return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+
+
+def _put(f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> tuple[Polynomial, tuple[str, ...]]:
+    """f modulo the prime with every variable but those left at a point, and the names of its variables."""
+    tick(10 + len(f))
+    _, residues, names = _residues(f, modulus(point))
+    return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
 def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
     far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
-    return half_evaluator(ring)(ring.half_at(f, far) if far else f, point)
+    return value_at(ring.form(f).at(far).f if far else f, point)
 
 
 def stands(point: Point, joint: int, value: str) -> bool:
@@ -145,7 +133,7 @@ def stands(point: Point, joint: int, value: str) -> bool:
 def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
-        return trig_evaluator(ring)(f, point) == 0
+        return value_at(f, point) == 0
     return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
 
 
@@ -163,7 +151,7 @@ def roots(values: Sequence[int], prime: int = P) -> list[int]:
 
 
 def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
-    """All common zeros (x, y) of two polynomials from `Evaluator.in_two`; none where they have a common factor."""
+    """All common zeros (x, y) of two polynomials from `in_two`; none where they have a common factor."""
     if f == 0 or g == 0:
         return
     eliminated = f.resultant(g, "x")
@@ -178,15 +166,10 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
 
 
 def put_common_zero(
-    evaluate: Evaluator,
-    f: Polynomial,
-    g: Polynomial,
-    names: tuple[str, str],
-    values: dict[str, int],
-    rng: random.Random,
+    f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zeros = list(common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values)))
+    zeros = list(common_zeros(in_two(f, *names, values), in_two(g, *names, values)))
     if zeros:
         values.update(zip(names, rng.choice(zeros), strict=True))
     return bool(zeros)

@@ -10,7 +10,7 @@ import random
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, trig_evaluator
+from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, value_at
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.robot.model import JointKind
 
@@ -54,7 +54,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
 
     Args:
         chain: the arm.
-        point: sines, cosines, slides and letters modulo P, as from `Variety.point` or `random_points`.
+        point: sines, cosines, slides and letters modulo P, as from `ZeroSet.point` or `random_points`.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
@@ -65,8 +65,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
     """
     if chain.task.m == 6:
         return rank(_twists(chain, point), modulus(point))
-    evaluate = trig_evaluator(chain.ring)
-    return rank([[evaluate(entry, point) for entry in column] for column in chain.columns], modulus(point))
+    return rank([[value_at(entry, point) for entry in column] for column in chain.columns], modulus(point))
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:

@@ -23,10 +23,10 @@ from __future__ import annotations
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.methods.derivation import Conjunction, Equality
+from rankdrop.exact.methods.derivation import Conjunction
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.robot.model import JointKind
 

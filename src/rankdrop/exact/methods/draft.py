@@ -12,12 +12,12 @@ from itertools import combinations
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
+from rankdrop.exact.methods.derivation import Conjunction, Derivation
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
@@ -196,19 +196,13 @@ def pieces(
 
 
 def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
-    """As `Draft.pinned`. A degree that falls is a zero at θ = π."""
+    """As `Draft.pinned`."""
     if atom.f is None:
         if atom.joint != pin.joint:
             return frozenset({atom})
         return None if atom.value == pin.value else frozenset()
-    f = ring.half_at(atom.f, {pin.joint: pin.value})
-    if f == 0:
-        return None
-    degrees, before = f.degrees(), atom.f.degrees()
-    fallen = {
-        ring.pin(j, "pi") for place, j in enumerate(ring.revolute) if j != pin.joint and degrees[place] < before[place]
-    }
-    return frozenset(fallen | {found for found, _ in ring.split(f)[2]})
+    form = ring.form(atom.f).at({pin.joint: pin.value})
+    return None if form.f == 0 else frozenset(found for found, _ in form.factors().atoms)
 
 
 Factors = frozenset[Atom]

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.work import OutOfTime
-from rankdrop.exact.methods.derivation import Conjunction, Equality, Words
+from rankdrop.exact.methods.derivation import Conjunction, Words
 from rankdrop.exact.methods.draft import Case, Columns, Draft, Factors, branches, pieces, size
 from rankdrop.exact.writing.value import text_of
 
@@ -74,7 +74,7 @@ def _sets(draft: Draft, case: Case, screw: Sequence[Polynomial], deepest: int) -
 def _follows(draft: Draft, atom: Atom, more: Sequence[Equality]) -> bool:
     """Whether an atom vanishes once the joints that are pinned after it stand where they do."""
     pins = {one.atoms[0].joint: one.atoms[0].value for one in more if len(one.atoms) == 1 and one.atoms[0].pinned}
-    return not atom.pinned and bool(draft.ring.half_at(atom.f, pins) == 0)
+    return not atom.pinned and bool(draft.ring.form(atom.f).at(pins).f == 0)
 
 
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:

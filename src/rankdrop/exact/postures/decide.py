@@ -298,11 +298,11 @@ def _curves(known: Regional) -> list[Polynomial]:
     Raises:
         Unbounded: a factor is repeated, or one is θ = π.
     """
-    half, degree = known.ring.to_half(known.determinant)
-    if tuple(half.degrees()) != tuple(2 * m for m in degree):
+    form = known.ring.to_half(known.determinant)
+    if form.at_pi:
         raise Unbounded
     found = []
-    for factor, power in half.factor()[1]:
+    for factor, power in form.f.factor()[1]:
         degrees = factor.degrees()
         if 0 in degrees and not real_zeros(factor, 0 if degrees[0] else 1):
             continue
@@ -315,9 +315,10 @@ def _curves(known: Regional) -> list[Polynomial]:
 def _half(known: Regional, p: Polynomial) -> Polynomial:
     """p times (1 + t₂²)(1 + t₃²): p is of first degree in each joint."""
     ring = known.ring
-    half, degree = ring.to_half(p)
-    for t, m in zip(ring.half.gens(), degree, strict=True):
-        half = half * (1 + t**2) ** (1 - m)
+    form = ring.to_half(p)
+    half = form.f
+    for t, degree in zip(ring.half.gens(), form.degrees, strict=True):
+        half = half * (1 + t**2) ** (1 - degree // 2)
     return half
 
 

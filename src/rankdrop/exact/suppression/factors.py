@@ -12,17 +12,16 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
-from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, primitive
+from rankdrop.exact.algebra.field import P, Point, complete, value_at
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.piece import Factor
-from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
+from rankdrop.exact.suppression.stratum import TOGETHER, Stratum, atoms_on, vanishes
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Product:
     """
 
     polynomial: Polynomial
-    factors: tuple[Factor, ...]
+    factors: tuple[Equality, ...]
     letters: tuple[tuple[Polynomial, int], ...]
     written: tuple[tuple[Polynomial, int], ...]
     outer: Polynomial | None
@@ -65,7 +64,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     open_atoms: list[list[Atom]] = []
     for atoms, there in zip(every, stratum.combinations, strict=True):
         pieces = [piece for piece in stratum.pieces if piece.pins == there]
-        lists = [{atom: piece.factors(Factor(None, (atom,)), False) for atom in atoms} for piece in pieces]
+        lists = [{atom: atoms_on(piece, Equality((atom,))) for atom in atoms} for piece in pieces]
         if any(found is None for one in lists for found in one.values()):
             return None
         open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
@@ -78,9 +77,9 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     written = _with_powers(ring, common)
     if any(rests):
         rest = _rest(stratum, without_letters(p, powers), shared, rests)
-        factors.append(Factor(rest, tuple(rests[0]) if len(rests) == 1 else None))
+        factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
         written.append((rest, 1))
-    factors.sort(key=lambda f: _length(f.polynomial))
+    factors.sort(key=lambda f: _length(f.whole))
     written.sort(key=lambda pair: _length(pair[0]))
     named = tuple(letters[key] for key in sorted(letters))
     return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
@@ -120,12 +119,12 @@ def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
         if atom.value == "pi":
             at_pi.append(atom.joint)
         else:
-            f = f * _half_of(ring, atom)
+            f = f * ring.half_of(atom)
     p = ring.trig_zero_set(f)
     return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
 
 
-def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
+def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
     left = list(atoms)
     found = []
@@ -133,9 +132,9 @@ def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
             both = tuple(ring.pin(j, value) for value in pair)
             if all(one in left for one in both):
-                found.append(Factor(generator, both))
+                found.append(Equality(both, generator))
                 left = [atom for atom in left if atom not in both]
-    return found + [Factor(polynomial_of(ring, atom), (atom,)) for atom in left]
+    return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
 
 
 def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
@@ -144,7 +143,7 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     if not shared or not stratum.regular:
         return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
     point = _random_point(ring)
-    common = _times(ring, [f.polynomial for f in joined(ring, shared)])
+    common = _times(ring, [f.whole for f in joined(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
         part = _unsquared(ring, atoms, shared)
@@ -170,24 +169,19 @@ def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Poly
                 continue
             f = ring.half.constant(1)
             for atom in every:
-                f = f * _half_of(ring, atom)
+                f = f * ring.half_of(atom)
             found = ring.to_trig(f)
             if found is not None:
                 return found
-    return _times(ring, [f.polynomial for f in joined(ring, atoms)])
+    return _times(ring, [f.whole for f in joined(ring, atoms)])
 
 
-def _shorter(ring: Ring, factor: Factor, pins: Sequence[Atom]) -> Factor:
+def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
     """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
-    if factor.atoms is None or len(factor.atoms) != 1 or factor.atoms[0].pinned:
+    if len(factor.atoms) != 1 or factor.atoms[0].pinned:
         return factor
     other = _unsquared(ring, factor.atoms, pins)
-    return Factor(other, factor.atoms) if 2 < len(other) < len(factor.polynomial) else factor
-
-
-def _half_of(ring: Ring, atom: Atom) -> Polynomial:
-    """The half-angle polynomial of an atom other than θ = π."""
-    return atom.f if atom.f is not None else ring.t[atom.joint] - TANGENT[atom.value]
+    return replace(factor, whole=other) if 2 < len(other) < factor.terms else factor
 
 
 def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:
@@ -234,7 +228,7 @@ def _random_point(ring: Ring) -> Point:
 
 
 def _value(ring: Ring, p: Polynomial, point: Point) -> int:
-    return trig_evaluator(ring)(p, point)
+    return value_at(p, point)
 
 
 Columns = Sequence[Sequence[Polynomial]]
@@ -292,7 +286,7 @@ def choose(
     found = None
     for six, p in sorted(options, key=place):
         work.check()
-        if p == 0 or any(piece.vanishes(p, work.rng) for piece in stratum.pieces):
+        if p == 0 or any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
             continue
         product = taken_apart(stratum, p)
         if product is not None:
@@ -311,7 +305,7 @@ def why(
     """KG's conditions (a), (b), (c) in words, with how many sixes each leaves."""
     known = triples(chain)
     free = [
-        (six, p) for six, p in options if p != 0 and not any(one.vanishes(p, work.rng) for one in stratum.pieces)
+        (six, p) for six, p in options if p != 0 and not any(vanishes(one, p, work.rng) for one in stratum.pieces)
     ]
     with_triple = [(six, p) for six, p in free if _with_triple(known, six)]
     left = with_triple or free

@@ -130,7 +130,7 @@ class Suppression:
     @property
     def factors(self) -> tuple[Polynomial, ...]:
         """The factors of that determinant which depend on the configuration."""
-        return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
+        return tuple(f.whole for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
     def steps(self) -> tuple[Step, ...]:
         """The derivation step by step, as it is done by hand."""

@@ -11,7 +11,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.code import Code
+from rankdrop.exact.code import Code
 from rankdrop.exact.writing.condition import Condition, pin_equation
 
 N = 5

@@ -21,6 +21,7 @@ from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, primit
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import triples
 from rankdrop.exact.suppression.stratum import TOGETHER, Stratum, atoms_on, vanishes
 
 
@@ -249,14 +250,6 @@ class Basic:
     reason: str = ""
 
 
-def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
-    """Raises OptionError unless `basic` is None or six different joints of the chain."""
-    if basic is not None and (len(set(basic)) != 6 or len(basic) != 6 or not set(basic) <= set(range(1, chain.n + 1))):
-        raise OptionError(
-            "the basic screws are six different joints", where="basic", got=str(list(basic)), allowed=f"1 … {chain.n}"
-        )
-
-
 def determinants(
     columns: Columns, stratum: Stratum, joints: Sequence[int], asked: tuple[int, ...] | None, work: Work
 ) -> list[tuple[tuple[int, ...], Polynomial]]:
@@ -349,17 +342,3 @@ def parse_joints(text: str) -> tuple[int, ...]:
             raise OptionError("these are no joints", got=repr(word), allowed="numbers and runs, such as 2-7 or 1,2,4-7")
         found += range(int(first), int(last or first) + 1)
     return tuple(found)
-
-
-def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
-    """Three successive joints that are equivalent to a spherical or a planar joint.
-
-    In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0.
-    """
-    found = []
-    for first in range(1, chain.n - 1):
-        three = chain.screws(first + 1)[first - 1 : first + 2]
-        for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
-            if all(column[r] == 0 for column in three for r in rows):
-                found.append(((first, first + 1, first + 2), name))
-    return found

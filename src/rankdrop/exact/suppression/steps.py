@@ -11,8 +11,10 @@ from itertools import combinations, product
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import triples
+from rankdrop.exact.family import Step
 from rankdrop.exact.suppression.dependence import Dependence, Proof
-from rankdrop.exact.suppression.factors import Basic, Product, triples
+from rankdrop.exact.suppression.factors import Basic, Product
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.writing.notation import SUPERSCRIPT
 from rankdrop.exact.writing.value import condition_text, text_of
@@ -73,19 +75,6 @@ class SuppressedFamily:
 ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 LONG = 60
 """Terms of a screw's entries above which it is not written out once more with a case's angles put in."""
-
-
-@dataclass(frozen=True)
-class Step:
-    """A heading and the lines under it.
-
-    Attributes:
-        title: heading.
-        lines: sentences and formulas.
-    """
-
-    title: str
-    lines: tuple[str, ...]
 
 
 @dataclass(frozen=True)

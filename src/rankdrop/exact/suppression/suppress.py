@@ -18,11 +18,11 @@ from rankdrop.exact.algebra.ring import letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.suppression.factors import (
     Basic,
     Product,
-    check_basic,
     choose,
     determinants,
     joined,

@@ -28,8 +28,7 @@ from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import Check
-from rankdrop.exact.derivation import Step
-from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.family import Assumption, ExactFamily, Step
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.equation import Equation
 from rankdrop.results.codec import Record, known

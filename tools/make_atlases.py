@@ -4,7 +4,7 @@
     .venv/bin/python tools/make_atlases.py --all      # every arm anew
     .venv/bin/python tools/make_atlases.py pa10 ur5   # these, and the index anew
 
-It can be stopped and started again: a file that is there, of this version and of this arm, is kept. An atlas in which
+It can be stopped and started again: a file that is there, of these `ANSWERS` and this arm, is kept. An atlas in which
 some fresh point is unexplained, a row unsound or a family unnamed is not written, and ends the run with exit code 1.
 Their families have the partition, ids and names of the exact conditions, which are shipped beside them and have to be
 there first (tools/make_conditions.py).
@@ -23,11 +23,10 @@ from time import process_time
 from rankdrop.disk import replace_file
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_to_dict
-from rankdrop.results.known import INDEX, SEED, STARTS
+from rankdrop.results.known import ANSWERS, INDEX, SEED, STARTS
 from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.analyze import analyze
-from rankdrop.version import VERSION
 
 FOLDER = Path(__file__).resolve().parents[1] / "src" / "rankdrop" / "atlases"
 PROCESSES = 2
@@ -40,19 +39,21 @@ def write(name: str) -> tuple[str, bool, str]:
     spent = f"{process_time() - begun:.1f} s CPU"
     if not (found.complete and found.verified and found.residual().holds(found.settings.tolerances)):
         return name, False, f"NOT WRITTEN, the analysis is not verified, {spent}"
-    text = json.dumps(replace(found, exact=None).to_dict(), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    record = replace(found, exact=None).to_dict() | {"answers": ANSWERS}
+    text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     replace_file(FOLDER / f"{name}.json", f"{text}\n".encode())
     return name, True, f"{len(found.families)} families, {len(text) / 1000:.0f} kB, {spent}"
 
 
 def stale(name: str) -> bool:
-    """Whether an arm's file is missing, of another version, or of an arm that has changed since."""
+    """Whether an arm's file is missing, made by code that answered otherwise, or of an arm that has changed since."""
     path = FOLDER / f"{name}.json"
     if not path.is_file():
         return True
-    found, robot = Analysis.from_dict(json.loads(path.read_text(encoding="utf-8"))), open_robot(name)
+    record, robot = json.loads(path.read_text(encoding="utf-8")), open_robot(name)
+    found = Analysis.from_dict(record)
     changed = robot_to_dict(robot, found.task, 0) != robot_to_dict(found.robot, found.task, 0)
-    return changed or found.settings.version != VERSION
+    return changed or record.get("answers") != ANSWERS
 
 
 def write_index() -> None:

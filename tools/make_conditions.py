@@ -4,7 +4,7 @@
     .venv/bin/python tools/make_conditions.py --all        # every arm anew
     .venv/bin/python tools/make_conditions.py pa10 ur5     # these
 
-It can be stopped and started again: a file that is there, of this version and of this arm, is kept. A derivation that
+It can be stopped and started again: a file that is there, of these `ANSWERS` and this arm, is kept. A derivation that
 is not complete or not verified is not written, and the arm is told at the end; its old file is taken away.
 """
 

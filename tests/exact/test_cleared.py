@@ -32,7 +32,7 @@ def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
     rng = random.Random(seed)
     point = complete(chain.ring, {name: rng.randrange(2, P) for name in chain.ring.names}, pins)
     assert point is not None
-    return rank([[value_at(x, point) if x != 0 else 0 for x in column] for column in columns])
+    return rank([[value_at(chain.ring, x, point) if x != 0 else 0 for x in column] for column in columns])
 
 
 @pytest.mark.parametrize("robot", [gantry(1), gantry(2), gantry(3), open_robot("tiago")], ids=lambda one: str(one.n))

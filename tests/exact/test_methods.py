@@ -71,12 +71,12 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
         minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
         found = [ring.to_half(p).f for p in (ring.at(p, pins) for p in minors) if p != 0]
         if found and moving and rng.random() < 0.5:
-            zeros = roots(in_one(found[0], moving[0], values))
+            zeros = roots(in_one(ring, found[0], moving[0], values))
             if zeros:
                 values[moving[0]] = rng.choice(zeros)
         elif len(found) == 2 and len(moving) > 1:
             x, y = moving[:2]
-            pair = next(common_zeros(*(in_two(f, x, y, values) for f in found)), None)
+            pair = next(common_zeros(*(in_two(ring, f, x, y, values) for f in found)), None)
             if pair is not None:
                 values[x], values[y] = pair
         point = complete(ring, values, pins)

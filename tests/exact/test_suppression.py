@@ -120,9 +120,10 @@ class TestEveryArm:
                 screw, on, proof = case.dependence.screw, case.dependence.on, case.dependence.proof
                 for piece in case.stratum.pieces:
                     point = piece.point(rng)
-                    matrix = {j: [value_at(x, point) for x in found.columns[j - 1]] for j in (screw, *on)}
-                    assert rank([matrix[j] for j in on]) == len(on) == rank(list(matrix.values()))
-                    assert any(value_at(p, point) for p in proof.polynomials)
+                    ring, prime = found.chain.ring, point.prime
+                    matrix = {j: [value_at(ring, x, point) for x in found.columns[j - 1]] for j in (screw, *on)}
+                    assert rank([matrix[j] for j in on], prime) == len(on) == rank(list(matrix.values()), prime)
+                    assert any(value_at(ring, p, point) for p in proof.polynomials)
             for inner in case.cases:
                 walk(inner)
 
@@ -191,8 +192,8 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         holding = [
             family.number
             for family in found.families
-            if all(value_at(p, point) == 0 for p in family.equalities)
-            and all(value_at(p, point) != 0 for p in family.stratum.inequalities)
+            if all(value_at(found.chain.ring, p, point) == 0 for p in family.equalities)
+            and all(value_at(found.chain.ring, p, point) != 0 for p in family.stratum.inequalities)
         ]
         assert len(holding) == 1, (holding, point)
 

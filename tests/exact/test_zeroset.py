@@ -132,7 +132,7 @@ def test_random_points_lie_on_their_set_and_a_sum_of_squares_has_its_points_too(
     piece = ZeroSet(ring, {}, rest=(f,), equations=(f,))
     points = piece.points(random.Random(1), 20)
     assert len(points) == 20
-    assert all(value_at(f, point) == 0 for point in points)
+    assert all(value_at(ring, f, point) == 0 for point in points)
 
 
 def test_a_limit_on_work_ends_it(ring: Ring) -> None:
@@ -205,13 +205,13 @@ def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones
     assert one.rest == (f, g, h)
     assert one.codimension == 3
     assert len(one.samples) > 10
-    assert all(value_at(p, point) == 0 for p in (f, g, h) for point in one.samples)
+    assert all(value_at(ring, p, point) == 0 for p in (f, g, h) for point in one.samples)
     point = one.point(random.Random(0))
     assert point is not None
-    assert all(value_at(p, point) == 0 for p in (f, g, h))
+    assert all(value_at(ring, p, point) == 0 for p in (f, g, h))
     (linear,) = cut_half(base, t[1] * t[4] - t[2] - 1, Work())
     assert (linear.rest, len(linear.solved)) == ((f, g), 1)
-    assert all(value_at(t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
+    assert all(value_at(ring, t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
     (both,) = cut_half(one, t[4] ** 2 * t[3] - t[1] - 1, Work())
     assert len(both.rest) == 4
     assert both.samples

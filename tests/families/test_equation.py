@@ -141,6 +141,8 @@ def test_pretty_is_short():
     terms = [Term(0.4318, "cos", (0, 2, 0), zero), Term(-1.0, "sin", (0, 2, 2), zero), Term(2.0, "cos", zero, zero)]
     assert Equation(tuple(terms)).pretty() == "0.4318 cos θ2 − sin(θ2+θ3) + 2"
     assert normalised(terms).pretty() == "0.2159 cos θ2 − 0.5 sin(θ2+θ3) + 1"
+    noise = Term(1e-14, "cos", (2, 2, 0), (0, 0, 0))
+    assert Equation((noise, *terms)).pretty() == "0.4318 cos θ2 − sin(θ2+θ3) + 2"
     angles = [pretty_angle(x) for x in (0, pi, -pi / 2, 2 * pi / 3, pi / 12, 0.5)]
     assert angles == ["0", "π", "−π/2", "2π/3", "π/12", "0.5"]
 

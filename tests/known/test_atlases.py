@@ -6,11 +6,14 @@ catalogue, with fewer starts: `test_every_arm.py`.
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from importlib import resources
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scripts import tool
 
 from known.arms import KINDS, structures
 from rankdrop.errors import ResultFileError
@@ -21,7 +24,7 @@ from rankdrop.family.system import System
 from rankdrop.frames import BODY
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
-from rankdrop.results.known import SEED, STARTS, known_analysis, known_names, shipped
+from rankdrop.results.known import ANSWERS, SEED, STARTS, known_analysis, known_names, shipped, shipped_record
 from rankdrop.robot.fingerprint import coarse_fingerprint
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot, robot_names
@@ -47,12 +50,22 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert robot_to_dict(robot, found.task, 0) == robot_to_dict(found.robot, found.task, 0), "stale: make it anew"
     assert found.settings.seed == SEED
     assert found.settings.starts == STARTS
-    assert found.settings.version == VERSION, "made by another version: run tools/make_atlases.py"
+    assert shipped_record(name)["answers"] == ANSWERS, "made by other code: run tools/make_atlases.py"
+    assert found.settings.version == VERSION
     assert found.complete
     assert found.verified
     assert found.residual().holds(found.settings.tolerances)
     known = known_analysis(robot, resolve_task(None, robot))
     assert known == found
+
+
+def test_a_file_that_other_code_made_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    maker = tool("make_atlases")
+    monkeypatch.setattr(maker, "FOLDER", tmp_path)
+    record = shipped_record("planar3r")
+    for answers, stale in ((ANSWERS, False), (ANSWERS + 1, True), (None, True)):
+        (tmp_path / "planar3r.json").write_text(json.dumps(record | {"answers": answers}))
+        assert maker.stale("planar3r") is stale
 
 
 @pytest.mark.parametrize("name", KINDS)

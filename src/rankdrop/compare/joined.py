@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -109,40 +108,9 @@ class Joined:
         return (), ()
 
 
-def joined_from_dict(record: Mapping[str, Any]) -> Joined:
-    """The record that `plain` made data of; entries of later versions are ignored."""
-    families = [
-        ExactRow(
-            id=one["id"],
-            name=one["name"],
-            corank=one["corank"],
-            dimension=one["dimension"],
-            pinned=tuple(Pinned(pin["joint"], pin["number"], tuple(pin["values"])) for pin in one["pinned"]),
-            conditions=tuple(one["conditions"]),
-            latex=tuple(one["latex"]),
-            reality=one["reality"],
-        )
-        for one in record["families"]
-    ]
-    return Joined(
-        status=record["status"],
-        asked=record["asked"],
-        seconds=record["seconds"],
-        reason=record["reason"],
-        letters=record["letters"],
-        shifts=tuple(record["shifts"]),
-        families=tuple(families),
-        matches=tuple(Match(m["row"], tuple(m["families"]), tuple(m["parts"])) for m in record["matches"]),
-        numeric=Check(record["numeric"]["tested"], record["numeric"]["agree"]),
-        exact=Check(record["exact"]["tested"], record["exact"]["agree"]),
-        disagreements=tuple(record["disagreements"]),
-        wider=tuple(Wider(w["family"], w["solved"], w["elsewhere"]) for w in record["wider"]),
-    )
-
-
 EXACTLY = "exactly"
 """Label of an exact condition; a fitted one has that of a coupled joint."""
-_LONGEST = 800  # characters of a condition that is printed
+_LONGEST = 300  # characters of a condition that is printed
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
 
 
@@ -172,7 +140,7 @@ def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], boo
         for text, family in zip(lines, whole, strict=True)
         if text
     ]
-    lines += [f"part of {' and '.join(map(_short, family.conditions))}" for family in parts]
+    lines += [f"part of {' and '.join(map(readable, family.conditions))}" for family in parts]
     said = [f"or {text}" if place else text for place, text in enumerate(lines)]
     return said, bool(lines) and not parts and not wider & {family.id for family in whole}
 
@@ -180,14 +148,14 @@ def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], boo
 def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
     """A family's conditions, without those of joints that the row has at the same values."""
     same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
-    rest = [_short(text) for text in family.conditions[len(same) :]]
+    rest = [readable(text) for text in family.conditions[len(same) :]]
     pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
     if not pins and not rest and not alone:
         return " and ".join((*family.conditions[: len(same)], *rest))
     return " and ".join((*pins, *rest)) + (f"; {family.reality}" if family.reality and (pins or rest) else "")
 
 
-def _short(text: str) -> str:
+def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
     whole = "whole with --json, or with `rankdrop conditions --latex`"
     return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"

@@ -325,8 +325,8 @@ def _agrees(
     point = None
     while point is None:
         point = complete(ring, {name: rng.randrange(P) for name in ring.names}, {})
-    one = [[value_at(x, point) for x in row] for row in rows]
-    two = [[value_at(x, point) for x in row] for row in adjugate]
-    middle = value_at(whole, point)
+    one = [[value_at(ring, x, point) for x in row] for row in rows]
+    two = [[value_at(ring, x, point) for x in row] for row in adjugate]
+    middle = value_at(ring, whole, point)
     entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
     return all(value == (middle if i == j else 0) for i, j, value in entries)

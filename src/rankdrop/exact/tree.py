@@ -282,7 +282,7 @@ def _parting(columns: list[list[Polynomial]], piece: ZeroSet, ranks: list[int], 
     best: tuple[int, int, Polynomial] | None = None
     for minor in islice(_minors(columns, piece, highest), _TRIED):
         work.check()
-        known = [value_at(minor, point) != 0 for point in full]
+        known = [value_at(piece.ring, minor, point) != 0 for point in full]
         if any(known) and (best is None or (-sum(known), len(minor)) < best[:2]):
             best = (-sum(known), len(minor), minor)
         if all(known):
@@ -304,7 +304,7 @@ def _ranks(columns: list[list[Polynomial]], piece: ZeroSet) -> list[int]:
 def _residues(columns: list[list[Polynomial]], piece: ZeroSet) -> list[tuple[list[list[int]], int]]:
     """The columns at each sample of a set, and the prime that they are modulo."""
     return [
-        ([[value_at(x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
+        ([[value_at(piece.ring, x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
         for point in piece.samples
     ]
 

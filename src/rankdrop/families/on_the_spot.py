@@ -24,7 +24,7 @@ from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
-from rankdrop.family.naming import name_family
+from rankdrop.family.naming import name_family, shortened
 from rankdrop.family.record import LocalFamily, Pinned, condition_words, relation_words, rescaled, slides_of
 from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
@@ -170,7 +170,12 @@ def name_on_the_spot(
     configuration = one_configuration(robot, q)
     if metre_exponent(robot):
         there = name_on_the_spot(
-            in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), corank, seed, fit=fit,
+            in_metres(robot),
+            into_metres(robot, configuration),
+            task_in_metres(task, robot),
+            corank,
+            seed,
+            fit=fit,
             tolerances=tolerances,
         )
         return _out_of_metres(there, robot)
@@ -187,9 +192,7 @@ def name_on_the_spot(
         )  # fmt: skip
     around = neighbourhood(problem, configuration, at, seed)
     found = groups_through(problem, configuration, at, around, seed)
-    families = [
-        _described(problem, around, signature, members, seed, fit=fit) for signature, members in found
-    ]
+    families = [_described(problem, around, signature, members, seed, fit=fit) for signature, members in found]
     if not families:
         families = _from_shared_values(problem, configuration, around, seed)
     if not families:
@@ -246,8 +249,9 @@ def _family(
         relation_words(relation, values[len(signature.pinned) + i]) for i, relation in enumerate(signature.relations)
     )
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
+    numbers = [joint + 1 for joint in signature.pinned]
     return LocalFamily(
-        name=name_family(robot, problem.task, spread, [joint + 1 for joint in signature.pinned], coupled=coupled),
+        name=shortened([name_family(robot, problem.task, spread, numbers, coupled=coupled)])[0],
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
@@ -329,8 +333,9 @@ def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) ->
     isolated = conormal_rank(at) == robot.n
     everyone = tuple(range(1, robot.n + 1))
     pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
+    name = name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None)
     return LocalFamily(
-        name=name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None),
+        name=shortened([name])[0],
         corank=problem.corank,
         dimension=round(float(np.trace(at.tangent[0]))),
         pinned=pinned if isolated else (),

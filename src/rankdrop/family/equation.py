@@ -21,6 +21,8 @@ from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.robot.model import Array
 
+_UNSEEN = 1e-10  # terms below this share of the largest are not written for people: fits leave them, as rounding
+
 
 @dataclass(frozen=True, slots=True)
 class Term:
@@ -168,9 +170,15 @@ class Equation:
         return text
 
     def pretty(self, digits: int = 4) -> str:
-        """f for people: "0.9087 cos θ2 + cos(θ2+θ3)"; prismatic joints are written q_j. No "= 0"."""
+        """f for people: "0.9087 cos θ2 + cos(θ2+θ3)"; prismatic joints are written q_j. No "= 0".
+
+        Terms smaller than `_UNSEEN` of the largest are left out; they stay in `terms`, where a double zero needs them.
+        """
+        least = _UNSEEN * max(abs(term.coefficient) for term in self.terms)
         parts = []
         for term in self.terms:
+            if abs(term.coefficient) <= least:
+                continue
             number = f"{abs(term.coefficient):.{digits}g}"
             factors = _pretty_factors(term, digits)
             body = factors if number == "1" and factors else f"{number} {factors}".strip()

@@ -80,6 +80,7 @@ class Family:
     Attributes:
         id: "k1.f1": corank 1, first row.
         name: "elbow", "wrist" …, or what the joints do.
+        named: False for a family whose points were found but whose conditions were not.
         corank: rank lost on the family.
         dimension: of the family in joint space; for a family that is not named an upper bound (dim ker D).
         pinned: joints at fixed values.
@@ -93,11 +94,11 @@ class Family:
         soundness: the equations solved from random starts, and the rank there.
         explained: share of the fresh points of this corank that lie on this family.
         evidence: how the conditions were obtained.
-        named: False for a family whose points were found but whose conditions were not.
     """
 
     id: str
     name: str
+    named: bool = field(default=True, kw_only=True)
     corank: int
     dimension: int
     pinned: tuple[Pinned, ...]
@@ -110,7 +111,6 @@ class Family:
     soundness: Soundness
     explained: Share
     evidence: str
-    named: bool = True
 
     def __post_init__(self) -> None:
         directions = np.array(self.lost_directions, dtype=np.float64)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.compare.joined import Joined, joined_from_dict
+from rankdrop.compare.joined import Joined
 from rankdrop.errors import ResultFileError
 from rankdrop.families.cells import inside_limits, share_text
 from rankdrop.families.share import Near, overview
@@ -22,16 +22,13 @@ from rankdrop.results.codec import (
     Record,
     family_from_dict,
     family_to_dict,
-    known,
-    near_from_dict,
     near_to_dict,
     plain,
     read_record,
+    restored,
     robot_from_dict,
     robot_to_dict,
     save_record,
-    summary_from_dict,
-    summary_to_dict,
     task_from_dict,
 )
 from rankdrop.results.latex import latex_tables
@@ -185,19 +182,12 @@ class Analysis:
         return {
             "schema": SCHEMA,
             "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
-            "settings": {
-                "seed": self.settings.seed,
-                "starts": self.settings.starts,
-                "limits": self.settings.limits,
-                "length_scale": self.settings.length_scale,
-                "tolerances": self.settings.tolerances.to_dict(),
-                "version": self.settings.version,
-            },
+            "settings": plain(self.settings),
             **self.verdict.to_dict(),
             "complete": self.complete,
             "unfinished": self.unfinished,
             "notes": list(self.notes),
-            "coranks": [summary_to_dict(summary) for summary in self.coranks],
+            "coranks": plain(self.coranks),
             "families": [self._row(family) for family in self.families],
             **({} if self.exact is None else {"exact": plain(self.exact)}),
             **({} if self.near is None else {"near": near_to_dict(self.near)}),
@@ -241,21 +231,20 @@ class Analysis:
 
     @classmethod
     def _from_dict(cls, record: Record) -> Analysis:
-        given = known(Settings, record["settings"])
-        settings = Settings(**{**given, "tolerances": Tolerances(**known(Tolerances, given["tolerances"]))})
+        settings: Settings = restored(Settings, record["settings"])
         families = enumerate(record["families"])
         return cls(
             robot=at("$.robot", lambda: robot_from_dict(record["robot"])),
             task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
-            coranks=tuple(summary_from_dict(summary) for summary in record["coranks"]),
+            coranks=restored(tuple[CorankSummary, ...], record["coranks"]),
             families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=at("$.exact", lambda: joined_from_dict(record["exact"])) if "exact" in record else None,
-            near=at("$.near", lambda: near_from_dict(record["near"])) if "near" in record else None,
+            exact=at("$.exact", lambda: restored(Joined, record["exact"])) if "exact" in record else None,
+            near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
         )
 
     def _repr_html_(self) -> str:

@@ -1,4 +1,7 @@
-"""Robots, tasks and families as plain dictionaries for JSON, and back without loss.
+"""Records as plain data for JSON, and back without loss: by the fields of the records, once for all.
+
+`plain` goes there, `restored` comes back; what JSON says beside the fields (the joints as a reader wants them, the
+terms of an equation, shares with their intervals) is added below.
 
 Infinities (limits that the source does not give) are written as null; joints are numbered from 1.
 """
@@ -7,10 +10,15 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import MISSING, asdict, fields, is_dataclass
-from math import inf, isfinite
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from itertools import repeat
+from math import isfinite
 from pathlib import Path
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -18,26 +26,14 @@ from rankdrop.disk import replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
-from rankdrop.frames import Frame
+from rankdrop.family.record import Family
 from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
-from rankdrop.robot.model import Joint, JointKind, Mimic, Robot, Source
+from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 
 Record = dict[str, Any]
 _STEERING = re.compile("[\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")  # JSON itself escapes the others
-
-
-def known(kind: type[Any], record: Record) -> Record:
-    """The entries of `record` that the dataclass `kind` has: a later version may write more, an earlier one less of
-    what has a default.
-    """
-    return {
-        field.name: record[field.name]
-        for field in fields(kind)
-        if field.name in record or (field.default is MISSING and field.default_factory is MISSING)
-    }
 
 
 def json_text(record: Any) -> str:
@@ -91,7 +87,9 @@ def number_or_null(value: float) -> float | None:
 
 
 def plain(value: Any) -> Any:
-    """A record as plain data for JSON: dataclasses become objects, arrays lists, numbers that are not finite null."""
+    """A record as plain data for JSON: its fields become an object, an equation its text, arrays and tuples lists,
+    infinities null.
+    """
     if isinstance(value, Equation):
         return value.text()
     if is_dataclass(value) and not isinstance(value, type):
@@ -102,11 +100,56 @@ def plain(value: Any) -> Any:
         return plain(value.item())
     if isinstance(value, list | tuple):
         return [plain(one) for one in value]
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, Enum):
+        return value.value
     if isinstance(value, float):
         return number_or_null(value)
     return value
+
+
+def restored(kind: Any, data: Any) -> Any:
+    """What `plain` made data of, by the types of the fields: `restored(type(x), plain(x))` is equal to x.
+
+    Entries that a record does not have are a later version's and left out; those that are missing were not known to an
+    earlier one and have their defaults. Null stands for the default where the field is no "or None": an infinity.
+
+    Args:
+        kind: a dataclass, or what a field is annotated with.
+        data: plain data.
+
+    Raises:
+        KeyError, TypeError, ValueError: an entry without a default is missing, or is something else.
+    """
+    if kind is Equation:
+        return Equation.from_dict({"terms": data})
+    if isinstance(kind, type) and is_dataclass(kind):
+        types, given = _types(kind), {}
+        for field in fields(kind):
+            kept = field.default is not MISSING or field.default_factory is not MISSING
+            if kept and (field.name not in data or (data[field.name] is None and types[field.name] is float)):
+                continue
+            given[field.name] = restored(types[field.name], data[field.name])
+        return kind(**given)
+    inner = get_args(kind)
+    if isinstance(kind, UnionType):
+        others = [one for one in inner if one is not NoneType]
+        return data if data is None or len(others) > 1 else restored(others[0], data)
+    origin = get_origin(kind)
+    if origin is tuple:
+        kinds = repeat(inner[0]) if inner[-1] is Ellipsis else inner
+        return tuple(restored(one, part) for one, part in zip(kinds, data, strict=inner[-1] is not Ellipsis))
+    if origin is np.ndarray:
+        return np.array(data)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(data)
+    return dict(data) if isinstance(data, dict) else data
+
+
+@cache
+def _types(kind: type[Any]) -> dict[str, Any]:
+    return get_type_hints(kind)
 
 
 def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
@@ -132,111 +175,48 @@ def robot_to_dict(robot: Robot, task: Task, generic_rank: int) -> Record:
         "notes": list(robot.notes),
         **({"lengths": dict(robot.lengths)} if robot.lengths else {}),
         **_near_to_dict(robot),
-        "source": asdict(robot.source),
+        "source": plain(robot.source),
         "made_for": robot.task,
-        "frame": {"axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)},
+        "frame": plain(task.frame),
         "rows": list(task.rows),
         "home": robot.home.tolist(),
-        "chain": [_joint_to_dict(joint) for joint in robot.joints],
+        "chain": [{key: value for key, value in plain(joint).items() if value != ""} for joint in robot.joints],
     }
 
 
 def _near_to_dict(robot: Robot) -> Record:
     """The ideal arm that is near, and what `--ideal` takes to find it; no entry where none is."""
-    found = near_ideal(robot)
-    if found is None:
+    ideal = near_ideal(robot)
+    if ideal is None:
         return {}
     return {
-        "near": {"text": found.text, "length": found.length, "angle": found.angle, "ideal": found.tolerance.text}
-    }
-
-
-def _joint_to_dict(joint: Joint) -> Record:
-    return {
-        "name": joint.name,
-        "kind": str(joint.kind),
-        "screw": joint.screw.tolist(),
-        "lower": number_or_null(joint.lower),
-        "upper": number_or_null(joint.upper),
-        "velocity": number_or_null(joint.velocity),
-        "frame": joint.frame.tolist(),
-        "mimic": asdict(joint.mimic) if joint.mimic else None,
-        **({"link": joint.link} if joint.link else {}),
+        "near": {"text": ideal.text, "length": ideal.length, "angle": ideal.angle, "ideal": ideal.tolerance.text}
     }
 
 
 def robot_from_dict(record: Record) -> Robot:
     """The robot of a record made by `robot_to_dict`."""
-    return Robot(
-        name=record["name"],
-        joints=tuple(_joint_from_dict(joint) for joint in record["chain"]),
-        home=np.array(record["home"]),
-        task=record["made_for"],
-        source=Source(**known(Source, record["source"])),
-        base=record["base"],
-        tip=record["tip"],
-        notes=tuple(record["notes"]),
-        about=record["about"],
-        lengths=tuple(record.get("lengths", {}).items()),
+    lengths = record.get("lengths", {}).items()
+    robot: Robot = restored(
+        Robot, record | {"joints": record["chain"], "task": record["made_for"], "lengths": lengths}
     )
-
-
-def _joint_from_dict(record: Record) -> Joint:
-    lower, upper, velocity = record["lower"], record["upper"], record["velocity"]
-    return Joint(
-        name=record["name"],
-        kind=JointKind(record["kind"]),
-        screw=np.array(record["screw"]),
-        lower=-inf if lower is None else lower,
-        upper=inf if upper is None else upper,
-        velocity=inf if velocity is None else velocity,
-        frame=np.array(record["frame"]),
-        mimic=Mimic(**known(Mimic, record["mimic"])) if record["mimic"] else None,
-        link=record.get("link", ""),
-    )
+    return robot
 
 
 def task_from_dict(record: Record, length_scale: float) -> Task:
     """The task of a record made by `robot_to_dict`; its length scale [m] stands among the settings."""
-    frame = record["frame"]
-    x, y, z = frame["point"]
-    return Task(record["task"], tuple(record["rows"]), Frame(frame["axes"], frame["origin"], (x, y, z)), length_scale)
-
-
-def summary_to_dict(summary: CorankSummary) -> Record:
-    """What one corank's search met."""
-    return asdict(summary)
-
-
-def summary_from_dict(record: Record) -> CorankSummary:
-    """The summary of a record made by `summary_to_dict`."""
-    completeness = Share(**known(Share, record["completeness"]))
-    unseen = Unseen(**known(Unseen, record["unseen"]))
-    return CorankSummary(**{**known(CorankSummary, record), "completeness": completeness, "unseen": unseen})
+    task: Task = restored(Task, {**record, "name": record["task"], "length_scale": length_scale})
+    return task
 
 
 def family_to_dict(family: Family) -> Record:
     """One row of a table; `equations` are for reading and for eval, `terms` say the same as data."""
-    return {
-        "id": family.id,
-        "name": family.name,
-        "named": family.named,
-        "corank": family.corank,
-        "dimension": family.dimension,
-        "pinned": [
-            {"joint": pinned.joint, "number": pinned.number, "values": list(pinned.values)} for pinned in family.pinned
-        ],
-        "free": list(family.free),
-        "coupled": list(family.coupled),
-        "equations": [equation.text() for equation in family.equations],
-        "terms": [equation.to_dict()["terms"] for equation in family.equations],
-        "witness": list(family.witness),
-        "lost_directions": family.lost_directions.tolist(),
-        "lost_words": list(family.lost_words),
-        "soundness": asdict(family.soundness),
-        "explained": asdict(family.explained),
-        "evidence": family.evidence,
-    }
+    record: Record = {}
+    for name, value in plain(family).items():
+        record[name] = value
+        if name == "equations":
+            record["terms"] = [equation.to_dict()["terms"] for equation in family.equations]
+    return record
 
 
 def family_from_dict(record: Record) -> Family:
@@ -245,50 +225,17 @@ def family_from_dict(record: Record) -> Family:
     Raises:
         ResultFileError: an equation whose text and terms say different things.
     """
-    equations = tuple(Equation.from_dict({"terms": terms}) for terms in record["terms"])
-    if [equation.text() for equation in equations] != record["equations"]:
+    family: Family = restored(Family, record | {"equations": record["terms"]})
+    if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
-    return Family(
-        id=record["id"],
-        name=record["name"],
-        corank=record["corank"],
-        dimension=record["dimension"],
-        pinned=tuple(Pinned(one["joint"], one["number"], tuple(one["values"])) for one in record["pinned"]),
-        free=tuple(record["free"]),
-        coupled=tuple(record["coupled"]),
-        equations=equations,
-        witness=tuple(record["witness"]),
-        lost_directions=np.array(record["lost_directions"]),
-        lost_words=tuple(record["lost_words"]),
-        soundness=Soundness(**known(Soundness, record["soundness"])),
-        explained=Share(**known(Share, record["explained"])),
-        evidence=record["evidence"],
-        named=record["named"],
-    )
+    return family
 
 
 def near_to_dict(near: Near) -> Record:
     """Shares of the joint space near families, with standard errors and 95 % intervals."""
-    return {
-        "within": near.within,
-        "samples": near.samples,
-        "seed": near.seed,
-        "limits": near.limits,
-        "families": [_near_row(one) for one in near.families],
-        "any": _near_row(near.any),
-    }
+    return {**plain(near), "families": [_near_row(one) for one in near.families], "any": _near_row(near.any)}
 
 
 def _near_row(one: NearShare) -> Record:
     low, high = one.interval
-    return {
-        "id": one.id, "near": one.near, "samples": one.samples, "bound": one.bound, "share": one.share,
-        "error": one.error, "low": low, "high": high,
-    }  # fmt: skip
-
-
-def near_from_dict(record: Record) -> Near:
-    """The shares of a record made by `near_to_dict`."""
-    rows = tuple(NearShare(**known(NearShare, row)) for row in record["families"])
-    every = NearShare(**known(NearShare, record["any"]))
-    return Near(record["within"], record["samples"], record["seed"], record["limits"], rows, every)
+    return {**plain(one), "share": one.share, "error": one.error, "low": low, "high": high}

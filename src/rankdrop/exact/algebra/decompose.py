@@ -274,7 +274,7 @@ def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
         return False
     values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
     values.update((name, residue(value)) for name, value in work.lengths.items())
-    return value_at(f, values) == 0
+    return value_at(ring, f, values) == 0
 
 
 def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:

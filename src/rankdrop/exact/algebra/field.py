@@ -11,6 +11,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from rankdrop.exact.algebra.polynomial import COS_SIN, TANGENT, Atom, Polynomial, flint
@@ -28,7 +29,10 @@ PRIMES = tuple((1 << 61) - below for below in _BELOW)
 P = PRIMES[0]
 """The one that is taken first."""
 
-_KEPT = 50_000  # polynomials whose residues are remembered
+_KEPT = 400_000
+"""Terms of polynomials of one ring that are remembered modulo primes: twenty megabytes or so. Most derivations have
+50,000."""
+_RINGS = 4  # for which they are remembered: a derivation has one with letters, one with numbers, seldom a third
 
 
 class Point(dict[str, int]):
@@ -65,54 +69,66 @@ def residue(value: Fraction, prime: int = P) -> int:
     return value.numerator % prime * pow(value.denominator, -1, prime) % prime
 
 
-_Residues = tuple[Polynomial, Polynomial, tuple[str, ...]]  # over the rationals, modulo a prime, names of the variables
-_reduced: dict[tuple[int, int], _Residues] = {}  # by id, which the first one keeps, and prime
-
-
-def _residues(f: Polynomial, prime: int) -> _Residues:
-    """A polynomial, itself modulo a prime, and the names of its variables; kept."""
-    kept = _reduced.get((id(f), prime))
-    if kept is None or kept[0] is not f:
-        if len(_reduced) > _KEPT:
-            _reduced.clear()
-        module, names = flint(), tuple(f.context().names())
-        context = module.nmod_mpoly_ctx.get(list(names), prime, module.Ordering.lex)
-        terms = {tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()}
-        kept = _reduced[id(f), prime] = (f, context.from_dict(terms), names)
-    return kept
-
-
 def reduced(f: Polynomial, prime: int = P) -> Polynomial:
-    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables); kept."""
-    return _residues(f, prime)[1]
+    """A polynomial over the rationals modulo a prime (`flint.nmod_mpoly` in the same variables)."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list(f.context().names()), prime, module.Ordering.lex)
+    return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
 
 
-def value_at(f: Polynomial, point: Mapping[str, int]) -> int:
+class Residues:
+    """Polynomials of one ring modulo primes, remembered up to `_KEPT` terms."""
+
+    def __init__(self) -> None:
+        self.kept: dict[tuple[int, int], tuple[Polynomial, Polynomial, tuple[str, ...]]] = {}  # by id and prime
+        self.terms = 0
+
+    def of(self, f: Polynomial, prime: int) -> tuple[Polynomial, tuple[str, ...]]:
+        """`reduced`, and the names of the variables; f is kept, so that its id is no other one's."""
+        known = self.kept.get((id(f), prime))
+        if known is None:
+            self.terms += 1 + len(f)
+            if self.terms > _KEPT:
+                self.kept.clear()
+                self.terms = 1 + len(f)
+            known = self.kept[id(f), prime] = (f, reduced(f, prime), tuple(f.context().names()))
+        return known[1:]
+
+
+@lru_cache(maxsize=_RINGS)
+def residues_of(ring: Ring) -> Residues:
+    """What is remembered for a ring; of rings not used for long nothing is."""
+    return Residues()
+
+
+def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
     """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
     tick(3 + 0.12 * len(f))
-    _, residues, names = _residues(f, modulus(point))
+    residues, names = residues_of(ring).of(f, modulus(point))
     return int(residues(*(point.get(name, 0) for name in names)))
 
 
-def in_one(f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+def in_one(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
     """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
-    put, names = _put(f, (name,), point)
+    put, names = _put(ring, f, (name,), point)
     return dense(put, names.index(name))
 
 
-def in_two(f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+def in_two(ring: Ring, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
     """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
-    put, names = _put(f, (one, two), point)
+    put, names = _put(ring, f, (one, two), point)
     a, b = names.index(one), names.index(two)
     module = flint()
     context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
     return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
 
 
-def _put(f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> tuple[Polynomial, tuple[str, ...]]:
+def _put(
+    ring: Ring, f: Polynomial, left: Sequence[str], point: Mapping[str, int]
+) -> tuple[Polynomial, tuple[str, ...]]:
     """f modulo the prime with every variable but those left at a point, and the names of its variables."""
     tick(10 + len(f))
-    _, residues, names = _residues(f, modulus(point))
+    residues, names = residues_of(ring).of(f, modulus(point))
     return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
@@ -120,7 +136,7 @@ def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
     far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
-    return value_at(ring.form(f).at(far).f if far else f, point)
+    return value_at(ring, ring.form(f).at(far).f if far else f, point)
 
 
 def stands(point: Point, joint: int, value: str) -> bool:
@@ -133,7 +149,7 @@ def stands(point: Point, joint: int, value: str) -> bool:
 def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
-        return value_at(f, point) == 0
+        return value_at(ring, f, point) == 0
     return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
 
 
@@ -166,10 +182,10 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
 
 
 def put_common_zero(
-    f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
+    ring: Ring, f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zeros = list(common_zeros(in_two(f, *names, values), in_two(g, *names, values)))
+    zeros = list(common_zeros(in_two(ring, f, *names, values), in_two(ring, g, *names, values)))
     if zeros:
         values.update(zip(names, rng.choice(zeros), strict=True))
     return bool(zeros)

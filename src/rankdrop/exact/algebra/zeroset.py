@@ -110,7 +110,7 @@ class ZeroSet:
 
     def _chosen(self, point: Point) -> bool:
         """Whether what else vanishes does at a point of the conditions, and what does not does not."""
-        return all(value_at(p, point) == 0 for p in self.zero) and not any(
+        return all(value_at(self.ring, p, point) == 0 for p in self.zero) and not any(
             holds(self.ring, one, point) for one in self.nonzero
         )
 
@@ -118,10 +118,11 @@ class ZeroSet:
         """Give the solved variables their values; whether each has one."""
         prime = values.prime
         for one in reversed(self.solved):
-            bottom = value_at(one.denominator, values)
+            bottom = value_at(self.ring, one.denominator, values)
             if bottom == 0:
                 return False
-            values[self.ring.names[one.place]] = value_at(one.numerator, values) * pow(bottom, -1, prime) % prime
+            top = value_at(self.ring, one.numerator, values)
+            values[self.ring.names[one.place]] = top * pow(bottom, -1, prime) % prime
         return True
 
     def _solve_rest(self, values: Point, rng: random.Random) -> bool:
@@ -153,16 +154,16 @@ class ZeroSet:
             if len(waiting) < 2 or len(shared) < 2:
                 return False
             x, y = rng.sample(shared, 2)
-            if not put_common_zero(waiting[0], waiting[1], (x, y), values, rng):
+            if not put_common_zero(self.ring, waiting[0], waiting[1], (x, y), values, rng):
                 return False
         for f, name in reversed(last):
-            line = in_one(f, name, values)
+            line = in_one(self.ring, f, name, values)
             candidates = roots(line, values.prime)
             if any(line):  # else it follows from the others
                 if not candidates:
                     return False
                 values[name] = rng.choice(candidates)
-        return all(value_at(f, values) == 0 for f in implied)
+        return all(value_at(self.ring, f, values) == 0 for f in implied)
 
     def _towers(self, values: Point, place: int) -> Iterator[Point]:
         """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
@@ -173,7 +174,7 @@ class ZeroSet:
         if own is None:
             return
         name = self.ring.names[own]
-        for root in roots(in_one(self.rest[place], name, values), values.prime):
+        for root in roots(in_one(self.ring, self.rest[place], name, values), values.prime):
             yield from self._towers(values.changed({name: root}), place + 1)
 
     def _own(self, place: int) -> int | None:
@@ -221,7 +222,7 @@ class ZeroSet:
             names = ring.names[a], ring.names[b]
             for prime in PRIMES if points else PRIMES[:_PLANES]:
                 values = self._start(rng, prime)
-                two_in = (in_two(h, *names, values) for h in (f, g))
+                two_in = (in_two(self.ring, h, *names, values) for h in (f, g))
                 zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
                 for here in (tower for zero in zeros for tower in self._towers(zero, 2)):
                     point = complete(ring, here, self.pins) if self._fill_in(here) else None
@@ -235,7 +236,7 @@ class ZeroSet:
             p: trigonometric polynomial.
             f: half-angle polynomial with the same zeros, for the equations.
         """
-        values = [value_at(p, point) for point in self.samples]
+        values = [value_at(self.ring, p, point) for point in self.samples]
         inside = replace(self, zero=(*self.zero, p), equations=(*self.equations, f))
         outside = replace(self, nonzero=(*self.nonzero, p))
         for part, zero in ((inside, True), (outside, False)):
@@ -247,7 +248,7 @@ class ZeroSet:
 
     def vanishes(self, p: Polynomial) -> bool:
         """Whether a trigonometric polynomial is zero on the whole set."""
-        return bool(self.samples) and all(value_at(p, point) == 0 for point in self.samples)
+        return bool(self.samples) and all(value_at(self.ring, p, point) == 0 for point in self.samples)
 
     def half_vanishes(self, f: Polynomial) -> bool:
         """Whether a half-angle polynomial is zero on the whole set, the joints at π included."""
@@ -255,7 +256,7 @@ class ZeroSet:
         f = self.ring.form(f).at(there).f
         if f == 0:
             return True
-        return bool(self.samples) and all(value_at(f, point) == 0 for point in self.samples)
+        return bool(self.samples) and all(value_at(self.ring, f, point) == 0 for point in self.samples)
 
     def stands(self, joint: int, value: str) -> bool:
         """Whether a revolute joint is at a simple angle on the whole set."""
@@ -266,7 +267,7 @@ class ZeroSet:
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
             and not any(half_value(self.ring, f, point) for f in (*self.equations, *self.known))
-            and not any(value_at(p, point) for p in self.zero)
+            and not any(value_at(self.ring, p, point) for p in self.zero)
             for point in points
         )
 
@@ -299,8 +300,8 @@ class ZeroSet:
                 return False
             degrees = tuple(map(max, *(ring.form(f).degrees for f in (one.numerator, one.denominator))))
             bottom, top = (Form(ring, f, degrees).at(far).f for f in (one.denominator, one.numerator))
-            divisor = value_at(bottom, point)
-            if divisor == 0 or (point[ring.names[one.place]] * divisor - value_at(top, point)) % point.prime:
+            divisor = value_at(self.ring, bottom, point)
+            if divisor == 0 or (point[ring.names[one.place]] * divisor - value_at(ring, top, point)) % point.prime:
                 return False
         return True
 

@@ -65,7 +65,8 @@ def rank_modulo(chain: Chain, point: Point) -> int:
     """
     if chain.task.m == 6:
         return rank(_twists(chain, point), modulus(point))
-    return rank([[value_at(entry, point) for entry in column] for column in chain.columns], modulus(point))
+    values = [[value_at(chain.ring, entry, point) for entry in column] for column in chain.columns]
+    return rank(values, modulus(point))
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:

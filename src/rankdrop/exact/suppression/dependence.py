@@ -105,7 +105,7 @@ class Sampled:
         self.points: list[list[tuple[list[list[int]], int]]] = []
         for piece in stratum.pieces:
             drawn = piece.points(rng, MORE_SAMPLES if piece.several else SAMPLES)
-            screws = ([[value_at(x, point) for x in column] for column in columns] for point in drawn)
+            screws = ([[value_at(stratum.ring, x, point) for x in column] for column in columns] for point in drawn)
             self.points.append([(here, point.prime) for here, point in zip(screws, drawn, strict=True)])
 
         self._ranks: dict[tuple[int, ...], set[int]] = {}

@@ -229,7 +229,7 @@ def _random_point(ring: Ring) -> Point:
 
 
 def _value(ring: Ring, p: Polynomial, point: Point) -> int:
-    return value_at(p, point)
+    return value_at(ring, p, point)
 
 
 Columns = Sequence[Sequence[Polynomial]]

@@ -198,7 +198,7 @@ def vanishes(piece: ZeroSet, p: Polynomial, rng: random.Random, points: int = 3)
         return atoms_on(piece, Equality((), p)) is None
     p = piece.ring.at(p, piece.pins)
     drawn = piece.points(rng, points) if p != 0 else []
-    return bool(p == 0) or (len(drawn) == points and all(value_at(p, point) == 0 for point in drawn))
+    return bool(p == 0) or (len(drawn) == points and all(value_at(piece.ring, p, point) == 0 for point in drawn))
 
 
 def _with_equations(

@@ -6,7 +6,7 @@ Exact conditions as plain data: the names of docs/json.md and schema/conditions.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
@@ -124,48 +124,29 @@ def conditions_to_dict(found: ConditionsData) -> Record:
     return {
         "schema": SCHEMA,
         "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
-        "settings": plain(found.settings),
-        "letters": dict(found.letters),
-        "shifts": list(found.shifts),
-        "remarks": list(found.remarks),
-        "method": found.method,
-        "reason": found.reason,
-        "steps": plain(found.steps),
+        **_entries(found, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
         "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),
         **found.verdict.to_dict(),
-        "complete": found.complete,
-        "interrupted": found.interrupted,
-        "verified": found.verified,
-        "left": list(found.left),
-        "disagreements": list(found.disagreements),
-        "lowest": found.lowest,
+        **_entries(found, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
         "families": [_family(found, family) for family in found.families],
-        "assumptions": plain(found.assumptions),
-        "not_real": list(found.not_real),
+        **_entries(found, "assumptions", "not_real"),
         "explained": {"tested": found.explained.tested, "explained": found.explained.agree},
     }
 
 
+def _entries(record: object, *names: str) -> Record:
+    return {name: plain(getattr(record, name)) for name in names}
+
+
 def _family(found: ConditionsData, family: ExactFamily) -> Record:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
+    pinned = [replace(one, values=tuple(sorted(one.values))) for one in family.pinned(found.robot)]
     return {
-        "id": family.id,
-        "name": family.name,
-        "corank": family.corank,
-        "dimension": family.dimension,
-        "codimension": family.codimension,
-        "pinned": [
-            {"joint": one.joint, "number": one.number, "values": sorted(one.values)}
-            for one in family.pinned(found.robot)
-        ],
-        "free": list(family.free),
-        "coupled": list(family.coupled),
+        **_entries(family, "id", "name", "corank", "dimension", "codimension"),
+        "pinned": plain(pinned),
+        **_entries(family, "free", "coupled"),
         "conditions": list(family.texts),
-        "latex": list(family.latex),
-        "equations": [equation.text() for equation in family.equations],
+        **_entries(family, "latex", "equations"),
         "terms": [equation.to_dict()["terms"] for equation in family.equations],
-        "reality": family.reality,
-        "witness": list(family.witness),
-        "lost_words": list(family.lost_words),
-        "rank_check": plain(family.rank_check),
+        **_entries(family, "reality", "witness", "lost_words", "rank_check"),
     }

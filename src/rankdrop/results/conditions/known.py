@@ -13,12 +13,14 @@ sets that its families were merged from: `Conditions.test` derives them anew.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -30,11 +32,13 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import Assumption, ExactFamily, Step
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.equation import Equation
-from rankdrop.results.codec import Record, known
+from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.record import Family, LocalFamily
+from rankdrop.family.which import Condition as Met
+from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
-from rankdrop.results.known import candidates
+from rankdrop.results.known import ANSWERS, candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -55,6 +59,7 @@ def to_stored(found: ConditionsData) -> Record:
     if not found.complete or found.interrupted:
         raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
     record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    record["answers"] = ANSWERS
     record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
     record["generic_rank"] = found.generic_rank
     record["families"] = [
@@ -129,10 +134,10 @@ def _read(
         remarks=tuple(record["remarks"]),
         method=record["method"],
         reason=record["reason"],
-        steps=tuple(Step(one["title"], tuple(one["lines"])) for one in record["steps"]),
+        steps=restored(tuple[Step, ...], record["steps"]),
         families=tuple(_family(one, chain) for one in record["families"]),
         lowest=record["lowest"],
-        assumptions=tuple(Assumption(**known(Assumption, one)) for one in record["assumptions"]),
+        assumptions=restored(tuple[Assumption, ...], record["assumptions"]),
         not_real=tuple(record["not_real"]),
         explained=Check(record["explained"]["tested"], record["explained"]["explained"]),
         disagreements=tuple(record["disagreements"]),
@@ -140,7 +145,7 @@ def _read(
         interrupted=record["interrupted"],
         left=tuple(record["left"]),
         seconds=0.0,
-        settings=ConditionSettings(**known(ConditionSettings, record["settings"])),
+        settings=replace(restored(ConditionSettings, record["settings"]), version=VERSION),
         chain=chain,
         anew=anew,
     )
@@ -161,7 +166,7 @@ def _family(record: Record, chain: Chain) -> ExactFamily:
         reality=record["reality"],
         witness=tuple(record["witness"]),
         lost_words=tuple(record["lost_words"]),
-        rank_check=Check(**known(Check, record["rank_check"])),
+        rank_check=restored(Check, record["rank_check"]),
         numbers=chain.numbers,
         shifts=tuple(float(x) for x in chain.shifts),
         pieces=(),
@@ -198,10 +203,19 @@ def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
     return ring.half.from_dict(found)
 
 
+def shipped_record(robot: Robot, task: Task) -> Record | None:
+    """The shipped conditions of this arm and task as they stand in their file, or None; see `known_conditions`."""
+    for name in candidates(robot):
+        record = _record(name)
+        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, task):
+            return record
+    return None
+
+
 def known_conditions(
     robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
 ) -> Conditions | None:
-    """The shipped conditions of this arm, or None: another arm, another task, or made by another version.
+    """The shipped conditions of this arm, or None: another arm or task, or made by code with other `ANSWERS`.
 
     Args:
         robot: any arm.
@@ -221,15 +235,12 @@ def known_conditions(
         True
     """
     resolved = resolve_task(task, robot)
-    for name in candidates(robot):
-        record = _record(name)
-        if record is not None and record["settings"]["version"] == VERSION and is_of(record, robot, resolved):
-            return from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
-    return None
+    record = shipped_record(robot, resolved)
+    return None if record is None else from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
 
 
 def shipped_conditions(name: str) -> Conditions:
-    """The conditions that are shipped for one arm of the catalogue, whatever version made them.
+    """The conditions that are shipped for one arm of the catalogue, whatever code made them.
 
     Raises:
         MissingExtraError: python-flint is not installed.
@@ -242,6 +253,89 @@ def shipped_conditions(name: str) -> Conditions:
     robot = open_robot(name)
     chain = exact_chain(robot)
     return from_stored(record, robot, chain.task, chain)
+
+
+LONGEST = 120
+"""Characters of a condition that is printed; of a longer one the joints are named."""
+_SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
+
+
+def _written(robot: Robot, task: Task, family: Met) -> tuple[list[str], Record] | None:
+    """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
+
+    Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
+    """
+    record = shipped_record(robot, task) if isinstance(family, Family) else None
+    if record is None or not isinstance(family, Family):
+        return None
+    for one in record["families"]:
+        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
+            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+            if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
+                return None
+            return one["conditions"][len(one["pinned"]) :], record["letters"]
+    return None
+
+
+def told_conditions(robot: Robot, task: Task, family: Met) -> tuple[str, ...]:
+    """What has to hold on a family, one sentence each.
+
+    Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
+    lengths that stand in them; else the fitted ones. Long ones are not printed: they name their joints.
+
+    Args:
+        robot: the arm.
+        task: its rows.
+        family: of the catalogue, of an analysis, or found on the spot.
+    """
+    pinned = family.pinned if isinstance(family, (Family, LocalFamily)) else ()
+    pins = [f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in pinned]
+    fixed = {one.number for one in pinned}
+    written = _written(robot, task, family)
+    letters: Record = {}
+    if written is not None:
+        rest, letters = written
+        rest = [text for text in rest if not {*_joints([text])} <= fixed]
+    else:
+        rest = [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed]
+        if not family.equations:
+            return getattr(family, "words", ()) or ("no condition found",)
+    short = [text for text in rest if len(text) <= LONGEST]
+    long = [text for text in rest if len(text) > LONGEST]
+    told = [*pins, *short]
+    if long:
+        joints = _joints(long)
+        where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
+        count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
+        told.append(f"{count} on joints {', '.join(map(str, joints))} ({where})")
+    there = [name for name in letters if any(re.search(rf"\b{re.escape(name)}\b", one) for one in short)]
+    if there:
+        values = ", ".join(f"{name} = {letters[name]:.6g} m".replace("-", "−") for name in there)
+        told[-1 - bool(long)] += f", {values}"
+    return tuple(told)
+
+
+def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
+    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
+    if robot.variables[number - 1].unit != "rad":
+        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
+    told = [pretty_angle(value) for value in values]
+    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(told, values, strict=True)]
+    return " or ".join(plain).replace("-", "−")
+
+
+def _symbol(robot: Robot, number: int) -> str:
+    return f"{'θ' if robot.variables[number - 1].unit == 'rad' else 'q'}{number}"
+
+
+def _joints(texts: Sequence[str]) -> list[int]:
+    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
+    found: set[int] = set()
+    for text in texts:
+        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
+        for digits in re.findall(r"\b[sc](\d+)\b", text):
+            found |= {int(digit) for digit in digits}
+    return sorted(found)
 
 
 def conditions_names() -> tuple[str, ...]:

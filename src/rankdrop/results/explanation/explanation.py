@@ -99,16 +99,7 @@ def _lost(lost: Lost) -> Record:
             "twist_screws": plain(lost.twist_screws),
             "wrench_screws": plain(lost.wrench_screws),
         },
-        "lost_seen": [
-            {
-                "frame": one.frame,
-                "axes": one.axes,
-                "directions": one.directions.tolist(),
-                "constraints": list(one.constraints),
-                "short": list(one.short),
-            }
-            for one in lost.seen
-        ],
+        "lost_seen": plain(lost.seen),
         "weakest_direction": lost.weakest.tolist(),
         "never_possible": lost.never.tolist(),
     }

@@ -191,11 +191,11 @@ def test_what_is_said_to_vanish_does() -> None:
     chain = chain_of("canadarm2")
     draft = Draft(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
     case = Case(pins=((4, "pi"),))
-    choice = _choices(draft, case.columns(chain.ring, draft.columns))[0]
-    assert [j + 1 for j in choice.joints] == [2, 3, 4, 6, 7]
-    assert any(w != 0 for w in choice.screw)
-    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in choice.screw)
-    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in choice.screw)
+    joints, screw = _choices(draft, case.columns(chain.ring, draft.columns))[0]
+    assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
+    assert any(w != 0 for w in screw)
+    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in screw)
+    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in screw)
 
 
 def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:

@@ -161,6 +161,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
 
 
 def _value(chain: Chain, p: Polynomial, work: Work) -> Value:
+    """A polynomial with its factors, if it is not too long to be factored."""
     if p == 0 or len(p) > MANY:
         return Value(chain.ring, p, None)
     return Value(chain.ring, p, factors_within(chain.ring, p, work.left))
@@ -212,6 +213,7 @@ def _axes(chain: Chain) -> str:
 
 
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
+    """det J11 and det J22 of the blocks, and det J with the sign of their product."""
     ring, rows = chain.ring, chain.task.rows
     names = ("det J11", "det J22")
     minors = []
@@ -302,6 +304,7 @@ def closed_inverse(ring: Ring, rows: Sequence[Sequence[Polynomial]], work: Work)
 
 
 def _entry(ring: Ring, p: Polynomial, work: Work) -> Value:
+    """An entry of the adjugate with its factors."""
     work.check()
     return Value(ring, p, None if p == 0 else factors_within(ring, p, work.left))
 

@@ -358,6 +358,7 @@ def _family(
     told: tuple[str, tuple[str, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
+    """One row of sets as a family, its number and final name still to come."""
     piece = row.pieces[0]
     conditions = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))

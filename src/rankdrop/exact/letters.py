@@ -219,6 +219,7 @@ def _words(
 
 
 def _sentence(texts: tuple[str, ...], corank: int) -> str:
+    """What a family of a special arm takes away, in words."""
     lost = _NUMBERS.get(corank, str(corank))
     return f"{texts[0]} alone loses {lost}" if len(texts) == 1 else f"{', '.join(texts)} together lose {lost}"
 

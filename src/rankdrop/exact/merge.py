@@ -145,6 +145,7 @@ def _joined(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row
 
 
 def _angles_joined(one: Row, two: Row) -> Row | None:
+    """Two rows that differ in the angles of one joint alone as one; None for others."""
     joint = _different(one.pins, two.pins)
     if joint is None:
         return None
@@ -177,5 +178,6 @@ def _different(one: Pins, two: Pins) -> int | None:
 
 
 def _order(row: Row) -> tuple[object, ...]:
+    """Sort key of rows: large sets first, then few and short conditions."""
     piece = row.pieces[0]
     return piece.codimension, len(row.equations), sorted(row.pins.items()), sum(map(len, row.equations)), piece.key

@@ -239,6 +239,7 @@ def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
 
 
 def _length(piece: ZeroSet) -> int:
+    """How long a set's conditions are: the shortest set is looked into first."""
     return piece.codimension + sum(map(len, piece.equations))
 
 
@@ -298,6 +299,7 @@ def rank_on(columns: list[list[Polynomial]], piece: ZeroSet) -> int:
 
 
 def _ranks(columns: list[list[Polynomial]], piece: ZeroSet) -> list[int]:
+    """The rank at each sample of a set."""
     return [rank(matrix, prime) for matrix, prime in _residues(columns, piece)]
 
 
@@ -347,6 +349,7 @@ def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int,
 
 
 def _weight(piece: ZeroSet, minor: Polynomial) -> int:
+    """How long the factors of a minor are; the minor itself where it is not factored."""
     if len(minor) > _FACTORED:
         return len(minor)
     atoms: list[tuple[Atom, int]] = list(piece.ring.factor(minor).atoms)

@@ -99,6 +99,7 @@ def _irreducible(
 
 
 def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
+    """Whether a system binds more than `most` freedoms: see `binds_more`."""
     return binds_more(system, most, ring.moving, work.lengths)
 
 

@@ -107,6 +107,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
 
 
 def _length(chain: Chain, place: int, which: str, point: Point) -> int:
+    """Length "a" or "d" of a section as a residue: its letter's value at the point, or its own."""
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
@@ -114,4 +115,5 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
 
 
 def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:
+    """Product of two rotations of residues."""
     return [[sum(one[i][k] * two[k][j] for k in range(3)) % prime for j in range(3)] for i in range(3)]

@@ -210,6 +210,7 @@ def _null_space(draft: Draft, arm: Columns) -> list[list[Polynomial]]:
 
 
 def _combined(draft: Draft, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+    """Σ w_j column_j, the rotations only."""
     return [
         draft.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), draft.ring.zero))
         for i in range(3)

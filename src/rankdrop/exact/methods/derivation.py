@@ -60,6 +60,7 @@ class Distances:
         return self._known[key]
 
     def _computed(self, f: Polynomial | Atom) -> Array:
+        """|f|/|∇f| by central differences, or the smaller of that and √|f| where the slope may be rounding."""
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
             return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2)))

@@ -87,6 +87,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
 
 
 def _length(f: Polynomial) -> tuple[int, int, str]:
+    """Sort key of polynomials: terms, degree, text."""
     return len(f), f.total_degree(), str(f)
 
 
@@ -215,6 +216,7 @@ def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, 
 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
+    """The product, reduced."""
     found = ring.one
     for f in factors:
         found = ring.reduce(found * f)
@@ -222,6 +224,7 @@ def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
 
 
 def _random_point(ring: Ring) -> Point:
+    """A point of the whole joint space modulo P, always the same."""
     rng = random.Random(0)
     point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
     assert point is not None  # −1 is not a square modulo P

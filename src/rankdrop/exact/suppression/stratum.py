@@ -326,6 +326,7 @@ def _once(polynomials: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
 
 
 def _pin_polynomial(ring: Ring, j: int, angles: tuple[str, ...]) -> Polynomial:
+    """One trigonometric polynomial that is zero where a joint stands at one of some angles, and nowhere else."""
     if angles == TOGETHER[0]:
         return ring.s[j]
     if angles == TOGETHER[1]:

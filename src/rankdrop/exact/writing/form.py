@@ -137,6 +137,7 @@ def derivative(form: Product, joint: int) -> Product:
 
 
 def _slope(factor: Factor, joint: int) -> Product:
+    """The derivative of one factor by a joint variable."""
     if isinstance(factor, Symbol):
         return Product(Fraction(int(factor.slide == joint)))
     if isinstance(factor, Sum):
@@ -148,6 +149,7 @@ def _slope(factor: Factor, joint: int) -> Product:
 
 
 def _rank(factor: Factor) -> tuple[Any, ...]:
+    """Sort key of factors in a product: lengths, slides, single waves, combined ones, sums."""
     if isinstance(factor, Symbol):
         return (factor.slide > 0, factor.slide, factor.name, ())
     if isinstance(factor, Wave):

@@ -31,7 +31,7 @@ from math import atan, pi, remainder
 from rankdrop.exact.algebra.polynomial import Polynomial, coefficients
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.postures.regional import Regional, Unbounded, common_zeros, real_zeros, regional
+from rankdrop.exact.regional import Regional, Unbounded, common_zeros, real_zeros, regional
 from rankdrop.robot.model import JointKind
 
 SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"

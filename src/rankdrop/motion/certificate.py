@@ -28,7 +28,7 @@ def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -
     """What is proven of a path, with the numbers of the arm and the control points of the path.
 
     Spans that touch the singular set or are undecided are open: nothing is claimed of them. Crossings are claimed where
-    the Jacobian is square; else they are open too. A distance that is kept (`min_distance`) is not part of it.
+    the Jacobian is square; else they are open too. A distance that is proven to be kept (`min_distance`) is claimed.
 
     Args:
         found: a judged path.
@@ -58,6 +58,8 @@ def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -
     claim = {
         "verdict": CLEAR if not met else "met", "degree": found.curve.degree, "points": points.tolist(), "spans": spans,
     }  # fmt: skip
+    if found.margin == "kept":
+        claim |= {"min_distance": found.settings.min_distance, "scale": setting.scale.tolist()}
     return record_of(found.robot, found.task, PATH, setting, claim, {}, tolerance)
 
 

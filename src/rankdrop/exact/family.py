@@ -1,4 +1,4 @@
-"""The records of exact conditions: a family, what was assumed of the lengths, a step of a derivation by hand.
+"""The records of exact conditions: a family, and what was assumed of the lengths.
 
 And what an exact family is called, what it takes away, and at which configuration it is shown.
 """
@@ -128,21 +128,6 @@ class Assumption:
     holds: bool
     words: str
     derived: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One step of a derivation done by hand.
-
-    Attributes:
-        title: heading.
-        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
-        whole: the same with everything written out; empty where `lines` leave nothing out.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-    whole: tuple[str, ...] = ()
 
 
 _ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]

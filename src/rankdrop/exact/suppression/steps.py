@@ -12,11 +12,10 @@ from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import triples
-from rankdrop.exact.family import Step
 from rankdrop.exact.suppression.dependence import Dependence, Proof
 from rankdrop.exact.suppression.factors import Basic, Product
 from rankdrop.exact.suppression.stratum import Stratum
-from rankdrop.exact.writing.notation import SUPERSCRIPT
+from rankdrop.exact.writing.notation import SUPERSCRIPT, Step
 from rankdrop.exact.writing.value import condition_text, text_of
 
 

@@ -23,7 +23,7 @@ from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.cells import COUPLED, coupled_conditions
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pin, Sampled, Share, Soundness, numbered
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
 
@@ -51,7 +51,7 @@ class ExactRow:
     name: str
     corank: int
     dimension: int
-    pinned: tuple[Pinned, ...]
+    pinned: tuple[Pin, ...]
     conditions: tuple[str, ...]
     latex: tuple[str, ...]
     reality: str
@@ -230,7 +230,8 @@ def _judged(row: Family, loose: Wider | None) -> Family:
     if loose is None:
         return row
     tested, singular = row.soundness.tested, row.soundness.singular
-    return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
+    sound = Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere)
+    return replace(row, evidence=Sampled(row.evidence.how, sound, row.explained))
 
 
 def _measured(
@@ -264,13 +265,15 @@ def _measured(
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        soundness=Soundness(points.solved, points.solved - points.elsewhere),
-        explained=Share(found.summary.completeness.tested, share),
-        evidence=f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence for row in over))}",
+        evidence=Sampled(
+            f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
+            Soundness(points.solved, points.solved - points.elsewhere),
+            Share(found.summary.completeness.tested, share),
+        ),
     )
 
 
-def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
+def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pin, ...]:
     """Joints that stand at one of a few values at all points, where every combination of their values is met."""
     values: dict[int, list[float]] = {}
     for joint in {one.number for row in over for one in row.pinned}:
@@ -290,7 +293,7 @@ def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], point
     if len({tuple(column) for column in labels.T}) < len(list(product(*values.values()))):
         return tuple(one for one in family.pinned(problem.robot) if one.number in values)
     names = problem.robot.variables
-    return tuple(Pinned(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
+    return tuple(Pin(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
 
 
 def _apart(problem: Problem, joint: int, one: Array | float, other: float) -> Array:

@@ -34,8 +34,7 @@ from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import Condition
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Family, LocalFamily
-from rankdrop.family.which import Condition as Met
+from rankdrop.family.record import Family
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
@@ -261,13 +260,13 @@ LONGEST = 120
 _SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
 
 
-def _written(robot: Robot, task: Task, family: Met) -> tuple[list[str], Record] | None:
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
     """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
 
     Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
     """
-    record = shipped_record(robot, task) if isinstance(family, Family) else None
-    if record is None or not isinstance(family, Family):
+    record = shipped_record(robot, task)
+    if record is None:
         return None
     for one in record["families"]:
         if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
@@ -278,7 +277,7 @@ def _written(robot: Robot, task: Task, family: Met) -> tuple[list[str], Record] 
     return None
 
 
-def told_conditions(robot: Robot, task: Task, family: Met) -> tuple[str, ...]:
+def told_conditions(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
     """What has to hold on a family, one sentence each.
 
     Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
@@ -289,9 +288,10 @@ def told_conditions(robot: Robot, task: Task, family: Met) -> tuple[str, ...]:
         task: its rows.
         family: of the catalogue, of an analysis, or found on the spot.
     """
-    pinned = family.pinned if isinstance(family, (Family, LocalFamily)) else ()
-    pins = [f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in pinned]
-    fixed = {one.number for one in pinned}
+    pins = [
+        f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in family.pinned
+    ]
+    fixed = {one.number for one in family.pinned}
     written = _written(robot, task, family)
     letters: Record = {}
     if written is not None:
@@ -300,7 +300,7 @@ def told_conditions(robot: Robot, task: Task, family: Met) -> tuple[str, ...]:
     else:
         rest = [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed]
         if not family.equations:
-            return getattr(family, "words", ()) or ("no condition found",)
+            return family.words or ("no condition found",)
     short = [text for text in rest if len(text) <= LONGEST]
     long = [text for text in rest if len(text) > LONGEST]
     told = [*pins, *short]

@@ -114,10 +114,24 @@ def arm_lines(found: ConditionsData) -> dict[str, str]:
     if found.remarks:
         lines["remarks"] = "; ".join(found.remarks)
     told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))
-    reason = f" ({told})" if told else ""
+    reason = _reason(told)
     other = "" if found.method == "tree" else f"; corank 1 also by {METHOD.get(found.method, found.method)}"
     lines["method"] = f"rank tree{other}{reason}"
     return lines
+
+
+_PLAIN = 16  # words of a reason that fits into the sentence
+
+
+def _reason(told: str) -> str:
+    """Why these methods: in parentheses where it is short, else as sentences of their own."""
+    if len(told.split()) <= _PLAIN:
+        return f" ({told})" if told else ""
+    sentences = []
+    for part in told.split("; "):
+        first, *rest = part.split(": ")
+        sentences += [": ".join([first, *rest[:1]]), *rest[1:]]
+    return "".join(f". {one[0].upper()}{one[1:]}" for one in sentences) + "."
 
 
 def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Section, ...]:

@@ -23,7 +23,7 @@ from pathlib import Path
 from time import process_time
 
 from rankdrop.cli import exits
-from rankdrop.compare.joined import AGREES, NOT_DERIVED
+from rankdrop.compare.comparison import AGREES, NOT_DERIVED
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.families.cells import share_text

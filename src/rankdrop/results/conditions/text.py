@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.condition import pin_text
 from rankdrop.family.equation import pretty_angle
 from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.sections import Section
@@ -225,7 +224,7 @@ def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Ite
 
 def condition_lines(family: ExactFamily) -> list[str]:
     """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
-    parts = ["; ".join(pin_text(joint, values) for joint, values in family.pins)] if family.pins else []
+    parts = ["; ".join(pin.text() for pin in family.pins)] if family.pins else []
     for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
         whole = "whole with --latex, --python, --c, --json"

@@ -7,64 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
 from math import pi
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.writing.condition import (
-    Condition,
-    pin_c_code,
-    pin_c_slope,
-    pin_expression,
-    pin_latex,
-    pin_text,
-    pin_values,
-)
 from rankdrop.exact.writing.notation import latex_angle, latex_name
-from rankdrop.exact.writing.value import Value
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Minor
+    from rankdrop.exact.family import ExactFamily
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
 """Names that the Python module uses itself."""
-
-
-class Described(Protocol):
-    """What is read of a family."""
-
-    @property
-    def id(self) -> str:
-        """Short mark: "k1.f1"."""
-
-    @property
-    def name(self) -> str:
-        """Name for people."""
-
-    @property
-    def corank(self) -> int:
-        """Freedoms lost."""
-
-    @property
-    def pins(self) -> Sequence[tuple[int, Sequence[str]]]:
-        """(joint, values out of `SIMPLE`)."""
-
-    @property
-    def conditions(self) -> Sequence[Condition]:
-        """The other conditions."""
-
-
-class Valued(Protocol):
-    """What is read of a determinant."""
-
-    @property
-    def mark(self) -> str:
-        """Name in code: "det_J11"."""
-
-    @property
-    def name(self) -> str:
-        """Name for people: "det J11"."""
-
-    @property
-    def value(self) -> Value:
-        """What it is."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +39,10 @@ class Code:
 
     robot: str
     n: int
-    families: Sequence[Described]
+    families: Sequence[ExactFamily]
     letters: Mapping[str, float]
     shifts: Sequence[float] = ()
-    determinants: Sequence[Valued] = ()
+    determinants: Sequence[Minor] = ()
 
     def __post_init__(self) -> None:
         for family in self.families:
@@ -115,7 +69,7 @@ class Code:
             table += f'\nDETERMINANTS = {{\n{entries}}}\n"""The determinant or minors of the Jacobian."""\n'
         return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
 
-    def _python_determinant(self, one: Valued) -> str:
+    def _python_determinant(self, one: Minor) -> str:
         names = self._python_names()
         used = {names.get(name, name): float(self.letters[name]) for name in self._in(one.value.polynomial)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
@@ -132,10 +86,9 @@ class Code:
     def _python_names(self) -> dict[str, str]:
         return {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
 
-    def _python_function(self, family: Described) -> str:
+    def _python_function(self, family: ExactFamily) -> str:
         names, shifts = self._python_names(), self._shifts
-        residuals = [pin_expression(joint, values, shifts) for joint, values in family.pins]
-        residuals += [condition.expression(shifts=shifts, names=names) for condition in family.conditions]
+        residuals = [one.expression(shifts=shifts, names=names) for one in family.stated]
         used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
         lines = [f"def {_function(family.id)}(q{', *' if used else ''}{keywords}):"]
@@ -180,9 +133,8 @@ class Code:
             lines += [head, "{", *unused, f"    return {text};", "}"]
         return "\n".join([*lines, "", "#endif", ""])
 
-    def _c_function(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
-        residuals = [pin_c_code(joint, values, self._shifts) for joint, values in family.pins]
-        residuals += [condition.c_code(names=names, shifts=self._shifts) for condition in family.conditions]
+    def _c_function(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
+        residuals = [one.c_code(names=names, shifts=self._shifts) for one in family.stated]
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
         lines += [f" * {_comment(line)}" for line in self._conditions(family)]
         lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
@@ -191,9 +143,8 @@ class Code:
         body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
         return [*lines, f"static inline void {head}", "{", *body, "}"]
 
-    def _c_gradient(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
-        rows: list[dict[int, str]] = [{j: pin_c_slope(j, values, self._shifts)} for j, values in family.pins]
-        rows += [condition.c_gradient(names=names, shifts=self._shifts) for condition in family.conditions]
+    def _c_gradient(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
+        rows = [one.c_gradient(names=names, shifts=self._shifts) for one in family.stated]
         body = [f"    gradient[{i}][{j - 1}] = {text};" for i, row in enumerate(rows) for j, text in row.items()]
         unused = [] if any("q[" in line for line in body) else ["    (void)q;"]
         head = f"{prefix}_{_mark(family.id)}_gradient(const double q[{self.n}], double gradient[{len(rows)}][{self.n}])"
@@ -203,17 +154,17 @@ class Code:
             *body, "}",
         ]  # fmt: skip
 
-    def _c_distance(self, family: Described, prefix: str) -> list[str]:
+    def _c_distance(self, family: ExactFamily, prefix: str) -> list[str]:
         """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
         first, count = len(family.pins), len(family.pins) + len(family.conditions)
         name = f"{prefix}_{_mark(family.id)}"
         lines = ["/* Distance in joint space [rad, slides divided by the length]: pinned joints exactly, other",
                  " * conditions by one Newton step: right near the family, an estimate far from it. */"]  # fmt: skip
         body = ["    double square = 0.0, way;"] if first else ["    double square = 0.0;"]
-        for joint, values in family.pins:
-            shift = self.shifts[joint - 1] if len(self.shifts) else 0.0
-            for place, value in enumerate(pin_values(values)):
-                gap = f"fabs(remainder(q[{joint - 1}] - ({float(value - shift)!r}), {2 * pi!r}))"
+        for pin in family.pins:
+            shift = self.shifts[pin.joint - 1] if len(self.shifts) else 0.0
+            for place, angle in enumerate(pin.angles):
+                gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
                 body.append(f"    way = {gap if place == 0 else f'fmin(way, {gap})'};")
             body.append("    square += way * way;")
         if family.conditions:
@@ -240,9 +191,7 @@ class Code:
         """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""
         rows = []
         for family in self.families:
-            conditions = [pin_latex(joint, values) for joint, values in family.pins]
-            conditions += [condition.latex() for condition in family.conditions]
-            shown = r"; \newline ".join(f"${text}$" for text in conditions)
+            shown = r"; \newline ".join(f"${one.latex()}$" for one in family.stated)
             rows.append(rf"{family.id} & {_escaped(family.name)} & {family.corank} & {shown} \\")
         head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
         values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
@@ -274,24 +223,23 @@ class Code:
         shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
         return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
 
-    def _conditions(self, family: Described) -> list[str]:
+    def _conditions(self, family: ExactFamily) -> list[str]:
         """The conditions in words."""
-        return [pin_text(joint, values) for joint, values in family.pins] + [c.text() for c in family.conditions]
+        return [one.text() for one in family.stated]
 
     def _in(self, f: Polynomial) -> list[str]:
         """Lengths that occur in a polynomial."""
         degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
         return [name for name in self.letters if degrees.get(name, 0) > 0]
 
-    def _used(self, family: Described) -> list[str]:
+    def _used(self, family: ExactFamily) -> list[str]:
         """Lengths that a family's conditions depend on."""
         found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
         return [name for name in self.letters if name in found]
 
-    def _joints(self, family: Described) -> list[int]:
+    def _joints(self, family: ExactFamily) -> list[int]:
         """Joints that a family's conditions depend on."""
-        found = {joint for joint, _ in family.pins}
-        return sorted(found.union(*(condition.joints for condition in family.conditions)))
+        return sorted({joint for one in family.stated for joint in one.joints})
 
 
 def _mark(text: str) -> str:

@@ -1,6 +1,6 @@
 """Save one result of every kind, as this version writes it: `tests/data/saved/VERSION`, once, at its release.
 
-    .venv/bin/python tools/save_version.py
+    .venv/bin/pip install . && .venv/bin/python tools/save_version.py      # with the version of pyproject.toml
 
 `tests/cli/test_saved_versions.py` reads the files of every version from then on; they are never written anew.
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rankdrop.cli.main import run
 from rankdrop.disk import replace_file
+from rankdrop.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMANDS = {
@@ -36,6 +37,9 @@ def main() -> int:
     """Write what is not there yet; 1 where the version has been saved already."""
     version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
     folder = ROOT / "tests" / "data" / "saved" / version
+    if version != VERSION:
+        print(f"installed is {VERSION}, the source is {version}: install it first", file=sys.stderr)
+        return 1
     if folder.exists():
         print(f"{folder} is there: what a version wrote does not change", file=sys.stderr)
         return 1

@@ -45,6 +45,25 @@ def test_the_recipe_is_of_this_version_and_asks_for_the_same() -> None:
     assert recipe["about"]["summary"] == PROJECT["description"]
 
 
+def test_every_place_has_the_version_of_the_project() -> None:
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == PROJECT["version"]
+    assert cited["license"] == PROJECT["license"]
+    assert len(cited["references"]) == 5
+    told = re.findall(r"^## \[(.+?)\](?: - (\d{4}-\d\d-\d\d))?$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.M)
+    released = [(version, date) for version, date in told if version != "Unreleased"]
+    assert released[0][0] == PROJECT["version"]
+
+
+def test_a_version_is_saved_by_what_is_installed_and_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    saver = tool("save_version")
+    monkeypatch.setattr(saver, "VERSION", "0.0.0")
+    assert saver.main() == 1
+    assert "installed is 0.0.0, the source is" in capsys.readouterr().err
+
+
 def test_the_container_has_the_plain_install_and_no_superuser() -> None:
     lines = (ROOT / "packaging" / "Containerfile").read_text(encoding="utf-8").splitlines()
     said = [line for line in lines if line and not line.startswith("#")]

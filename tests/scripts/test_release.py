@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,11 @@ def test_the_recipe_is_of_this_version_and_asks_for_the_same() -> None:
     assert run.pop("python") == PROJECT["requires-python"].removeprefix(">=")
     assert run == lowest()
     assert recipe["about"]["summary"] == PROJECT["description"]
+
+
+def test_every_extra_is_tried_alone() -> None:
+    tried = runpy.run_path(str(ROOT / ".ci" / "release"))["TRIED"]
+    assert set(tried) == set(PROJECT["optional-dependencies"]) | {""}
 
 
 def test_every_place_has_the_version_of_the_project() -> None:

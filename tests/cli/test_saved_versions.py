@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
+from rankdrop.certify import verify
 from rankdrop.certify.coverfile import load
 from rankdrop.results.analysis import Analysis
 from rankdrop.schema import NAMES, load_schema
@@ -53,6 +54,17 @@ def test_a_saved_analysis_is_read_and_holds(path: Path) -> None:
     assert [family.name for family in found.families] == [family["name"] for family in saved["families"]]
     for family, row in zip(found.families, saved["families"], strict=True):
         np.testing.assert_array_equal(family.witness, row["witness"])
+
+
+def test_the_newest_version_has_saved_one_of_every_kind() -> None:
+    newest = max(SAVED.iterdir(), key=lambda folder: [int(part) for part in folder.name.split(".")])
+    assert {record(path)["schema"].split("/")[1] for path in newest.glob("*.json")} == set(NAMES)
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("certificate")], ids=label)
+def test_a_saved_certificate_still_holds(path: Path) -> None:
+    found = verify(path)
+    assert found.holds, found.reason
 
 
 @pytest.mark.parametrize("path", COVERINGS, ids=label)

@@ -15,7 +15,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.record import CorankSummary, Family, Pinned, Share, Soundness, Unseen
+from rankdrop.family.record import CorankSummary, Family, Pin, Sampled, Share, Soundness, Unseen
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -86,12 +86,12 @@ def family(
     )
     return Family(
         id=f"k1.f{number}", name=name, corank=1, dimension=5,
-        pinned=tuple(Pinned(f"joint{j}", j, values) for j, values in pins.items()),
+        pinned=tuple(Pin(f"joint{j}", j, values) for j, values in pins.items()),
         free=tuple(j for j in range(1, 8) if j not in pins and j not in coupled), coupled=coupled,
         equations=(*conditions, *equations) if named else (),
         witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(words)],
-        lost_words=words, soundness=Soundness(200, singular) if named else Soundness(0, 0),
-        explained=Share(1000, 250), evidence="made up", named=named,
+        lost_words=words, named=named,
+        evidence=Sampled("made up", Soundness(200, singular) if named else Soundness(0, 0), Share(1000, 250)),
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from rankdrop.compare.joined import ExactRow, Joined, conditions_of
 from rankdrop.compare.match import Match, Wider
 from rankdrop.families.cells import coupled_conditions, joint_cell
 from rankdrop.family.equation import Equation, Term
+from rankdrop.family.record import Sampled
 from rankdrop.results.analysis import Analysis
 
 
@@ -105,7 +106,10 @@ def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(
     console = results()
     for count, told in ((24, 24), (30, 3)):
         shares = [replace(one.explained, explained=number) for number in range(count)]
-        rows = tuple(replace(one, id=f"k1.f{i}", explained=share) for i, share in enumerate(shares))
+        rows = tuple(
+            replace(one, id=f"k1.f{i}", evidence=Sampled("made up", one.soundness, share))
+            for i, share in enumerate(shares)
+        )
         show(console, corank_section(console, replace(shapes, families=rows), shapes.coranks[0]))
         text = capsys.readouterr().out
         shown = re.findall(r"^ *(\d+) +" + re.escape(one.name[:8]), text, re.MULTILINE)

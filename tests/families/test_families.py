@@ -125,7 +125,7 @@ def test_canadarm2_families_of_kg_with_eq_26_in_half_angles():
     assert ({4: {0.0}}, (2, 3, 5, 6)) in by_pins
     assert ({4: {pi}}, (2, 3, 5, 6)) in by_pins
     (split,) = (family for family in found.families if (pins(family), family.coupled) == ({4: {pi}}, (3, 5)))
-    assert "double zero" in split.evidence
+    assert "double zero" in split.evidence.how
     (eq26,) = (family for family in found.families if not family.pinned)
     assert eq26.equations[0].text() == "cos((q3-q5)/2)"
     got = coefficients(eq26.equations[1])
@@ -280,7 +280,7 @@ def test_rows_half_a_turn_apart_become_one():
     assert found.summary.completeness.explained == found.summary.completeness.tested
     (row,) = (family for family in found.families if family.coupled == (2, 4, 5))
     assert pins(row) == {3: STRAIGHT}
-    assert "merged" in row.evidence
+    assert "merged" in row.evidence.how
     assert len(found.families) == 4
 
 
@@ -293,7 +293,7 @@ def test_values_on_which_d_has_too_low_a_rank_are_sharpened():
     ]  # fmt: skip
     found = table(from_dh([(a, alpha, d, 0.0) for a, alpha, d in rows], convention="standard", name="offset7r"), 1)
     assert found.summary.completeness.explained == found.summary.completeness.tested >= 1000
-    (row,) = (family for family in found.families if "double zero" in family.evidence)
+    (row,) = (family for family in found.families if "double zero" in family.evidence.how)
     assert pins(row)[2] == SQUARE
     assert all(abs(v) not in (0.0, pi) for v in pins(row)[4])
 

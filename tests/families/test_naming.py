@@ -10,7 +10,8 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.searching import search
-from rankdrop.family.naming import name_family
+from rankdrop.family.naming import LONGEST, name_family, shortened
+from rankdrop.results.known import shipped
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
@@ -208,3 +209,38 @@ def test_joints_told_to_be_pinned_are_explained() -> None:
 def test_what_is_not_a_singular_family_is_refused(q: Array) -> None:
     with pytest.raises(ConfigurationError):
         name(pa10(), q)
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (["elbow: axes 2, 3 and wrist centre coplanar"], ["elbow: axes 2, 3 and wrist centre coplanar"]),
+        (
+            ["elbow: axes 2, 3 and wrist centre coplanar (θ3 = −87.3° or 92.7°)"],
+            ["elbow: arm stretched or folded (θ3 = −87.3° or 92.7°)"],
+        ),
+        (
+            ["elbow and wrist, axes 2, 3, 4, 6 parallel and coplanar (θ4 = −90.1° or 89.9°)"],
+            ["elbow and wrist (θ4 = −90.1° or 89.9°)"],  # not −90° or 90°: that is another posture
+        ),
+        (
+            [f"shoulder, elbow and wrist: axes 1, 3 and 5, 7 aligned, with a condition on {x}" for x in ("θ3", "θ5")],
+            ["shoulder, elbow and wrist: axes 1, 3 and 5, 7 aligned", None],
+        ),
+    ],
+)
+def test_a_long_name_is_shortened_and_stays_the_only_one(names: list[str], expected: list[str | None]) -> None:
+    short = shortened(names)
+    assert all(len(one) <= LONGEST for one in short)
+    assert len(set(short)) == len(names)
+    assert all(want in (None, got) for want, got in zip(expected, short, strict=True))
+
+
+def test_a_name_of_very_many_details_is_shortened_at_once() -> None:
+    (short,) = shortened(["; ".join(f"screws {i}, {i + 1}, {i + 2} dependent" for i in range(1, 60))])
+    assert short == "screws 1, 2, 3 dependent; screws 2, 3, 4 dependent"
+
+
+def test_an_angle_that_is_nearly_a_right_one_is_not_written_as_one() -> None:
+    jaka = [one.name for one in shipped("jaka_zu3").families]
+    assert "elbow: axes 2, 3, 4 coplanar (θ3 = −0.003° or 179.997°)" in jaka

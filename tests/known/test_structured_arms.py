@@ -85,7 +85,7 @@ def analysed(n: int, seed: int, count: int = 1000) -> Analysis:
 def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     """7R of seed 16: {θ5 = π, one equation in θ2, θ3, θ4, θ6} is a double zero, a fifth of its singular set."""
     found = analysed(7, 16)
-    (row,) = (family for family in found.of_corank(1) if "double zero" in family.evidence)
+    (row,) = (family for family in found.of_corank(1) if "double zero" in family.evidence.how)
     assert [(one.number, one.values) for one in row.pinned] == [(5, (np.pi,))]
     assert row.coupled == (2, 3, 4, 6)
     assert row.soundness.holds
@@ -96,7 +96,7 @@ def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
 def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
     """6R of seed 32: det contains (0.2 c3 + s3)², θ3 = −atan 0.2."""
     found = analysed(6, 32)
-    (row,) = (family for family in found.of_corank(1) if "double zero" in family.evidence)
+    (row,) = (family for family in found.of_corank(1) if "double zero" in family.evidence.how)
     assert [one.number for one in row.pinned] == [3]
     assert sorted(row.pinned[0].values) == pytest.approx([-np.arctan(0.2), np.pi - np.arctan(0.2)], abs=1e-10)
     assert found.sound_and_complete

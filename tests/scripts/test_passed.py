@@ -11,7 +11,7 @@ import rankdrop
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (70, 61),
+    "analyze planar3r --starts 300 --quiet --threads 1": (69, 60),
     "conditions puma560 --quiet": (45, 33),
     "conditions puma560 --quiet --fresh --coranks 1 --points 100": (76, 65),
 }

@@ -23,15 +23,16 @@ def escape(
     tcp: TCP = None,
     step: float = 0.1,
     seed: Whole = 0,
+    full: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     lie: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Find the joints that lead out of a singular configuration, and those that cannot.
 
-    Per joint: the order at which the lost singular value grows, its rate, and
-    its size after a motion inside the limits; the best two joints and the best
-    direction; whether the end effector can be kept still.
+    Which joint to move, which way and how far, inside the limits; whether the
+    tool can be kept still. With --full per joint the order at which the lost
+    singular value grows, its rate, and its size after the motion.
 
     For example:
         rankdrop escape pa10 --q 0,0,0,0,0,0,0
@@ -48,6 +49,7 @@ def escape(
         tcp: Tool point from the tip, in its axes: x,y,z or x,y,z,roll,pitch,yaw [m, rad]; 120mm, 30deg are understood.
         step: Length of the motions that are tried [rad; slides in length scales].
         seed: Of every random choice.
+        full: Print what is lost, the joints to blame, and all tables: every joint, Hunt's cofactors, singular runs.
         lie: Print Gallardo-Alvarado and Rico-Martinez's procedure step by step, and where it goes wrong.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress; results and errors only.
@@ -68,7 +70,8 @@ def escape(
     procedure = report(OrderedScrewSet.of(model, found.q), seed) if lie else None
     steps: list[Callable[[], None]] = []
     if json != STDOUT:
-        steps.append(lambda: print_sections(found.sections(parts=("verdict", "lost", "blame", "escape"), full=True)))
+        parts = ("verdict", "escape", "lost", "blame") if full else ("answer", "lost", "fuller")
+        steps.append(lambda: print_sections(found.sections(parts=parts, full=full)))
         if procedure is not None:
             steps.append(lambda: show(results(), ["", render(procedure)]))
     if json is not None:

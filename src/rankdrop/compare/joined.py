@@ -23,7 +23,7 @@ from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.cells import COUPLED, coupled_conditions
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pinned, Share, Soundness, numbered
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pin, Sampled, Share, Soundness, numbered
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
 
@@ -51,7 +51,7 @@ class ExactRow:
     name: str
     corank: int
     dimension: int
-    pinned: tuple[Pinned, ...]
+    pinned: tuple[Pin, ...]
     conditions: tuple[str, ...]
     latex: tuple[str, ...]
     reality: str
@@ -110,7 +110,7 @@ class Joined:
 
 EXACTLY = "exactly"
 """Label of an exact condition; a fitted one has that of a coupled joint."""
-_LONGEST = 800  # characters of a condition that is printed
+_LONGEST = 300  # characters of a condition that is printed
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
 
 
@@ -140,7 +140,7 @@ def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], boo
         for text, family in zip(lines, whole, strict=True)
         if text
     ]
-    lines += [f"part of {' and '.join(map(_short, family.conditions))}" for family in parts]
+    lines += [f"part of {' and '.join(map(readable, family.conditions))}" for family in parts]
     said = [f"or {text}" if place else text for place, text in enumerate(lines)]
     return said, bool(lines) and not parts and not wider & {family.id for family in whole}
 
@@ -148,14 +148,14 @@ def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], boo
 def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
     """A family's conditions, without those of joints that the row has at the same values."""
     same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
-    rest = [_short(text) for text in family.conditions[len(same) :]]
+    rest = [readable(text) for text in family.conditions[len(same) :]]
     pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
     if not pins and not rest and not alone:
         return " and ".join((*family.conditions[: len(same)], *rest))
     return " and ".join((*pins, *rest)) + (f"; {family.reality}" if family.reality and (pins or rest) else "")
 
 
-def _short(text: str) -> str:
+def readable(text: str) -> str:
     """A condition for reading; a very long one is only counted."""
     whole = "whole with --json, or with `rankdrop conditions --latex`"
     return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
@@ -230,7 +230,8 @@ def _judged(row: Family, loose: Wider | None) -> Family:
     if loose is None:
         return row
     tested, singular = row.soundness.tested, row.soundness.singular
-    return replace(row, soundness=Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere))
+    sound = Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere)
+    return replace(row, evidence=Sampled(row.evidence.how, sound, row.explained))
 
 
 def _measured(
@@ -264,13 +265,15 @@ def _measured(
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        soundness=Soundness(points.solved, points.solved - points.elsewhere),
-        explained=Share(found.summary.completeness.tested, share),
-        evidence=f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence for row in over))}",
+        evidence=Sampled(
+            f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
+            Soundness(points.solved, points.solved - points.elsewhere),
+            Share(found.summary.completeness.tested, share),
+        ),
     )
 
 
-def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pinned, ...]:
+def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], points: Array) -> tuple[Pin, ...]:
     """Joints that stand at one of a few values at all points, where every combination of their values is met."""
     values: dict[int, list[float]] = {}
     for joint in {one.number for row in over for one in row.pinned}:
@@ -290,7 +293,7 @@ def _pinned(problem: Problem, family: ExactFamily, over: Sequence[Family], point
     if len({tuple(column) for column in labels.T}) < len(list(product(*values.values()))):
         return tuple(one for one in family.pinned(problem.robot) if one.number in values)
     names = problem.robot.variables
-    return tuple(Pinned(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
+    return tuple(Pin(names[joint - 1].name, joint, tuple(values[joint])) for joint in joints)
 
 
 def _apart(problem: Problem, joint: int, one: Array | float, other: float) -> Array:

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.compare.cloud import WITHIN, Cloud, explained
 from rankdrop.exact.arm.verify import Check
+from rankdrop.exact.family import ExactFamily
 from rankdrop.families.signature import HIGHER
 from rankdrop.family.equation import normalised
+from rankdrop.family.record import Family
 from rankdrop.family.system import REACHED, Mask, System
-from rankdrop.family.which import Condition
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
@@ -33,16 +33,8 @@ COMMON = 3
 """So many random points of a family on another one make them kin: a single one may be near where the two cross."""
 
 
-class Side(Condition, Protocol):
-    """What is read of a family of either side."""
-
-    @property
-    def id(self) -> str:
-        """"k1.f1"."""
-
-    @property
-    def witness(self) -> tuple[float, ...]:
-        """A configuration on it."""
+Side = Family | ExactFamily
+"""A family of either side."""
 
 
 @dataclass(frozen=True, slots=True)

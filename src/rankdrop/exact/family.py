@@ -11,7 +11,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.writing.condition import RADIANS, Condition, pin_equation, pin_latex, pin_text
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Order, Pinned, place_of
+from rankdrop.family.record import Order, Pin, place_of
 from rankdrop.robot.model import Robot
 from rankdrop.units import into_units
 
@@ -63,10 +63,10 @@ class ExactFamily:
             numbers=chain.own_numbers,
         )
 
-    def pinned(self, robot: Robot) -> tuple[Pinned, ...]:
+    def pinned(self, robot: Robot) -> tuple[Pin, ...]:
         """Its pins as values of q in (−π, π], under the names of the arm's joints."""
         return tuple(
-            Pinned(
+            Pin(
                 robot.variables[joint - 1].name, joint,
                 tuple(_angle(RADIANS[value] - self.shifts[joint - 1]) for value in values),
             )

@@ -13,7 +13,7 @@ import numpy as np
 
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Family, Pinned, Share
+from rankdrop.family.record import Family, Pin, Share
 from rankdrop.robot.model import Robot
 from rankdrop.units import counted_length
 
@@ -113,8 +113,8 @@ class Inside:
         holds: whether every pinned joint has a value inside; otherwise the whole row lies outside the limits.
     """
 
-    pinned: tuple[Pinned, ...]
-    outside: tuple[Pinned, ...]
+    pinned: tuple[Pin, ...]
+    outside: tuple[Pin, ...]
 
     @property
     def holds(self) -> bool:

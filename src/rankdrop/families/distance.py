@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.family.record import Family, Pinned, family_in_metres
+from rankdrop.family.record import Family, Pin, family_in_metres
 from rankdrop.family.system import REACHED, System
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
@@ -304,7 +304,7 @@ def _record(problem: Problem, family: Family, points: Array, centre: Array, *, e
     )  # fmt: skip
 
 
-def _pinned_point(pinned: Sequence[Pinned], robot: Robot, centre: Array, box: Array) -> Array:
+def _pinned_point(pinned: Sequence[Pin], robot: Robot, centre: Array, box: Array) -> Array:
     """(1, n) every pinned joint at its nearest value, the others where they are; (0, n) where the limits forbid it."""
     point = np.clip(centre, box[0], box[1])
     for joint in pinned:

@@ -22,9 +22,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import lru_cache
 from itertools import combinations, product
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,16 +35,8 @@ from rankdrop.problem import Twin
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 
-
-class Kind(IntEnum):
-    """How a joint enters."""
-
-    ANGLE = 0
-    """Through harmonics."""
-    LENGTH = 1
-    """Through powers."""
-    BOTH = 2
-    """Through both: helical."""
+Kind = Literal["angle", "length", "both"]
+"""How a joint enters: through harmonics, through powers, or, helical, through both."""
 
 
 NULL = 1e-9  # singular values of the library matrix below this share of the largest may be zero
@@ -93,7 +85,7 @@ class Library:
 @lru_cache(maxsize=256)
 def library(degrees: Degrees, kinds: tuple[Kind, ...]) -> Library:
     """The functions of multidegree `degrees` in joints of these kinds."""
-    waves = [(0,) if k is Kind.LENGTH else range(-d, d + 1, 2) for d, k in zip(degrees, kinds, strict=True)]
+    waves = [(0,) if k == "length" else range(-d, d + 1, 2) for d, k in zip(degrees, kinds, strict=True)]
     powers = [range(_power(d, k) + 1) for d, k in zip(degrees, kinds, strict=True)]
     rows: list[tuple[tuple[int, ...], tuple[int, ...], bool]] = []
     for m in product(*waves):
@@ -113,12 +105,12 @@ def library(degrees: Degrees, kinds: tuple[Kind, ...]) -> Library:
 def size(degrees: Degrees, kinds: tuple[Kind, ...]) -> int:
     """Number of functions of a multidegree."""
     pairs = zip(degrees, kinds, strict=True)
-    return int(np.prod([(1 if k is Kind.LENGTH else d + 1) * (_power(d, k) + 1) for d, k in pairs]))
+    return int(np.prod([(1 if k == "length" else d + 1) * (_power(d, k) + 1) for d, k in pairs]))
 
 
 def _power(degree: int, kind: Kind) -> int:
     """Largest power at a degree: none for angles; helical joints take one for every two half-angles."""
-    return {Kind.ANGLE: 0, Kind.LENGTH: degree, Kind.BOTH: degree // 2}[kind]
+    return {"angle": 0, "length": degree, "both": degree // 2}[kind]
 
 
 def vanishing(values: Array, tolerances: Tolerances) -> Array:
@@ -270,7 +262,7 @@ class FitProblem:
 def ladder(kinds: tuple[Kind, ...], highest: int = 4, most: int = LARGEST) -> Iterator[Degrees]:
     """Multidegrees to try, growing: all 1, then 2, 4 … (angle) and 1 or 2 (length) per joint by library size."""
     yield tuple(1 for _ in kinds)
-    steps = product(*((1, 2) if k is Kind.LENGTH else range(2, highest + 1, 2) for k in kinds))
+    steps = product(*((1, 2) if k == "length" else range(2, highest + 1, 2) for k in kinds))
     yield from (degrees for degrees in sorted(steps, key=lambda d: (size(d, kinds), d)) if size(degrees, kinds) <= most)
 
 

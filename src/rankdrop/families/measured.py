@@ -28,7 +28,7 @@ from rankdrop.certify.setting import Setting, enclose
 from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
-from rankdrop.family.record import Family, Pinned, family_in_metres
+from rankdrop.family.record import Family, Pin, family_in_metres
 from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
@@ -307,7 +307,7 @@ class Ruler:
         return np.full(q.shape, np.nan)
 
 
-def _pinned_feet(pinned: Sequence[Pinned], robot: Robot, q: Array, box: Array) -> Array:
+def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> Array:
     """(N, n) each pinned joint at its nearest value within the limits, the others moved no more than the limits ask."""
     feet = np.clip(q, box[0], box[1])
     for one in pinned:

@@ -24,15 +24,15 @@ from rankdrop.families.row import Row
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
-from rankdrop.family.naming import name_family
-from rankdrop.family.record import LocalFamily, Pinned, condition_words, relation_words, rescaled, slides_of
+from rankdrop.family.naming import name_family, shortened
+from rankdrop.family.record import Condition, Family, Local, Pin, Relation, condition_words, family_from_metres
 from rankdrop.local.block import generic_rank
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import in_metres, into_metres, metre_exponent, shifted, task_in_metres
+from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
 
 SIZES = (0.01, 0.05, 0.2, 0.6)  # steps from q [rad, length scales]
 EACH = 24  # starts for each size
@@ -125,6 +125,7 @@ def _holding(problem: Problem, signature: Signature, q: Array, points: Array, me
     return [members[i] for i in np.flatnonzero(same)]
 
 
+NOT_TOLD = np.zeros((0, 6))  # lost directions: whoever asks for the family of a configuration has them already
 NAMED = 12  # points that a name is taken from
 SPREAD = 800  # points that a fit is made from: one step after the other they get far from q
 FIT_WORK = 2e7  # of one fit, in floating-point operations
@@ -140,7 +141,7 @@ def name_on_the_spot(
     *,
     fit: bool = False,
     tolerances: Tolerances = DEFAULT,
-) -> LocalFamily:
+) -> Family:
     """The family of corank k that a singular configuration lies on, without an atlas.
 
     Only the neighbourhood of q is looked at: other values of the pinned joints, which a row of an atlas lists, are not.
@@ -170,10 +171,15 @@ def name_on_the_spot(
     configuration = one_configuration(robot, q)
     if metre_exponent(robot):
         there = name_on_the_spot(
-            in_metres(robot), into_metres(robot, configuration), task_in_metres(task, robot), corank, seed, fit=fit,
+            in_metres(robot),
+            into_metres(robot, configuration),
+            task_in_metres(task, robot),
+            corank,
+            seed,
+            fit=fit,
             tolerances=tolerances,
         )
-        return _out_of_metres(there, robot)
+        return family_from_metres(there, robot, metre_exponent(robot))
     generic = generic_rank(robot, task)
     if not 1 <= corank <= generic:
         raise OptionError("there is no such corank", got=corank, allowed=f"1 … {generic}")
@@ -188,77 +194,69 @@ def name_on_the_spot(
     around = neighbourhood(problem, configuration, at, seed)
     found = groups_through(problem, configuration, at, around, seed)
     families = [
-        _described(problem, around, signature, members, seed, fit=fit) for signature, members in found
+        _described(problem, configuration, around, signature, members, seed, fit=fit) for signature, members in found
     ]
     if not families:
         families = _from_shared_values(problem, configuration, around, seed)
     if not families:
         return _nameless(problem, configuration, at, around)
-    return families[0] if len(families) == 1 else _met(families)
-
-
-def _out_of_metres(found: LocalFamily, robot: Robot) -> LocalFamily:
-    """A family of `in_metres(robot)` as one of the arm itself."""
-    power, slides = metre_exponent(robot), slides_of(robot)
-    pinned = tuple(
-        replace(one, values=tuple(shifted(v, power) for v in one.values)) if one.number - 1 in slides else one
-        for one in found.pinned
-    )
-    equations = tuple(rescaled(one, slides, power) for one in found.equations)
-    bound = found.coupled if len(found.words) > len(pinned) + len(found.relations) else ()
-    return replace(
-        found, pinned=pinned, equations=equations, parts=tuple(_out_of_metres(one, robot) for one in found.parts),
-        words=condition_words(robot, pinned, found.relations, bound, equations) if not found.parts else found.words,
-    )  # fmt: skip
+    return families[0] if len(families) == 1 else _meeting(families)
 
 
 def _described(
-    problem: Problem, around: Inspection, signature: Signature, members: NDArray[np.int64], seed: int, *, fit: bool
-) -> LocalFamily:
-    robot = problem.robot
-    linear = Linear.of(robot, signature.covectors(robot.n))
+    problem: Problem,
+    q: Array,
+    around: Inspection,
+    signature: Signature,
+    members: NDArray[np.int64],
+    seed: int,
+    *,
+    fit: bool,
+) -> Family:
+    linear = Linear.of(problem.robot, signature.covectors(problem.n))
     values = _values(linear, around.q[members])
-    equations: tuple[Equation, ...] = linear.equations([(v,) for v in values])
-    if signature.residual:
-        rest = _fitted(problem, around, linear, values, members, seed) if fit else None
-        equations = () if rest is None else equations + rest
-    return _family(
-        problem, around.q[members], signature, values, equations,
-        f"{len(members)} singular configurations around q with one tangent shape",
-    )  # fmt: skip
+    rest: tuple[Equation, ...] | None = None if signature.residual else ()
+    if fit and signature.residual:
+        rest = _fitted(problem, around, linear, values, members, seed)
+    how = f"{len(members)} singular configurations around q with one tangent shape"
+    return _family(problem, q, around.q[members], signature, linear, values, rest, how)
 
 
 def _family(
     problem: Problem,
+    q: Array,
     points: Array,
     signature: Signature,
+    linear: Linear,
     values: Values,
-    equations: tuple[Equation, ...],
-    evidence: str,
-) -> LocalFamily:
-    """The record of one family; `points` are of it, and its name is taken from them."""
-    robot = problem.robot
-    pinned = tuple(
-        Pinned(robot.variables[joint].name, joint + 1, (values[i],)) for i, joint in enumerate(signature.pinned)
-    )
+    rest: tuple[Equation, ...] | None,
+    how: str,
+) -> Family:
+    """The record of one family through q; `points` are of it, and its name is taken from them.
+
+    `rest` are the equations of its coupled joints, None where they are not known.
+    """
+    robot, joints = problem.robot, problem.robot.variables
+    pinned = tuple(Pin(joints[j].name, j + 1, (value,)) for j, value in zip(signature.pinned, values, strict=False))
     coupled = tuple(j + 1 for j in signature.coupled)
-    relations = tuple(
-        relation_words(relation, values[len(signature.pinned) + i]) for i, relation in enumerate(signature.relations)
-    )
+    relations = map(Relation, signature.relations, values[len(pinned) :])
+    conditions: tuple[Condition, ...] = (*pinned, *relations, *(rest or ()))
     spread = points[:: max(1, len(points) // NAMED)][:NAMED]
-    return LocalFamily(
-        name=name_family(robot, problem.task, spread, [joint + 1 for joint in signature.pinned], coupled=coupled),
+    words = condition_words(robot, conditions, coupled if rest is None else ())
+    name = name_family(robot, problem.task, spread, [one.number for one in pinned], coupled=coupled)
+    return Family(
+        id="",
+        name=shortened([name])[0],
         corank=problem.corank,
         dimension=robot.n - signature.rank,
         pinned=pinned,
         free=tuple(j + 1 for j in signature.free),
         coupled=coupled,
-        relations=relations,
-        equations=equations,
-        words=condition_words(robot, pinned, relations, coupled if signature.residual else (), equations),
-        parts=(),
-        points=len(points),
-        evidence=evidence,
+        equations=() if rest is None else (*linear.equations([(v,) for v in values]), *rest),
+        witness=tuple(q.tolist()),
+        lost_directions=NOT_TOLD,
+        lost_words=(),
+        evidence=Local(how, conditions, words, len(points)),
     )
 
 
@@ -293,7 +291,7 @@ def _fitted(
     return circuit_equations(supply, Budget(FIT_WORK))
 
 
-def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: int) -> list[LocalFamily]:
+def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: int) -> list[Family]:
     """Families on which D vanishes more than it should: from values that the neighbourhood shares, verified by σ."""
     rng = np.random.default_rng([seed, 2])
     near = around.q[around.exact]
@@ -305,8 +303,7 @@ def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: in
         # neighbours are known badly where σ is of higher order: take the values exactly
         points = row.linear.place(near.copy(), np.repeat(np.array([values]), len(near), axis=0), rng)
         points = points[inspect(problem, points).exact]
-        equations = row.linear.equations([(v,) for v in values])
-        found.append(_family(problem, points, row.signature, values, equations, "shared values, verified"))
+        found.append(_family(problem, q, points, row.signature, row.linear, values, (), "shared values, verified"))
     return found
 
 
@@ -323,38 +320,37 @@ def _row_values(row: Row, q: Array) -> Values | None:
     return tuple(chosen)
 
 
-def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) -> LocalFamily:
+def _nameless(problem: Problem, q: Array, at: Inspection, around: Inspection) -> Family:
     """q alone: an isolated singular configuration, or a place that neither tangents nor values explain."""
     robot = problem.robot
     isolated = conormal_rank(at) == robot.n
     everyone = tuple(range(1, robot.n + 1))
-    pinned = tuple(Pinned(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
-    return LocalFamily(
-        name=name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None),
+    pinned = tuple(Pin(joint.name, i + 1, (float(q[i]),)) for i, joint in enumerate(robot.variables))
+    words = "an isolated singular configuration" if isolated else "no condition found around it"
+    how = "D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound"
+    name = name_family(robot, problem.task, q[None], everyone if isolated else (), coupled=() if isolated else None)
+    return Family(
+        id="",
+        name=shortened([name])[0],
+        named=isolated,
         corank=problem.corank,
         dimension=round(float(np.trace(at.tangent[0]))),
         pinned=pinned if isolated else (),
         free=() if isolated else tuple(int(j) + 1 for j in np.flatnonzero(problem.idle)),
         coupled=() if isolated else tuple(j for j in everyone if not problem.idle[j - 1]),
-        relations=(),
         equations=(),
-        words=("an isolated singular configuration",) if isolated else ("no condition found around it",),
-        parts=(),
-        points=len(around.q),
-        evidence="D has full rank" if isolated else "D has no clear rank here; the dimension is an upper bound",
+        witness=tuple(q.tolist()),
+        lost_directions=NOT_TOLD,
+        lost_words=(),
+        evidence=Local(how, (), (words,), len(around.q)),
     )
 
 
-def _met(families: list[LocalFamily]) -> LocalFamily:
+def _meeting(families: list[Family]) -> Family:
     """Several families meet at q: the largest one first."""
-    first = families[0]
     names = "; ".join(dict.fromkeys(family.name for family in families))
-    return replace(
-        first,
-        name=f"meeting point of families: {names}",
-        words=tuple(" and ".join(family.words) for family in families),
-        equations=(),
-        parts=tuple(families),
-        points=sum(family.points for family in families),
-        evidence="; ".join(family.evidence for family in families),
-    )
+    how = "; ".join(family.evidence.how for family in families)
+    points = sum(family.evidence.points for family in families if isinstance(family.evidence, Local))
+    words = tuple(" and ".join(family.words) for family in families)
+    evidence = Local(how, (), words, points, tuple(families))
+    return replace(families[0], name=f"meeting point of families: {names}", equations=(), evidence=evidence)

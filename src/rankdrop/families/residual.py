@@ -256,8 +256,8 @@ def _ground(supply: FamilyPoints, budget: Budget) -> tuple[FitProblem, tuple[int
     twins = tuple(one for one in problem.twins if not bound[one.first] and not bound[one.second])
     seconds = {one.second for one in twins}
     joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)
-    kinds = tuple(
-        Kind.ANGLE if periodic else Kind.LENGTH if joint.kind is JointKind.PRISMATIC else Kind.BOTH
+    kinds: tuple[Kind, ...] = tuple(
+        "angle" if periodic else "length" if joint.kind is JointKind.PRISMATIC else "both"
         for joint, periodic in zip(problem.robot.variables, problem.robot.periodic, strict=True)
     )
     highest = 4 if problem.task.m == 6 else 6

@@ -8,9 +8,9 @@ terms cancel. And since sin δ = 0, B·cos δ is B with δ added to every angle:
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache, partial
 from math import cos, sin
 
 import numpy as np
@@ -152,12 +152,12 @@ def find_rows(
     budget = Budget()
     rows = _fitted(problem, inspection, cover, budget, (seed, problem.corank), progress, memory)
     groups = len(grouped(inspection))
-    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     if len(rest) >= FEW:
         twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
-        again = Membership(problem, twice.q)
+        again = membership(problem, twice.q)
         rows += _fitted(problem, twice, again, budget, (seed, problem.corank, DOUBLED), doubled=True)
-    rest = inspection.q[inspection.exact & ~cover.by(rows)]
+    rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, groups]))
     rng = np.random.default_rng([seed, problem.corank, groups + 1])
     return merged(problem, without_contained(problem, rows, rng), rng)
@@ -184,7 +184,7 @@ def _fitted(
             progress(step, len(groups) + len(hard))
         thorough = step >= len(groups)
         signature, members = groups[index]
-        left = members[~cover.by(rows)[members]]
+        left = members[~on_any(cover, rows, len(inspection.q))[members]]
         if not signature.rank or len(left) < (FEW if signature.residual else 1):
             continue
         rng = np.random.default_rng([*seed, index, int(thorough)])
@@ -219,29 +219,21 @@ def _join(found: dict[Signature, list[int]]) -> None:
             found[home] += found.pop(signature)
 
 
-@dataclass(eq=False)
-class Membership:
-    """Which points of a cloud lie on which row; each row is asked once.
+Membership = Callable[[Row], Mask]
+"""(N,) which points of a cloud lie on a row."""
 
-    Attributes:
-        problem: the arm, and the corank.
-        q: (N, n) the points.
-    """
 
-    problem: Problem
-    q: Array
-    known: dict[Row, Mask] = field(default_factory=dict)
+def membership(problem: Problem, q: Array) -> Membership:
+    """Which of the points q (N, n) lie on a row; each row is asked once."""
+    return cache(lambda row: on_row(problem, row, q))
 
-    def on(self, row: Row) -> Mask:
-        """(N,) points on one row."""
-        if row not in self.known:
-            self.known[row] = on_row(self.problem, row, self.q)
-        return self.known[row]
 
-    def by(self, rows: list[Row]) -> Mask:
-        """(N,) points on any of the rows."""
-        each = np.array([self.on(row) for row in rows], dtype=np.bool_).reshape(len(rows), len(self.q))
-        return np.asarray(each.any(axis=0))
+def on_any(cover: Membership, rows: Sequence[Row], count: int) -> Mask:
+    """(count,) which points lie on any of the rows."""
+    inside = np.zeros(count, dtype=np.bool_)
+    for row in rows:
+        inside |= cover(row)
+    return inside
 
 
 def on_row(problem: Problem, row: Row, q: Array) -> Mask:

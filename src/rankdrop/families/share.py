@@ -221,8 +221,8 @@ def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp]
     """
     may = np.ones(len(q), dtype=np.bool_)
     for equation in system.equations:
-        m, _, a, b, _, powered = equation.tables
-        if not powered:
+        m, _, a, b, powers = equation.tables
+        if not powers.any():
             steepest = float((np.hypot(a, b) * np.linalg.norm(m[:, moves] * scale[moves], axis=1)).sum())
             may &= np.abs(equation(q)) <= steepest * within * (1.0 + 1e-9) + REACHED
     return may

@@ -23,7 +23,7 @@ from rankdrop.families.linear import polished
 from rankdrop.families.memory import Memory
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, witness
-from rankdrop.families.rows import Membership, find_rows
+from rankdrop.families.rows import Membership, find_rows, membership, on_any
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
 from rankdrop.families.signature import HIGHER, Inspection, inspect
@@ -34,7 +34,8 @@ from rankdrop.family.record import (
     CorankFamilies,
     CorankSummary,
     Family,
-    Pinned,
+    Pin,
+    Sampled,
     Share,
     Soundness,
     family_out_of_units,
@@ -100,7 +101,7 @@ def families(
     report = progress or (lambda done, total: None)
     problem = replace(cloud.problem, tolerances=tolerances)
     inspection = inspect(problem, polished(problem, cloud.converged))
-    cover = Membership(problem, inspection.q)
+    cover = membership(problem, inspection.q)
     rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
                      memory)  # fmt: skip
     sounds: dict[Row, Soundness] = {}
@@ -109,7 +110,7 @@ def families(
     for i, row in enumerate(rows):
         rng = np.random.default_rng([seed, cloud.corank, 7, i])
         sound, _ = soundness(problem, row.system, row.signature.rank, rng)
-        points = _generic(problem, row, inspection.q[cover.on(row)], rng)
+        points = _generic(problem, row, inspection.q[cover(row)], rng)
         if sound.holds and len(points):
             tested, strangers = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
             sounds[row] = Soundness(sound.tested + tested, sound.singular + tested - len(strangers))
@@ -119,12 +120,13 @@ def families(
     independent = _fresh(problem, cloud, inspection, seed, threads, wanted) if fresh is None else fresh.converged
     checked = inspect(problem, polished(problem, independent))
     report(80, STEPS)
-    new = Membership(problem, checked.q)
-    rest = leftovers(problem, inspection, ~cover.by(kept), checked, ~new.by(kept))
-    share = Share(int(checked.exact.sum()), int((checked.exact & new.by(kept)).sum()))
+    new = membership(problem, checked.q)
+    on_rows = on_any(new, kept, len(checked.q))
+    rest = leftovers(problem, inspection, ~on_any(cover, kept, len(inspection.q)), checked, ~on_rows)
+    share = Share(int(checked.exact.sum()), int((checked.exact & on_rows).sum()))
     found = []
     for count, row in enumerate(sorted(kept, key=_order)):
-        per_row = Share(share.tested, int((checked.exact & new.on(row)).sum()))
+        per_row = Share(share.tested, int((checked.exact & new(row)).sum()))
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
         found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
@@ -209,7 +211,7 @@ def _family(
     """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, problem.robot
     pinned = tuple(
-        Pinned(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
+        Pin(robot.variables[joint].name, joint + 1, row.sets[i]) for i, joint in enumerate(signature.pinned)
     )
     if memory is None:
         directions, sentences = lost_motions(problem, at, generic)
@@ -232,9 +234,7 @@ def _family(
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        soundness=sound,
-        explained=share,
-        evidence=row.evidence,
+        evidence=Sampled(row.evidence, sound, share),
     )
 
 
@@ -252,7 +252,7 @@ def _pieces(cover: Membership, rows: list[Row], inspection: Inspection) -> list[
     counts: list[int] = []
     left = inspection.exact.copy()
     for row in rows:
-        members = np.flatnonzero(left & cover.on(row))
+        members = np.flatnonzero(left & cover(row))
         left[members] = False
         counts += [int(c) for c in np.unique(_labels(row, inspection.q[members]), axis=0, return_counts=True)[1]]
     return counts

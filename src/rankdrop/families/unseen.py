@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rankdrop.families.linear import Linear
 from rankdrop.families.signature import Inspection, inspect
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import Family, Pinned, Share, Soundness, Unseen
+from rankdrop.family.record import Family, Pin, Sampled, Share, Soundness, Unseen
 from rankdrop.family.system import Mask
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
@@ -115,16 +115,18 @@ def _unnamed(
         name="unnamed family",
         corank=problem.corank,
         dimension=problem.n - rank,
-        pinned=tuple(Pinned(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
+        pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
         free=tuple(j + 1 for j in free),
         coupled=tuple(j + 1 for j in coupled),
         equations=(),
         witness=tuple(float(x) for x in at),
         lost_directions=directions,
         lost_words=sentences,
-        soundness=Soundness(0, 0),
-        explained=Share(tested, len(members) - cloud),
-        evidence=f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
+        evidence=Sampled(
+            f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
+            Soundness(0, 0),
+            Share(tested, len(members) - cloud),
+        ),
         named=False,
     )
     return family, cloud

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,25 +41,6 @@ class Term:
     harmonics: tuple[int, ...]
     powers: tuple[int, ...]
     shift: float = 0.0
-
-
-class Tables(NamedTuple):
-    """f = Σ (a cos φ + b sin φ) · Π q_j^p_j with φ = m·q − shift, one summand per row.
-
-    Attributes:
-        multiples: (t, n) m.
-        shift: (t,) [rad].
-        cosine, sine: (t,) a and b.
-        powers: (t, n) p.
-        powered: whether any power is not zero.
-    """
-
-    multiples: Array
-    shift: Array
-    cosine: Array
-    sine: Array
-    powers: Array
-    powered: bool
 
 
 @dataclass(frozen=True)
@@ -92,8 +73,12 @@ class Equation:
         return len(self.terms[0].harmonics)
 
     @cached_property
-    def tables(self) -> Tables:
-        """The equation as arrays, one summand per angle."""
+    def tables(self) -> tuple[Array, Array, Array, Array, Array]:
+        """f = Σ (a cos φ + b sin φ) · Π q_j^p_j with φ = m·q − shift, one summand per row.
+
+        Returns:
+            (t, n) multiples m, (t,) shifts [rad], (t,) a, (t,) b, (t, n) powers p.
+        """
         found: dict[tuple[tuple[int, ...], tuple[int, ...], float], list[float]] = {}
         for term in self.terms:
             pair = found.setdefault((term.harmonics, term.powers, term.shift), [0.0, 0.0])
@@ -102,7 +87,7 @@ class Equation:
         p = np.array([key[1] for key in found], dtype=np.float64)
         shift = np.array([key[2] for key in found])
         both = np.array(list(found.values()))
-        return Tables(m, shift, both[:, 0], both[:, 1], p, bool(p.any()))
+        return m, shift, both[:, 0], both[:, 1], p
 
     @cached_property
     def compiled(self) -> _core.Families:
@@ -112,7 +97,7 @@ class Equation:
     @property
     def joints(self) -> tuple[int, ...]:
         """Numbers (from 1) of the joints that occur."""
-        m, _, _, _, p, _ = self.tables
+        m, _, _, _, p = self.tables
         return tuple(int(j) + 1 for j in np.flatnonzero((np.abs(m) + p).sum(axis=0)))
 
     @property
@@ -240,12 +225,12 @@ def equation_tables(equations: Iterable[Equation]) -> dict[str, Any]:
     powers: list[int] = []
     terms = [0]
     for equation in equations:
-        table = equation.tables
-        for m, shift in zip(table.multiples.tolist(), table.shift.tolist(), strict=True):
+        multiples, shifts, cosine, sine, p = equation.tables
+        for m, shift in zip(multiples.tolist(), shifts.tolist(), strict=True):
             angle.append(numbers.setdefault((tuple(m), shift), len(numbers)))
-        a += table.cosine.tolist()
-        b += table.sine.tolist()
-        powers += table.powers.reshape(-1).astype(int).tolist()
+        a += cosine.tolist()
+        b += sine.tolist()
+        powers += p.reshape(-1).astype(int).tolist()
         terms.append(len(angle))
     turning = [[(j, x) for j, x in enumerate(m) if x] for m, _ in numbers]
     return {

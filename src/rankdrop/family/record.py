@@ -4,7 +4,8 @@ Between an arm's own unit of length and the one it was given in angles stay as t
 do the coefficients of equations in which slides stand. Lost directions are told in `counted` lengths and stay, and
 sentences speak of the given unit from the start.
 
-A `LocalFamily` is one as the neighbourhood of one configuration shows it.
+The conditions of a family are `Pin`s, `Relation`s and `Equation`s; its evidence says how it was found: from a sample
+of the whole joint space, or from the neighbourhood of one configuration.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_e
 
 
 @dataclass(frozen=True, slots=True)
-class Pinned:
+class Pin:
     """A joint that stands at one of a few values on the whole family.
 
     Attributes:
@@ -35,6 +36,35 @@ class Pinned:
     joint: str
     number: int
     values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """Angles of joints that are bound by whole numbers: m·q = value.
+
+    Attributes:
+        multiples: (n,) m.
+        value: in (−π, π] [rad].
+
+    Example:
+        >>> print(Relation((0, 0, 1, 0, 1), 0.0), Relation((0, 2, 0, -1), np.pi), sep="; ")
+        θ3 + θ5 = 0; 2 θ2 − θ4 = π
+    """
+
+    multiples: tuple[int, ...]
+    value: float
+
+    def __str__(self) -> str:
+        text = ""
+        for number, m in enumerate(self.multiples, start=1):
+            if m:
+                sign = ("−" if m < 0 else "") if not text else (" − " if m < 0 else " + ")
+                text += sign + (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
+        return f"{text} = {pretty_angle(self.value)}"
+
+
+Condition = Pin | Relation | Equation
+"""What has to hold on a family: a joint at one of some values, whole-number relations of angles, an equation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +103,49 @@ class Unseen:
     how: str
 
 
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """What speaks for a family of the whole joint space.
+
+    Attributes:
+        how: the conditions were obtained.
+        soundness: the equations solved from random starts, and the rank there.
+        explained: share of the fresh points of this corank that lie on this family.
+    """
+
+    how: str
+    soundness: Soundness
+    explained: Share
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """What speaks for a family that one configuration lies on, as its neighbourhood shows it.
+
+    Only the values of pinned joints that are met there are known, while a row of a table holds all of them.
+
+    Attributes:
+        how: it was found.
+        conditions: those that are known.
+        words: the same as sentences, and joints that are coupled by an equation that is not known.
+        points: how many neighbours speak for it.
+        parts: the families that meet at the configuration; empty where it lies on one only.
+    """
+
+    how: str
+    conditions: tuple[Condition, ...]
+    words: tuple[str, ...]
+    points: int
+    parts: tuple[Family, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Family:
     """One family of singular configurations: a piece of the singular set with conditions of one form.
 
     Attributes:
-        id: "k1.f1": corank 1, first row.
-        name: "elbow", "wrist" …, or what the joints do.
+        id: "k1.f1": corank 1, first row; empty for a family that stands in no table.
+        name: "elbow", "wrist" …, or what the joints do; "meeting point of families: …" where several meet.
         named: False for a family whose points were found but whose conditions were not.
         corank: rank lost on the family.
         dimension: of the family in joint space; for a family that is not named an upper bound (dim ker D).
@@ -87,13 +153,11 @@ class Family:
         free: numbers of the joints that the family does not depend on.
         coupled: numbers of the joints bound together by the remaining equations.
         equations: every condition, those of the pinned joints included; the family is their common zero set.
-            Empty where no condition was found (`named` is False then).
+            Empty where not all of them are known.
         witness: a configuration on the family, of exactly this corank.
-        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness.
+        lost_directions: (k, 6) rows (v; ω), orthonormal, at the witness; of a `Local` one none are worked out.
         lost_words: one sentence per lost direction.
-        soundness: the equations solved from random starts, and the rank there.
-        explained: share of the fresh points of this corank that lie on this family.
-        evidence: how the conditions were obtained.
+        evidence: how it was found, and what speaks for it.
     """
 
     id: str
@@ -101,21 +165,39 @@ class Family:
     named: bool = field(default=True, kw_only=True)
     corank: int
     dimension: int
-    pinned: tuple[Pinned, ...]
+    pinned: tuple[Pin, ...]
     free: tuple[int, ...]
     coupled: tuple[int, ...]
     equations: tuple[Equation, ...]
     witness: tuple[float, ...]
     lost_directions: Array  # (k, 6)
     lost_words: tuple[str, ...]
-    soundness: Soundness
-    explained: Share
-    evidence: str
+    evidence: Sampled | Local
 
     def __post_init__(self) -> None:
         directions = np.array(self.lost_directions, dtype=np.float64)
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
+
+    @property
+    def soundness(self) -> Soundness:
+        """Its equations solved from random starts, and the rank there; none were for a `Local` one."""
+        return self.evidence.soundness if isinstance(self.evidence, Sampled) else Soundness(0, 0)
+
+    @property
+    def explained(self) -> Share:
+        """The share of fresh points of its corank that lie on it; none were tried for a `Local` one."""
+        return self.evidence.explained if isinstance(self.evidence, Sampled) else Share(0, 0)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Conditions as sentences where they are known in words only; those of the others are `equations`."""
+        return () if isinstance(self.evidence, Sampled) else self.evidence.words
+
+    @property
+    def parts(self) -> tuple[Family, ...]:
+        """The families that meet where this one was found; empty for one that stands for itself."""
+        return () if isinstance(self.evidence, Sampled) else self.evidence.parts
 
     def _repr_html_(self) -> str:
         """For notebooks: what the family asks, what is lost, how it was tested."""
@@ -184,7 +266,7 @@ class CorankFamilies:
 Order = tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple[float, ...], ...], tuple[str, ...]]
 
 
-def place_of(dimension: int, pinned: Iterable[Pinned], coupled: Iterable[int], texts: Iterable[str]) -> Order:
+def place_of(dimension: int, pinned: Iterable[Pin], coupled: Iterable[int], texts: Iterable[str]) -> Order:
     """What decides the place of a family among those of its corank, hence its id: the set, not how it was found.
 
     Large families first; then by joints that are pinned, joints that are coupled, values, and the conditions in words.
@@ -261,7 +343,25 @@ def _moved(family: Family, robot: Robot, power: int, witness: list[float]) -> Fa
         pinned=tuple(_pinned(one, robot, power) for one in family.pinned),
         equations=tuple(rescaled(one, slides_of(robot), power) for one in family.equations),
         witness=tuple(witness),
+        evidence=_moved_evidence(family, robot, power),
     )
+
+
+def _moved_evidence(family: Family, robot: Robot, power: int) -> Sampled | Local:
+    """Of a `Local` family conditions and parts, too, are of the arm."""
+    evidence, slides = family.evidence, slides_of(robot)
+    if isinstance(evidence, Sampled):
+        return evidence
+    parts = tuple(family_from_metres(one, robot, power) for one in evidence.parts)
+    conditions = tuple(
+        _pinned(one, robot, power) if isinstance(one, Pin)
+        else rescaled(one, slides, power) if isinstance(one, Equation) else one
+        for one in evidence.conditions
+    )  # fmt: skip
+    known = len(conditions)
+    words = tuple(" and ".join(one.words) for one in parts)
+    words = words or (*condition_words(robot, conditions), *evidence.words[known:])
+    return replace(evidence, conditions=conditions, parts=parts, words=words)
 
 
 def slides_of(robot: Robot) -> tuple[int, ...]:
@@ -269,7 +369,7 @@ def slides_of(robot: Robot) -> tuple[int, ...]:
     return tuple(i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC)
 
 
-def _pinned(one: Pinned, robot: Robot, power: int) -> Pinned:
+def _pinned(one: Pin, robot: Robot, power: int) -> Pin:
     if robot.variables[one.number - 1].kind is not JointKind.PRISMATIC:
         return one
     return replace(one, values=tuple(shifted(value, power) for value in one.values))
@@ -299,77 +399,20 @@ def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class LocalFamily:
-    """The family that a configuration lies on, as its neighbourhood shows it.
-
-    Attributes:
-        name: as in an atlas; "meeting point of families: …" where several meet.
-        corank: of the configuration.
-        dimension: of the family in joint space; of the largest one where several meet.
-        pinned: joints at a fixed value on the family, and that value: only the one met here, while a row of an atlas
-            holds all of them.
-        free: numbers of the joints that the family does not depend on.
-        coupled: numbers of the joints bound together by a condition.
-        relations: whole-number relations between joints in words, "θ3 + θ5 = 0".
-        equations: every condition; empty where joints are coupled and their equation was not asked for or not found.
-        words: the conditions as sentences.
-        parts: the families that meet at q, each as above; empty where q lies on one only.
-        points: how many neighbours speak for it.
-        evidence: how it was found.
-    """
-
-    name: str
-    corank: int
-    dimension: int
-    pinned: tuple[Pinned, ...]
-    free: tuple[int, ...]
-    coupled: tuple[int, ...]
-    relations: tuple[str, ...]
-    equations: tuple[Equation, ...]
-    words: tuple[str, ...]
-    parts: tuple[LocalFamily, ...]
-    points: int
-    evidence: str
-
-    @property
-    def meeting(self) -> bool:
-        """Whether several families meet at the configuration."""
-        return bool(self.parts)
-
-
-def condition_words(
-    robot: Robot,
-    pinned: Sequence[Pinned],
-    relations: Sequence[str],
-    bound: Sequence[int],
-    equations: Sequence[Equation],
-) -> tuple[str, ...]:
-    """The conditions of a family: "θ4 = 0", "θ3 + θ5 = π", and the equations of coupled joints or their numbers.
+def condition_words(robot: Robot, conditions: Sequence[Condition], coupled: Sequence[int] = ()) -> tuple[str, ...]:
+    """Conditions for people: "θ4 = 0", "θ3 + θ5 = π", "0.9087 cos θ2 + cos(θ2+θ3) = 0".
 
     Args:
         robot: the arm.
-        pinned: with one value each.
-        relations: from `relation_words`.
-        bound: numbers of the joints that further equations bind; empty where there are none.
-        equations: all conditions, those of `pinned` and `relations` first; empty where the rest was not fitted.
+        conditions: pins with one value each.
+        coupled: numbers of the joints that further, unknown equations bind.
     """
-    told = [f"{_symbol(robot, one.number)} = {_value(robot, one)}" for one in pinned] + list(relations)
-    if bound and equations:
-        told += [f"{equation.pretty()} = 0" for equation in equations[len(pinned) + len(relations) :]]
-    elif bound:
-        told.append(f"coupled: joints {_listed(bound)}")
-    return tuple(told)
-
-
-def relation_words(covector: Sequence[int], value: float) -> str:
-    """m·q = c: "θ3 + θ5 = π", "2 θ2 − θ4 = 0"."""
-    text = ""
-    for number, m in enumerate(covector, start=1):
-        if m:
-            sign = ("−" if m < 0 else "") if not text else (" − " if m < 0 else " + ")
-            text += sign + (f"{abs(m)} " if abs(m) > 1 else "") + f"θ{number}"
-    return f"{text} = {pretty_angle(value)}"
+    said = [
+        f"{_symbol(robot, one.number)} = {_value(robot, one)}" if isinstance(one, Pin)
+        else f"{one.pretty()} = 0" if isinstance(one, Equation) else str(one)
+        for one in conditions
+    ]  # fmt: skip
+    return (*said, f"coupled: joints {_listed(coupled)}") if coupled else tuple(said)
 
 
 def _symbol(robot: Robot, number: int) -> str:
@@ -377,7 +420,7 @@ def _symbol(robot: Robot, number: int) -> str:
     return f"q{number}" if slides else f"θ{number}"
 
 
-def _value(robot: Robot, one: Pinned) -> str:
+def _value(robot: Robot, one: Pin) -> str:
     if robot.variables[one.number - 1].kind is JointKind.PRISMATIC:
         return f"{one.values[0]:.4g} m".replace("-", "−")
     return pretty_angle(one.values[0])

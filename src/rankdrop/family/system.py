@@ -57,11 +57,11 @@ class System:
         f = Σ a cos φ + b sin φ, φ = m·q − shift:  ∇f = Σ (b cos φ − a sin φ) m,  ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
         None where a slide enters as a power.
         """
-        if any(equation.tables[-1] for equation in self.equations):
+        if any(equation.tables[-1].any() for equation in self.equations):
             return None
         parts = []
         for equation in self.equations:
-            m, shift, a, b, _, _ = equation.tables
+            m, shift, a, b, _ = equation.tables
             angle = q @ m.T - shift
             cos, sin = np.cos(angle), np.sin(angle)
             wave = cos * a + sin * b

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import rescaled, slides_of
+from rankdrop.family.record import Family, rescaled, slides_of
 from rankdrop.family.system import System
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem
@@ -26,26 +25,6 @@ WITHIN = 1e-2  # longest way to a family that is walked [rad]
 STEPS = 6  # points looked at on such a way
 
 
-class Condition(Protocol):
-    """What is read of a family, whether from an atlas or found on the spot."""
-
-    @property
-    def name(self) -> str:
-        """Short name."""
-
-    @property
-    def corank(self) -> int:
-        """Rank lost on the family."""
-
-    @property
-    def dimension(self) -> int:
-        """Of the family in joint space."""
-
-    @property
-    def equations(self) -> tuple[Equation, ...]:
-        """Every condition; empty where none was found."""
-
-
 @dataclass(frozen=True, slots=True)
 class Met:
     """A family and how near a configuration is to it.
@@ -57,13 +36,13 @@ class Met:
         source: where the family is from: "catalogue", "analysis" or "on the spot".
     """
 
-    family: Condition
+    family: Family
     residual: float
     source: str
 
 
 def families_at(
-    families: Sequence[Condition],
+    families: Sequence[Family],
     robot: Robot,
     q: ArrayLike,
     task: Task,
@@ -117,7 +96,7 @@ def families_at(
 
 
 def families_near(
-    families: Sequence[Condition], robot: Robot, q: ArrayLike, task: Task, source: str = "analysis"
+    families: Sequence[Family], robot: Robot, q: ArrayLike, task: Task, source: str = "analysis"
 ) -> tuple[Met, ...]:
     """Every family with its first-order distance ‖A⁺f‖ from q, nearest first; of equals the one of higher corank.
 

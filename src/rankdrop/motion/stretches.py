@@ -14,7 +14,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.families.anywhere import QUICK
 from rankdrop.families.measured import Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
-from rankdrop.family.record import Family, LocalFamily, family_in_metres
+from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.which import families_at
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import nearest_singularity
@@ -73,7 +73,7 @@ class Survey:
     settings: PathSettings
     notes: tuple[str, ...] = ()
     families: tuple[Family, ...] = ()
-    _spots: list[tuple[LocalFamily, Array]] = field(default_factory=list)
+    _spots: list[tuple[Family, Array]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         if metre_exponent(self.asked):
@@ -284,7 +284,7 @@ class Survey:
         found = families_at(self.families, self.robot, q, self.task, tolerances, self.source)
         if found and found[0].family.corank >= corank:
             family = found[0].family
-            return getattr(family, "id", ""), family.name
+            return family.id, family.name
         spots = [local for local, _ in self._spots]
         again = families_at(spots, self.robot, q, self.task, tolerances)
         if again and again[0].family.corank >= corank:

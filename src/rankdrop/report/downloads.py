@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.compare import conditions_of
 from rankdrop.families import joint_cell, joint_symbol
 from rankdrop.report.content import Content, standing
+from rankdrop.report.tables import row_conditions
 
 
 def families_csv(content: Content) -> str:
@@ -32,7 +32,7 @@ def families_csv(content: Content) -> str:
     ])  # fmt: skip
     for family in analysis.families:
         cells = [joint_cell(family, number, kind).replace("\n", ", ") for number, kind in enumerate(kinds, start=1)]
-        conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact))
+        conditions = "; ".join(text for _, text in row_conditions(analysis, content.exact, family))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
             family.id, family.name, family.corank, family.dimension, *cells, conditions, "; ".join(family.lost_words),

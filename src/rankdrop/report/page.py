@@ -184,6 +184,6 @@ def _tables(content: Content) -> str:
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
-        f'{corank_tables(content.analysis)}<h3>The arm at each witness</h3><div class="cards">{"".join(cards)}</div>'
-        "</section>"
+        f"{corank_tables(content.analysis, content.exact)}<h3>The arm at each witness</h3>"
+        f'<div class="cards">{"".join(cards)}</div></section>'
     )

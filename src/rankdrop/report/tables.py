@@ -8,7 +8,7 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.compare import Joined, conditions_of
+from rankdrop.compare import EXACTLY, conditions_of, readable
 from rankdrop.families import (
     COUPLED,
     FREE,
@@ -26,7 +26,7 @@ from rankdrop.families import (
     share_text,
 )
 from rankdrop.family import CorankSummary, Family
-from rankdrop.results import Analysis
+from rankdrop.results import Analysis, Conditions
 from rankdrop.robot import Robot
 from rankdrop.sections import html
 
@@ -34,10 +34,15 @@ STANDING = {"": "", "inside": "", "outside": "outside the joint limits", "none f
 """How a family stands to the joint limits, where that needs saying (`content.standing`)."""
 
 
-def corank_tables(analysis: Analysis) -> str:
-    """All tables, each with its title and what its starts did."""
+def corank_tables(analysis: Analysis, derived: Conditions | None = None) -> str:
+    """All tables, each with its title and what its starts did.
+
+    Args:
+        analysis: the families.
+        derived: their exact conditions, where these do not stand in the analysis.
+    """
     key = f'<p class="small">{escape(legend(analysis.robot, analysis.families))}</p>' if analysis.families else ""
-    return "".join(_corank(analysis, summary) for summary in analysis.coranks) + key + _near(analysis)
+    return "".join(_corank(analysis, derived, summary) for summary in analysis.coranks) + key + _near(analysis)
 
 
 def _near(analysis: Analysis) -> str:
@@ -45,7 +50,7 @@ def _near(analysis: Analysis) -> str:
     return "" if analysis.near is None else html([near_overview(analysis.near, analysis.families)])
 
 
-def _corank(analysis: Analysis, summary: CorankSummary) -> str:
+def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSummary) -> str:
     rows = analysis.of_corank(summary.corank)
     heading = f"Corank {summary.corank} <small>rank {summary.rank} of {analysis.generic_rank}</small>"
     starts = (
@@ -66,7 +71,7 @@ def _corank(analysis: Analysis, summary: CorankSummary) -> str:
         f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained'
         "</span>.</p>"
     )
-    body = "".join(_rows(analysis.robot, row, analysis.exact, limits=analysis.settings.limits) for row in rows)
+    body = "".join(_rows(analysis, derived, row) for row in rows)
     table = f"<table><thead>{_head(analysis.robot, summary)}</thead><tbody>{body}</tbody></table>"
     return (
         f"<h3>{heading}</h3>{complete}{_SWIPE}"
@@ -94,8 +99,10 @@ def _head(robot: Robot, summary: CorankSummary) -> str:
     )
 
 
-def _rows(robot: Robot, row: Family, exact: Joined | None, *, limits: bool) -> str:
-    inside = inside_limits(row, robot) if limits else None
+def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
+    robot = analysis.robot
+    told = row_conditions(analysis, derived, row)
+    inside = inside_limits(row, robot) if analysis.settings.limits else None
     row = row if inside is None else inside.shown(row)
     cells = "".join(_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
     lost = "<br>".join(escape(words) for words in row.lost_words)
@@ -110,7 +117,7 @@ def _rows(robot: Robot, row: Family, exact: Joined | None, *, limits: bool) -> s
     span = robot.n + 5
     notes = "".join(
         f'<tr class="note"><td></td><td class="words" colspan="{span}">{text}</td></tr>'
-        for text in (*_limits(inside, robot), *_notes(robot, row, exact))
+        for text in (*_limits(inside, robot), *_notes(robot, row, told))
     )
     return first + notes
 
@@ -120,8 +127,18 @@ def _limits(inside: Inside | None, robot: Robot) -> Iterator[str]:
         yield f'<i class="bad">limits</i>&ensp;{escape(outside_text(inside, robot))}'
 
 
-def _notes(robot: Robot, row: Family, exact: Joined | None) -> Iterator[str]:
-    for label, text in conditions_of(row, exact):
+def row_conditions(analysis: Analysis, derived: Conditions | None, row: Family) -> list[tuple[str, str]]:
+    """(label, text) of the conditions of a row that its cells do not say: the exact ones where they are known."""
+    held = {one.number for one in row.pinned}
+    for one in () if derived is None else derived.families:
+        if (one.id, one.name, one.corank) == (row.id, row.name, row.corank):
+            own = [text for (joint, _), text in zip(one.pins, one.texts, strict=False) if joint not in held]
+            return [(EXACTLY, readable(text)) for text in (*own, *one.texts[len(one.pins) :])]
+    return conditions_of(row, analysis.exact)
+
+
+def _notes(robot: Robot, row: Family, told: Sequence[tuple[str, str]]) -> Iterator[str]:
+    for label, text in told:
         css = "bad" if label == COUPLED else "good"
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if any("witness" in text for text in row.lost_words):

@@ -6,6 +6,7 @@ from .codec import json_text as json_text
 from .codec import plain as plain
 from .conditions.conditions import Conditions as Conditions
 from .conditions.known import known_conditions as known_conditions
+from .conditions.known import told_conditions as told_conditions
 from .conditions.text import arm_lines as arm_lines
 from .conditions.text import steps_text as steps_text
 from .covered import Covered as Covered

@@ -14,7 +14,7 @@ import numpy as np
 from rankdrop.compare.joined import Joined
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
-from rankdrop.family.record import CorankSummary, Family, Pinned
+from rankdrop.family.record import CorankSummary, Family, Pin
 from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
@@ -279,7 +279,7 @@ def _check_rank(analysis: _Read, family: Family, where: str) -> None:
         raise damaged("the directions are not those lost at the witness", place)
 
 
-def _check_pin(robot: Robot, family: Family, pin: Pinned, where: str, tolerance: float) -> None:
+def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: float) -> None:
     joint, at_witness = robot.variables[pin.number - 1], family.witness[pin.number - 1]
     if pin.joint != joint.name:
         raise damaged("the joint has another name", f"{where}.joint", pin.joint, joint.name)

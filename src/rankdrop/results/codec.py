@@ -26,7 +26,7 @@ from rankdrop.disk import replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Family
+from rankdrop.family.record import Family, Sampled
 from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Robot
@@ -212,8 +212,12 @@ def task_from_dict(record: Record, length_scale: float) -> Task:
 def family_to_dict(family: Family) -> Record:
     """One row of a table; `equations` are for reading and for eval, `terms` say the same as data."""
     record: Record = {}
-    for name, value in plain(family).items():
-        record[name] = value
+    for name in (field.name for field in fields(Family)):
+        if name == "evidence":
+            record |= {"soundness": plain(family.soundness), "explained": plain(family.explained)}
+            record[name] = family.evidence.how
+            continue
+        record[name] = plain(getattr(family, name))
         if name == "equations":
             record["terms"] = [equation.to_dict()["terms"] for equation in family.equations]
     return record
@@ -225,7 +229,8 @@ def family_from_dict(record: Record) -> Family:
     Raises:
         ResultFileError: an equation whose text and terms say different things.
     """
-    family: Family = restored(Family, record | {"equations": record["terms"]})
+    evidence = restored(Sampled, record | {"how": record["evidence"]})
+    family: Family = restored(Family, record | {"equations": record["terms"], "evidence": evidence})
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")
     return family

@@ -16,7 +16,7 @@ from importlib.resources.abc import Traversable
 import numpy as np
 
 from rankdrop.errors import ResultFileError
-from rankdrop.family.record import Family, Pinned, family_from_metres
+from rankdrop.family.record import Family, Pin, family_from_metres
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.screws import words
 from rankdrop.results.analysis import Analysis
@@ -147,7 +147,7 @@ def _retold(family: Family, robot: Robot, task: Task) -> Family:
 
 
 def _renamed(family: Family, names: Sequence[str]) -> Family:
-    pinned = tuple(Pinned(names[one.number - 1], one.number, one.values) for one in family.pinned)
+    pinned = tuple(Pin(names[one.number - 1], one.number, one.values) for one in family.pinned)
     return replace(family, pinned=pinned)
 
 

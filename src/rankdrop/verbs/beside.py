@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.family.equation import Equation
+from rankdrop.compare.match import Side
 from rankdrop.family.record import rescaled, slides_of
 from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, sample, singular_values
@@ -37,30 +36,6 @@ POINTS = 200
 SEARCHED = 20
 """Of them whose nearest singular configuration is looked for: some milliseconds each."""
 _STARTS = 32  # of each of these searches: q itself is nearly singular, and most of them end there
-
-
-class Place(Protocol):
-    """What is read of a family, numeric or exact."""
-
-    @property
-    def id(self) -> str:
-        """"k1.f1"."""
-
-    @property
-    def name(self) -> str:
-        """In words."""
-
-    @property
-    def corank(self) -> int:
-        """Rank lost on it."""
-
-    @property
-    def equations(self) -> tuple[Equation, ...]:
-        """All that has to hold."""
-
-    @property
-    def witness(self) -> tuple[float, ...]:
-        """A configuration on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,7 +159,7 @@ def _note(tolerance: Tolerance, changes: Sequence[Change]) -> str:
     )
 
 
-def nearby(arm: Idealised, task: Task, families: Sequence[Place], *, seed: int = 0) -> tuple[Nearby, ...]:
+def nearby(arm: Idealised, task: Task, families: Sequence[Side], *, seed: int = 0) -> tuple[Nearby, ...]:
     """What the arm itself does on each family of the ideal one; some seconds at most.
 
     Args:
@@ -210,7 +185,7 @@ def nearby(arm: Idealised, task: Task, families: Sequence[Place], *, seed: int =
     )
 
 
-def _points(given: Robot, model: Robot, task: Task, family: Place, seed: int) -> Array:
+def _points(given: Robot, model: Robot, task: Task, family: Side, seed: int) -> Array:
     """(≤ POINTS, n) random configurations of `model`, the arm in metres, on a family of the arm as given."""
     power = -metre_exponent(given)
     equations = tuple(rescaled(one, slides_of(given), power) for one in family.equations)
@@ -222,7 +197,7 @@ def _points(given: Robot, model: Robot, task: Task, family: Place, seed: int) ->
     return found if len(found) else into_metres(given, [family.witness])
 
 
-def _nearby(real: Robot, task: Task, rank: int, family: Place, q: Array, seed: int) -> Nearby:
+def _nearby(real: Robot, task: Task, rank: int, family: Side, q: Array, seed: int) -> Nearby:
     """One family, at points q of it."""
     kept = rank - family.corank
     sigma = singular_values(real, q, task)[:, kept]

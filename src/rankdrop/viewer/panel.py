@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from html import escape
 from math import isfinite
 
-from rankdrop.family import Condition, Family
+from rankdrop.family import Family
 from rankdrop.local import Circuit
 from rankdrop.results import Explanation, angle, angle_below, short
 from rankdrop.viewer.live import Now
@@ -84,7 +84,7 @@ def _found_line(now: Now, known: int, found: Explanation) -> str:
     return f"{line}<br><span style='{_QUIET}'>family:</span> {_name(family.family)}"
 
 
-def _name(family: Condition) -> str:
+def _name(family: Family) -> str:
     known = f"{escape(family.id)} " if isinstance(family, Family) else ""
     return known + escape(family.name)
 

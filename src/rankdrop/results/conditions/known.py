@@ -13,12 +13,14 @@ sets that its families were merged from: `Conditions.test` derives them anew.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
+from math import degrees
 from typing import Any
 
 import numpy as np
@@ -31,7 +33,8 @@ from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.record import Family
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
@@ -200,6 +203,15 @@ def _polynomial(ring: Ring, terms: Sequence[Sequence[Any]]) -> Polynomial:
     return ring.half.from_dict(found)
 
 
+def shipped_record(robot: Robot, task: Task) -> Record | None:
+    """The shipped conditions of this arm and task as they stand in their file, or None; see `known_conditions`."""
+    for name in candidates(robot):
+        record = _record(name)
+        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, task):
+            return record
+    return None
+
+
 def known_conditions(
     robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
 ) -> Conditions | None:
@@ -223,11 +235,8 @@ def known_conditions(
         True
     """
     resolved = resolve_task(task, robot)
-    for name in candidates(robot):
-        record = _record(name)
-        if record is not None and record.get("answers") == ANSWERS and is_of(record, robot, resolved):
-            return from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
-    return None
+    record = shipped_record(robot, resolved)
+    return None if record is None else from_stored(record, robot, resolved, exact_chain(robot, resolved), anew=anew)
 
 
 def shipped_conditions(name: str) -> Conditions:
@@ -244,6 +253,90 @@ def shipped_conditions(name: str) -> Conditions:
     robot = open_robot(name)
     chain = exact_chain(robot)
     return from_stored(record, robot, chain.task, chain)
+
+
+LONGEST = 120
+"""Characters of a condition that is printed; of a longer one the joints are named."""
+_SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
+    """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
+
+    Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
+    """
+    record = shipped_record(robot, task)
+    if record is None:
+        return None
+    for one in record["families"]:
+        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
+            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+            if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
+                return None
+            return one["conditions"][len(one["pinned"]) :], record["letters"]
+    return None
+
+
+def told_conditions(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
+    """What has to hold on a family, one sentence each.
+
+    Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
+    lengths that stand in them; else the fitted ones. Long ones are not printed: they name their joints.
+
+    Args:
+        robot: the arm.
+        task: its rows.
+        family: of the catalogue, of an analysis, or found on the spot.
+    """
+    pins = [
+        f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in family.pinned
+    ]
+    fixed = {one.number for one in family.pinned}
+    written = _written(robot, task, family)
+    letters: Record = {}
+    if written is not None:
+        rest, letters = written
+        rest = [text for text in rest if not {*_joints([text])} <= fixed]
+    else:
+        rest = [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed]
+        if not family.equations:
+            return family.words or ("no condition found",)
+    short = [text for text in rest if len(text) <= LONGEST]
+    long = [text for text in rest if len(text) > LONGEST]
+    told = [*pins, *short]
+    if long:
+        joints = _joints(long)
+        where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
+        count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
+        told.append(f"{count} on joints {', '.join(map(str, joints))} ({where})")
+    there = [name for name in letters if any(re.search(rf"\b{re.escape(name)}\b", one) for one in short)]
+    if there:
+        values = ", ".join(f"{name} = {letters[name]:.6g} m".replace("-", "−") for name in there)
+        told[-1 - bool(long)] += f", {values}"
+    return tuple(told)
+
+
+def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
+    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
+    if robot.variables[number - 1].unit != "rad":
+        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
+    told = [pretty_angle(value) for value in values]
+    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(told, values, strict=True)]
+    return " or ".join(plain).replace("-", "−")
+
+
+def _symbol(robot: Robot, number: int) -> str:
+    return f"{'θ' if robot.variables[number - 1].unit == 'rad' else 'q'}{number}"
+
+
+def _joints(texts: Sequence[str]) -> list[int]:
+    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
+    found: set[int] = set()
+    for text in texts:
+        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
+        for digits in re.findall(r"\b[sc](\d+)\b", text):
+            found |= {int(digit) for digit in digits}
+    return sorted(found)
 
 
 def conditions_names() -> tuple[str, ...]:

@@ -70,14 +70,13 @@ def explanation_to_dict(found: ExplanationData) -> Record:
 
 def met_to_dict(met: Met) -> Record:
     """A family that holds: what it is called, its conditions, and how well they hold."""
-    family: Any = met.family
-    record = plain(family)
-    keys = ("id", "name", "corank", "dimension", "pinned", "free", "coupled")
-    conditions = [str(equation) for equation in getattr(family, "equations", ())]
+    family = met.family
+    keys = ("name", "corank", "dimension", "pinned", "free", "coupled")
     return {
-        **{key: record.get(key) for key in keys},
-        "conditions": conditions or list(getattr(family, "words", ())),
-        "equations": [equation.text() for equation in getattr(family, "equations", ())],
+        "id": family.id or None,
+        **{key: plain(getattr(family, key)) for key in keys},
+        "conditions": [str(equation) for equation in family.equations] or list(family.words),
+        "equations": plain(family.equations),
         "residual": met.residual,
         "source": met.source,
     }

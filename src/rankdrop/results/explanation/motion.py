@@ -19,6 +19,7 @@ from rankdrop.sections import Section
 _SHOWN = 5  # ways out and families
 _SHARE = 0.02  # a joint that moves less than this share of the fastest is left out of a direction
 _IDLE = 0.01  # away from a singularity: a joint whose rate is below this share of the best does not help
+_BETTER = 1.05  # a motion of several joints is told where it leads so much farther than one alone
 _NONE = 1e-12  # a rate below it is rounding
 
 
@@ -49,6 +50,48 @@ def _out(found: ExplanationData, full: bool) -> Section:
     notes = ("order p, rate c: σ grows as c·tᵖ; carries out: the screws that the motion takes out of the dependency",)
     return Section("How to get out", "one joint alone, best first" if rows else "", (), columns, rows, (0, 5),
                    tuple(after), notes if rows and full else ())  # fmt: skip
+
+
+def answer(found: ExplanationData) -> tuple[str, ...]:
+    """The way out in sentences: which joint, which way, how far; what several do, which do not help."""
+    out, r = found.escape, found.rank.generic_rank
+    if not r or (found.rank.always_singular and not found.rank.corank):
+        return ()
+    singular = found.rank.corank > 0
+    now = ", zero here, becomes" if singular else f" = {short(found.rank.sigma[r - 1])} here becomes"
+    lead = "lead out" if singular else "lead farther away"
+    best = max((abs(one.rate) for one in out.single), default=0.0)
+    helpful = [one for one in out.single if one.order is not None]
+    if not singular:
+        helpful = [one for one in helpful if abs(one.rate) > max(_IDLE * best, _NONE)]
+    usable = [one for one in helpful if one.within_limits and abs(one.step) >= _NONE]
+    lines = []
+    if usable:
+        first = usable[0]
+        unit = found.robot.variables[first.number - 1].unit
+        name = f"joint {first.number}" + (f" ({first.joint})" if first.joint != f"joint{first.number}" else "")
+        move = "Move" if singular else "To get farther away move"
+        lines.append(f"{move} {name} by {motion(first.step, unit)}: σ{r}{now} {short(first.sigma_after)}.")
+    elif helpful:
+        lines.append(f"{_joints(helpful)} alone would {lead}, but the joint limits leave no room.")
+    else:
+        lines.append(f"No single joint {lead.replace('lead', 'leads')}.")
+    several = out.best_direction
+    if singular and (not usable or several.sigma_after > _BETTER * usable[0].sigma_after):
+        more = "Farther out by as small a motion" if usable else "Move together"
+        lines.append(f"{more}: {_direction(found, several)}.")
+    others = [one for one in out.single if one not in helpful]
+    if others and helpful and singular:
+        lines.append(f"{_joints(others)} alone {'does' if len(others) == 1 else 'do'} not lead out.")
+    if singular:
+        lines.append(_sentence(out.avoidable_words))
+        lines.append(_sentence(out.boundary_words))
+    return tuple(lines)
+
+
+def _joints(ways: list[JointEscape]) -> str:
+    which = sorted(one.number for one in ways)
+    return f"{plural('Joint', len(which))} {numbers(which)}"
 
 
 def proofs_part(found: ExplanationData, full: bool) -> Iterator[Section]:
@@ -173,8 +216,10 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     if "joint rates" in columns:
         notes.insert(0, "joint rates: the smallest for 1 m/s or 1 rad/s, as a norm [rad/s]")
     if losing:
-        rest = ("lost: the share of this motion that cannot be made",
-                "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis")
+        rest = (
+            "lost: the share of this motion that cannot be made",
+            "the other columns: the nearest motion that can be made, at 1 m/s or 1 rad/s along the axis",
+        )
         notes = [*rest, *notes]
     if rates.weakest is not None:
         kept = f"σ{found.rank.rank}"

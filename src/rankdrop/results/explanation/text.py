@@ -5,18 +5,17 @@ Parts of an explanation that are shown only on demand: ellipsoids, redundancy, c
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isinf
 
 import numpy as np
 
-from rankdrop.family.which import Met
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
+from rankdrop.results.conditions.known import told_conditions
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
-from rankdrop.results.explanation.motion import escape_part, far_part, proofs_part, rates_part
+from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
     degrees_hint,
     fixed,
@@ -34,7 +33,6 @@ from rankdrop.sections import Section
 
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
-_LONG = 160  # characters of an equation that is printed
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
 _TWIST = "v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]"
 _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
@@ -46,19 +44,30 @@ def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[s
 
     Args:
         full: every detail; else what an engineer at a stopped robot needs.
-        parts: names out of `PARTS`; none: all of them, those in `DETAILS` only with `full`.
+        parts: names out of `PARTS` and `ANSWERS`; none: all of them, those in `DETAILS` only with `full`.
     """
     names = parts or [name for name in PARTS if full or name not in DETAILS]
-    return tuple(section for name in names for section in PARTS[name](found, full))
+    every = PARTS | ANSWERS
+    return tuple(section for name in names for section in every[name](found, full))
+
+
+def _hint(found: ExplanationData) -> Iterator[Section]:
+    hint = degrees_hint(found.q, found.robot)
+    if hint is not None:
+        yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+
+
+def _answer(found: ExplanationData, full: bool) -> Iterator[Section]:
+    yield from _hint(found)
+    lines = (*_warnings(found), *answer(found))
+    yield Section(of_explanation(found), "", lines, notes=found.robot.notes, tone=TONE[found.verdict])
 
 
 def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
-    hint = degrees_hint(found.q, robot)
-    if hint is not None:
-        yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
+    yield from _hint(found)
     told = f"rank {rank.rank} of {r}, corank {rank.corank}; " if rank.corank else ""
     lines = [
         *_warnings(found),
@@ -111,8 +120,7 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     lines = []
     for met in own:
         lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        if told := _conditions(met):
-            lines.append(f"    {told}")
+        lines.append(f"    {'; '.join(told_conditions(found.robot, found.task, met.family))}")
     if others:
         lines.append(f"lies on: {'; '.join(others)}")
     if special:
@@ -124,17 +132,6 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
 
 def _focus(found: ExplanationData) -> str:
     return "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
-
-
-def _conditions(met: Met) -> str:
-    """What has to hold, one after the other; long equations by the joints they are about."""
-    told = [f"{one} = 0" for one in met.family.equations] or list(getattr(met.family, "words", ()))
-    long = [text for text in told if len(text) > _LONG]
-    parts = [text for text in told if len(text) <= _LONG]
-    if long:
-        joints = sorted({int(number) for text in long for number in re.findall(r"[θq](\d+)", text)})
-        parts.append(f"{len(long)} long {plural('condition', len(long))} on joints {numbers(joints)} (in the JSON)")
-    return "; ".join(parts)
 
 
 def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
@@ -199,7 +196,6 @@ def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
         yield Section("Singular runs of joints", "as Gallardo-Alvarado and Rico-Martínez look for them",
                       columns=("joints", "dimension", "loss", "their test", "minimal"), rows=runs)  # fmt: skip
 
-
     if full and blame.hunt is not None:
         yield _hunt(blame.hunt)
 
@@ -234,6 +230,12 @@ def _closing(found: ExplanationData, full: bool) -> Iterator[Section]:
 def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
     if not full:
         yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
+
+
+def _fuller(found: ExplanationData, full: bool) -> Iterator[Section]:
+    yield Section(
+        "", "", notes=("more with --full: every joint, joints to blame, tables of Hunt and of GR",)
+    )
 
 
 def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
@@ -321,5 +323,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "last": _last,
 }
 """Every part by its name, in order."""
+ANSWERS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
+"""Parts that are shown by name only: the verdict with the way out in sentences, and what more there is to see."""
 DETAILS = frozenset(DETAIL_PARTS)
 """Parts that are shown only on demand."""

@@ -1,0 +1,69 @@
+"""Conditions of a family for people: values in degrees, exact where they are shipped, never many terms."""
+
+from __future__ import annotations
+
+import pytest
+
+from rankdrop.report.tables import row_conditions
+from rankdrop.results.conditions.known import LONGEST, shipped_conditions, told_conditions
+from rankdrop.results.known import known_names, shipped
+from rankdrop.robot.model import Robot
+from rankdrop.robot.open import open_robot
+from rankdrop.robot.screws import from_screws
+from rankdrop.task import resolve_task
+
+pytestmark = pytest.mark.shipped
+
+
+def told(name: str, id: str, robot: Robot | None = None) -> tuple[str, ...]:
+    arm = robot or open_robot(name)
+    (family,) = (one for one in shipped(name).families if one.id == id)
+    return told_conditions(arm, resolve_task(None, arm), family)
+
+
+@pytest.mark.parametrize(
+    ("name", "id", "expected"),
+    [
+        ("panda", "k1.f4", ("θ4 = −26.76° or 153.24°", "θ5 = 0 or π")),
+        ("puma560", "k1.f3", ("θ5 = 0 or π",)),
+        ("ur5e", "k1.f1", ("a2 c2 + a3 c23 + d5 s234 = 0, a2 = −0.425 m, a3 = −0.3922 m, d5 = 0.0997 m",)),
+        ("panda", "k1.f1", ("θ2 = 0 or π", "a long condition on joints 3, 4, 5, 6 (`rankdrop conditions` prints it)")),
+        ("scara", "k1.f1", ("θ2 = 0 or π",)),
+    ],
+)
+def test_a_family_of_the_catalogue_is_told_exactly_with_its_lengths(
+    name: str, id: str, expected: tuple[str, ...]
+) -> None:
+    assert told(name, id) == expected
+
+
+def test_of_another_arm_the_conditions_are_those_of_its_own_families() -> None:
+    ur = open_robot("ur5e")
+    home = ur.home.copy()
+    home[0, 3] += 1e-3
+    screws = [joint.screw for joint in ur.joints]
+    bent = from_screws(screws, order="linear-first", kinds="RRRRRR", name="mine", home=home)
+    (text,) = told("ur5e", "k1.f1", bent)
+    assert "a2" not in text
+    assert text.endswith(" = 0")
+
+
+@pytest.mark.parametrize("name", known_names()[::7])
+def test_no_line_is_longer_than_can_be_read(name: str) -> None:
+    arm = open_robot(name)
+    task = resolve_task(None, arm)
+    for family in shipped(name).families:
+        lines = told_conditions(arm, task, family)
+        assert lines
+        assert all(len(line) <= LONGEST + 80 for line in lines)  # the values of its lengths stand after it
+
+
+def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> None:
+    found, derived = shipped("panda"), shipped_conditions("panda")
+    labels = {label for family in found.families for label, _ in row_conditions(found, derived, family)}
+    assert labels == {"exactly"}
+    (fifth,) = (one for one in found.families if one.id == "k1.f5")
+    assert row_conditions(found, derived, fifth) == [
+        ("exactly", "a3 c4 (a6 + s6 (d3 + d5)) − s4 (a3² s6 − a6 d3 − d3 d5 s6) = 0")
+    ]
+    assert row_conditions(found, None, fifth)[0][0] != "exactly"

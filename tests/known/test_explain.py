@@ -38,7 +38,7 @@ def test_a_long_arm_has_its_rank_and_its_singular_values() -> None:
     arm = from_screws(screws, order="linear-first")
     found = explain(arm, np.full(33, 0.3))
     assert (found.verdict, found.rank.rank, found.rank.nullity) == ("regular", 6, 27)
-    assert np.allclose(found.rank.sigma, singular_values(arm, np.full(33, 0.3)), atol=1e-12)
+    assert np.allclose(found.rank.sigma, singular_values(arm, np.full(33, 0.3), found.task), atol=1e-12)
     assert found.blame.circuits == ()
     assert "σ = " in str(found)
 

@@ -17,6 +17,7 @@ import copy
 import hashlib
 import json
 import random
+import re
 import sys
 import tempfile
 import time
@@ -31,7 +32,7 @@ SEEDS = Path(__file__).resolve().parents[1] / "tests" / "data" / "fuzz"
 LONGEST = 4096  # bytes of a case
 EXTREME = (b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99)
 NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "poses-json",
-         "poses-yaml", "analysis", "cover", "certificate", "spec")  # fmt: skip
+         "poses-yaml", "analysis", "cover", "certificate", "spec", "mjcf")  # fmt: skip
 
 
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
@@ -56,12 +57,15 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
         path.write_bytes(data)
         return path
 
-    def robot(data: bytes) -> object:
-        found = open_robot(written(data, ".txt"))
-        zero = np.zeros(found.n)
-        assert np.isfinite(pose(found, zero)).all()
-        assert np.isfinite(jacobian(found, zero)).all()
-        return found
+    def robot(ending: str) -> Callable[[bytes], object]:
+        def read(data: bytes) -> object:
+            found = open_robot(written(data, ending))
+            zero = np.zeros(found.n)
+            assert np.isfinite(pose(found, zero)).all()
+            assert np.isfinite(jacobian(found, zero)).all()
+            return found
+
+        return read
 
     def trajectory(ending: str) -> Callable[[bytes], object]:
         def read(data: bytes) -> object:
@@ -100,11 +104,11 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
         assert np.isfinite(values).all()
         return values
 
-    found = (robot, number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
+    found = (robot(".txt"), number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
              trajectory(".csv"), trajectory(".json"), trajectory(".yaml"), trajectory(".npy"),
              poses(".csv"), poses(".json"), poses(".yaml"), lambda data: Analysis.load(written(data, ".json")),
              lambda data: load(written(data, ".cover")), certificate,
-             lambda data: read_spec(written(data, ".toml")))  # fmt: skip
+             lambda data: read_spec(written(data, ".toml")), robot(".xml"))  # fmt: skip
     return dict(zip(NAMES, found, strict=True))
 
 
@@ -171,10 +175,21 @@ def reshaped(dice: random.Random, data: bytes) -> bytes:
     return json.dumps(record).encode()
 
 
+def readdressed(dice: random.Random, data: bytes) -> bytes:
+    """XML with the value of one attribute changed or taken from another: it stays XML."""
+    found = list(re.finditer(rb'="([^"<>]*)"', data))
+    if not found:
+        return data
+    one, other = dice.choice(found), dice.choice(found)
+    value = dice.choice([other[1], b"nan", b"inf", b"1e308", b"1e155", b"-1e13", b"-1", b"0", b"9" * 40, b""])
+    return data[: one.start(1)] + value + data[one.end(1) :]
+
+
 def mutated(dice: random.Random, corpus: list[bytes]) -> bytes:
     """One case made of the corpus: bytes changed, taken out, doubled, two cases joined, numbers made extreme."""
     data = bytearray(dice.choice(corpus))
-    if dice.randrange(2) and (other := reshaped(dice, bytes(data))) != data:
+    shaped = readdressed if data.startswith(b"<") else reshaped
+    if dice.randrange(2) and (other := shaped(dice, bytes(data))) != data:
         return other
     for _ in range(dice.randint(1, 6)):
         at, end = sorted(dice.randint(0, len(data)) for _ in range(2))

@@ -59,7 +59,8 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
 
     def robot(ending: str) -> Callable[[bytes], object]:
         def read(data: bytes) -> object:
-            found = open_robot(written(data, ending))
+            with contextlib.chdir(folder):  # MuJoCo writes its warnings into the working folder, MUJOCO_LOG.TXT
+                found = open_robot(written(data, ending))
             zero = np.zeros(found.n)
             assert np.isfinite(pose(found, zero)).all()
             assert np.isfinite(jacobian(found, zero)).all()

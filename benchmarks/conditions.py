@@ -62,7 +62,7 @@ def sympy(arm: str, half: int) -> dict[str, Any]:
     chain = exact_chain(open_robot(arm))
     angles = {f"t{j}": sp.Symbol(f"t{j}") for j in chain.ring.revolute}
     if half:
-        polynomial, _ = chain.ring.to_half(chain.ring.determinant(chain.columns))
+        polynomial = chain.ring.to_half(chain.ring.determinant(chain.columns)).f
         text = str(polynomial).replace("^", "**")
         begin = time.process_time()
         factors = sp.factor_list(sp.sympify(text, locals=angles))[1]

@@ -35,8 +35,9 @@ int main(int count, char** words)
         printf("%s %s %d %d", seen.nearest < 0 ? "none" : arm->ids[seen.nearest],
                seen.family < 0 ? "none" : arm->ids[seen.family], seen.rank, seen.corank);
         const double numbers[] = {seen.residual, seen.distance,     seen.approach,
-                                  seen.scaling,  seen.rate_scaling, seen.null_rate};
-        print(numbers, 6);
+                                  seen.scaling,  seen.rate_scaling, seen.null_rate,
+                                  rankdrop_monitor_at_least(monitor, both)};
+        print(numbers, 7);
         print(seen.sigma, m < n ? m : n), print(seen.u, m * m), print(seen.null_step, n);
         for (int f = 0; rankdrop_monitor_family(monitor, f, &distance, &residual, away); ++f)
             print(&distance, 1), print(&residual, 1), print(away, n);

@@ -54,8 +54,9 @@ int main(int count, char** words) {
         std::printf("%s", seen.nearest < 0 ? "none" : monitor.id(seen.nearest).c_str());
         std::printf(" %s %d %d", seen.family < 0 ? "none" : monitor.id(seen.family).c_str(), seen.rank, seen.corank);
         const double numbers[] = {seen.residual, seen.distance,     seen.approach,
-                                  seen.scaling,  seen.rate_scaling, seen.null_rate};
-        print(numbers, 6);
+                                  seen.scaling,  seen.rate_scaling, seen.null_rate,
+                                  monitor.at_least(q.data())};
+        print(numbers, 7);
         print(seen.sigma, m < n ? m : n), print(seen.u, m * m), print(seen.null_step, n);
         for (int f = 0; f < monitor.families(); ++f) {
             const rankdrop::Monitor::Nearness one = monitor.family(f);

@@ -82,7 +82,7 @@ nb::object monitor(const Chain& chain, const View& view, const Families& familie
 std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, const Families& families,
                                       const MonitorSettings& settings) {
     fit(chain, view, families, settings);
-    return std::make_unique<Watcher>(chain, view, families, settings);
+    return watching().watch(chain, view, families, settings);
 }
 
 // One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step, q.

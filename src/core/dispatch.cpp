@@ -33,6 +33,14 @@ std::atomic<const Kernels*>& chosen() {
 
 const Kernels& kernels() { return *chosen().load(std::memory_order_relaxed); }
 
+const Kernels& watching() {
+    constexpr int kWalks = 4;  // of one configuration (onto_set.hpp)
+    const Kernels* best = &baseline::table;
+    for (const Kernels* one : runnable())
+        if (one->width <= kWalks && one->width <= kernels().width) best = one;
+    return *best;
+}
+
 const Kernels& narrowest() { return baseline::table; }
 
 const Kernels& kernels(std::size_t rows) {

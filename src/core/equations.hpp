@@ -17,7 +17,7 @@ class Equations {
     }
 
     void at(const Pack* q) {
-        waves_at(table_, q, phase_, sine_, cosine_);
+        waves_at(table_, true, q, phase_, sine_, cosine_);
         const Waves<Pack> waves{sine_, cosine_};
         for (int e = 0; e < count_; ++e) f[e] = equation_at(table_, e, q, waves, slopes + e * table_.variables);
     }

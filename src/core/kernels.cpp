@@ -207,6 +207,21 @@ void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t
     }
 }
 
+// Lanes of `regular`, as many together as are walked from at once.
+void far_of_regular(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings, int family,
+                    const Pack* x, const Workspace& ws, Mask regular, int count, FarRoom& room, Apart<Pack>& out) {
+    int lanes[W], known = 0;
+    for (int lane = 0; lane < count; ++lane)
+        if (get(regular, lane)) lanes[known++] = lane;
+    for (int first = 0; first < known; first += kGroup) {
+        int these[kGroup];
+        for (int i = 0; i < kGroup; ++i) these[i] = lanes[first + i < known ? first + i : first];
+        Apart<double> found[kGroup];
+        apart_by_set(chain, view, families, settings, family, x, ws, these, room, found, nullptr);
+        for (int i = 0; i < kGroup; ++i) set(out.residual, these[i], found[i].residual), set(out.distance, these[i], found[i].distance);
+    }
+}
+
 void monitor(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings,
              const double* q, std::int64_t begin, std::int64_t end, const SightingsOutput& out) {
     const int n = chain.variables, m = view.m, s = m < n ? m : n;
@@ -218,18 +233,25 @@ void monitor(const Chain& chain, const View& view, const Families& families, con
     Pack* phase = take(arena, 2 * families.phases());
     const Waves<Pack> waves{sine, cosine};
     const WalkRoom<Pack> walks(families, arena);
+    FarRoom far(chain, m, families, arena);
+    const bool lengthy = std::find(families.lengthy.begin(), families.lengthy.end(), 1) != families.lengthy.end();
     const int known = (int)families.corank.size();
     auto* each = arena.take<Apart<Pack>>((std::size_t)known);
     for (std::int64_t row = begin; row < end; row += W) {
         const int count = lanes_left(row, end);
         load(q + row * n, n, count, n, x);
         decompose(chain, view, x, s, ws);
-        waves_at(families, x, phase, sine, cosine);
         Pack rank = fill(0.0);
         for (int i = 0; i < settings.generic; ++i)
             rank = rank + select(ws.sigma[i] > fill(settings.singular), fill(1.0), fill(0.0));
-        for (int family = 0; family < known; ++family)
-            each[family] = apart<Pack>(families, family, x, waves, gradient, nullptr);
+        const Mask regular = rank == fill((double)settings.generic), singular = rank < fill((double)settings.generic);
+        const bool all = any(singular);
+        waves_at(families, all, x, phase, sine, cosine);
+        for (int family = 0; family < known; ++family) {
+            const bool by_set = lengthy && families.lengthy[(std::size_t)family];
+            each[family] = by_set && !all ? Apart<Pack>{} : apart<Pack>(families, family, x, waves, gradient, nullptr);
+            if (by_set) far_of_regular(chain, view, families, settings, family, x, ws, regular, count, far, each[family]);
+        }
         walk_all<Pack>(families, settings.start, x, walks, each, nullptr);
         const Pack lost = fill((double)settings.generic) - rank;
         const Attribution<Pack> met = attribute<Pack>(families, settings, lost, each);
@@ -293,10 +315,12 @@ void shape(const Split& split, int level, const std::int32_t* place, double* out
 
 }  // namespace
 
+std::unique_ptr<Watcher> watch(const Chain&, const View&, const Families&, const MonitorSettings&);  // watcher.cpp
+
 extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape, watch};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "model.hpp"
 #include "settings.hpp"
 #include "split.hpp"
+#include "watcher.hpp"
 
 namespace rankdrop {
 
@@ -63,12 +65,16 @@ struct Kernels {
                   std::int8_t* out);
     // Bernstein coefficients (15, 16) of one box of a level
     void (*shape)(const Split&, int level, const std::int32_t* place, double* out);
+    // A monitor of single configurations.
+    std::unique_ptr<Watcher> (*watch)(const Chain&, const View&, const Families&, const MonitorSettings&);
 };
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
 // The table with the narrowest lanes, for single rows.
 const Kernels& narrowest();
+// The table for one configuration after the other: as many lanes as it has walks, if that many were asked for.
+const Kernels& watching();
 // The quicker of the two for so many rows: both give the same bits.
 const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "enclosing.hpp"
+
 namespace rankdrop {
 
 enum Outcome : std::int8_t { kConverged = 0, kNearMiss = 1, kSlow = 2, kNotRun = 3 };
@@ -38,36 +40,12 @@ struct SearchOutput {
     double* turning = nullptr;
 };
 
-inline constexpr int kMostJoints = 32;  // of a chain whose regions are certified
-
-// What an enclosure is told besides the view, whose axes and point are those of one link.
-struct EnclosureSettings {
-    int rank = 6;               // the rank to be kept
-    double length = 1.0;        // scale of the translation rows
-    double radius = 3.2;        // largest ball
-    double repeats = 1.0;       // sqrt of the largest number of joints that one variable drives
-    std::vector<double> scale;  // (n) one unit of each variable in its own unit
-    std::vector<double> arm;    // (joints) reach from each axis to the point of the link, without travel of slides
-};
-
 // One ball by branch and bound: up to `radius` of its EnclosureSettings.
 struct BallSettings {
     double inner;         // a ball that is known to be free
     double smallest;      // boxes are not divided below this
     std::int64_t budget;  // enclosures, at most
     bool keep;            // the boxes that were proven free
-};
-
-// Rows are boxes (free, split) or balls (radius); the rest, where bound is not null, is what the bound speaks of.
-struct EnclosureOutput {
-    std::int8_t* free = nullptr;    // 1: the rank does not fall below `rank` in the box
-    std::int32_t* split = nullptr;  // the variable that contributes most
-    double* radius = nullptr;
-    double* bound = nullptr;        // (rows, r, r)
-    double* sigma = nullptr;        // (rows, r)
-    double* u = nullptr;            // (rows, m, r)
-    double* v = nullptr;            // (rows, n, r)
-    double* arm = nullptr;          // (rows, joints)
 };
 
 // Uniform in [-1, 1), a function of its arguments alone (splitmix64).

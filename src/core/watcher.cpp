@@ -1,26 +1,39 @@
+// The monitor of the headers behind `Watcher`, one build for each instruction set.
 #include "watcher.hpp"
 
+#include "kernels.hpp"
 #include "monitor.hpp"
 
-namespace rankdrop {
+namespace rankdrop::RANKDROP_ISA {
+namespace {
 
-Watcher::Watcher(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings)
-    : monitor_(std::make_unique<Monitor>(chain, view, families, settings)) {}
+class Watching final : public Watcher {
+  public:
+    Watching(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings)
+        : monitor_(chain, view, families, settings) {}
 
-Watcher::~Watcher() = default;
+    bool step(const double* q, const double* velocity, rankdrop_step& out) noexcept override {
+        return monitor_.step(q, velocity, out);
+    }
 
-bool Watcher::step(const double* q, const double* velocity, rankdrop_step& out) noexcept {
-    return monitor_->step(q, velocity, out);
+    void family(int number, double* distance, double* residual, double* away) const noexcept override {
+        const Monitor::Nearness one = monitor_.family(number);
+        *distance = one.distance, *residual = one.residual;
+        for (int j = 0; j < variables(); ++j) away[j] = one.away[j];
+    }
+
+    int variables() const noexcept override { return monitor_.variables(); }
+    int families() const noexcept override { return monitor_.families(); }
+    int rows() const noexcept override { return monitor_.rows(); }
+
+  private:
+    Monitor monitor_;
+};
+
+}  // namespace
+
+std::unique_ptr<Watcher> watch(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings) {
+    return std::make_unique<Watching>(chain, view, families, settings);
 }
 
-void Watcher::family(int number, double* distance, double* residual, double* away) const noexcept {
-    const Monitor::Nearness one = monitor_->family(number);
-    *distance = one.distance, *residual = one.residual;
-    for (int j = 0; j < variables(); ++j) away[j] = one.away[j];
-}
-
-int Watcher::variables() const noexcept { return monitor_->variables(); }
-int Watcher::families() const noexcept { return monitor_->families(); }
-int Watcher::rows() const noexcept { return monitor_->rows(); }
-
-}  // namespace rankdrop
+}  // namespace rankdrop::RANKDROP_ISA

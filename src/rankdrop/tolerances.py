@@ -55,6 +55,24 @@ ENTRY = 1e-6
 TIE = 1e-2
 """Relative gap below which AM's method takes two singular values for equal; AM do not print theirs."""
 
+# What decides whether a set of exact conditions is a family of the arm: real points of it, and what they are.
+
+REAL_STARTS = 96
+"""Random starts from which a real point of a set is looked for. A set that one start in ten reaches is missed with a
+chance of 4e-5; of one that is missed it is said that no point was found, never that there is none."""
+RANK_KEPT = 1e-6
+"""σ above this is not lost [1]: a thousand times `singular`, so that no point counts whose rank may be lower still."""
+RANK_HIGHER = 1e-4
+"""σ above this where all conditions of a set hold: the rank is higher there, and the conditions say too little [1]. In
+between nothing is said: near a crossing of sheets σ is small over a long way."""
+SMOOTH = 5e-7
+"""Singular values of the conditions' gradients above this: the set is smooth there, of the dimension claimed [1/rad].
+At a double zero |f| ≤ 1e-15 leaves gradients of 1e-7."""
+CONDITION_FAILS = 1e-6
+"""|f| above this, largest coefficient 1: a condition does not hold at a configuration at which others do [1]."""
+ROUNDED_LENGTHS = 1e-12
+"""Share of the terms' sizes below which a polynomial in the lengths of an arm is zero: lengths have as many digits."""
+
 # What a file of an arm leaves open.
 
 SQUARE = 2e-5

@@ -14,7 +14,7 @@ from reference import arms, region
 
 from rankdrop.certify.coverfile import load
 from rankdrop.certify.displaced import ModelTolerance
-from rankdrop.certify.proof import covers, existence, intervals, reading, regions, verifying
+from rankdrop.certify.proof import covers, determinant, existence, intervals, reading, regions, verifying
 from rankdrop.certify.proof.reading import sealed
 from rankdrop.certify.proof.verifying import verify
 from rankdrop.certify.proof.writing import (
@@ -24,6 +24,7 @@ from rankdrop.certify.proof.writing import (
     write_certificate,
 )
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.searching import search
 from rankdrop.motion.certificate import path_certificate
 from rankdrop.motion.check import check_path
 from rankdrop.robot.open import open_robot
@@ -44,14 +45,14 @@ def records(tmp_path_factory):
     rows = [[0.0, -1.0, 0.8, 0.4, 0.5, 0.0], [0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
     crossing = path_certificate(check_path(robot, rows))
     free = path_certificate(check_path(robot, rows[1:]))
+    away = path_certificate(check_path(robot, rows[1:], min_distance=0.3))  # the wrist is 0.4 rad away
     there = existence_certificate(open_robot("puma560"), [0.1, 0.5, 0.4, 0.2, 0.0, 0.6])
     small = open_robot("planar3r")
     found = cover(small, width=0.2, out=folder / "small.cover", explain=False)
     plan = load(folder / "small.cover")[0]
     covering = covering_certificate(small, plan, found.sha256, "small.cover", resolve_task(None, small))
-    return {"ball": ball, "near": near, "crossing": crossing, "free": free, "existence": there, "covering": covering}, (
-        folder
-    )
+    made = {"ball": ball, "near": near, "crossing": crossing, "free": free, "away": away, "existence": there}
+    return made | {"covering": covering}, folder
 
 
 def judged(records, name, change=None, *, robot=None, seal=True):
@@ -62,7 +63,7 @@ def judged(records, name, change=None, *, robot=None, seal=True):
     return verify(write_certificate(sealed(record) if seal else record, records[1] / "one.json"), robot)
 
 
-@pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "existence", "covering"])
+@pytest.mark.parametrize("name", ["ball", "near", "crossing", "free", "away", "existence", "covering"])
 def test_honest_certificates_hold(records, name):
     found = judged(records, name)
     assert found.holds, found
@@ -132,6 +133,8 @@ LIES = {
     "crossing: told to be free": (
         "crossing", put("claim", "spans", 1, "kind", value="free"), "could not be proven free"),
     "crossing: free in the verdict": ("crossing", put("claim", "verdict", value="free"), "said to be free"),
+    "away: a larger distance": ("away", put("claim", "min_distance", value=0.45), "distance"),
+    "away: slides and turns in another scale": ("away", put("claim", "scale", 2, value=4.0), "another unit"),
     "free: a point of it moved": ("free", put("claim", "points", 1, 4, value=0.4), ""),
     "existence: a regular place": ("existence", put("claim", "q", 4, value=0.3), "away"),
     "existence: nearer than it is": (
@@ -149,6 +152,28 @@ def test_a_certificate_that_was_changed_does_not_hold(records, lie):
     assert not found.holds, found
     assert reason in found.reason
     assert not found.claim
+
+
+def test_a_distance_is_claimed_where_it_is_proven(records):
+    claim = records[0]["away"]["claim"]
+    assert claim["min_distance"] == 0.3
+    found = judged(records, "away")
+    assert "nearer to the path than 0.3 rad" in found.claim
+    assert "nearer" not in judged(records, "free").claim
+    robot = open_robot("ur5")
+    rows = [[0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
+    assert "min_distance" not in path_certificate(check_path(robot, rows, min_distance=0.5))["claim"]
+
+
+@pytest.mark.slow
+def test_a_distance_is_proven_again_up_to_nine_tenths_of_the_true_one(tmp_path):
+    """Sound and tight: the wrist is 0.4 rad from the first row."""
+    robot = open_robot("ur5")
+    rows = [[0.1, -0.9, 1.0, 0.4, -0.4, 0.2], [0.3, -0.6, 1.2, 0.1, -0.9, 0.0]]
+    for share, holds in ((0.9, True), (1.001, False)):
+        record = path_certificate(check_path(robot, rows, min_distance=0.36))
+        record["claim"]["min_distance"] = 0.4 * share
+        assert verify(write_certificate(sealed(record), tmp_path / "p.json"), robot).holds is holds
 
 
 def test_a_bracket_needs_two_signs(records):
@@ -276,6 +301,34 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
+@pytest.mark.parametrize(("name", "task"), [
+    ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
+    ("stanford", None), ("canadarm2", None),
+])  # fmt: skip
+def test_a_singular_configuration_of_every_task_exists(tmp_path, name, task):
+    """Found by a search, proven where the equations are as many as the set lets them be; and nowhere beside it."""
+    robot = open_robot(name)
+    held = 0
+    for q in search(robot, 1, task=task, starts=12, seed=3).converged[:4]:
+        record = existence_certificate(robot, q, task)
+        found = verify(write_certificate(record, tmp_path / "e.json"), robot)
+        held += found.holds
+        assert found.holds or "more dimensions" in found.reason
+        beside = np.array(q) + 1e-3
+        record["claim"]["q"] = beside.tolist()
+        assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
+    assert held >= (1 if name == "stanford" else 4)
+
+
+def test_where_equations_depend_on_each_other_existence_is_not_shown(tmp_path):
+    """At a tool point on the last axes some columns vanish wherever the arm stands: no interval method can tell."""
+    robot = open_robot("puma560")
+    q = search(robot, 1, task="position", starts=5, seed=3).converged[0]
+    found = verify(write_certificate(existence_certificate(robot, q, "position"), tmp_path / "e.json"), robot)
+    assert not found.holds
+    assert "more dimensions" in found.reason
+
+
 def test_nothing_is_certified_at_a_singularity_and_nothing_singular_elsewhere():
     robot = open_robot("ur5")
     with pytest.raises(OptionError, match="singular"):
@@ -291,7 +344,7 @@ def test_the_checker_shares_no_code_with_what_it_checks():
         "robot.model", "robot.fingerprint", "errors", "version", "sections",
         "certify.bittree", "certify.coverfile",  # the covering is read by them, which proves nothing
     }  # fmt: skip
-    for module in (intervals, reading, regions, existence, covers, verifying):
+    for module in (intervals, reading, regions, existence, covers, determinant, verifying):
         for node in ast.walk(ast.parse(Path(module.__file__).read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rankdrop"):
                 name = node.module.removeprefix("rankdrop.")

@@ -98,5 +98,6 @@ def test_exact_configurations_are_drawn(tmp_path, capsys):
     assert "100 exact singular configurations" in out
     assert "no covering" in out
     assert len(place.read_text().splitlines()) == 101
-    assert run(["find", "ur5", "--corank", "2", "--method", "reciprocal"]) == 2
+    assert run(["find", "ur5", "--corank", "2", "--method", "reciprocal", "--starts", "20"]) == 0
+    assert "corank 2 or more" in " ".join(capsys.readouterr().out.split())
     assert run(["find", "ur5", "--corank", "1", "--method", "reciprocal", "--start", "5"]) == 2

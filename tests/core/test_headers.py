@@ -58,7 +58,8 @@ def said_by(monitor: Monitor, q: Array, rates: Array) -> tuple[list[str], Array]
     of = {i: family.id for i, family in enumerate(monitor.families)} | {-1: "none"}
     order = [monitor.families.index(family) for family in monitor.watched]
     each = np.concatenate([at.distance[order, None], at.residual[order, None], at.away[order]], axis=1)
-    numbers = [seen.residual, seen.distance, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate]
+    numbers = [seen.residual, seen.distance, seen.approach, seen.scaling, seen.rate_scaling, seen.null_rate,
+               seen.at_least]  # fmt: skip
     words = [of[seen.nearest], of[seen.family], str(seen.rank), str(seen.corank)]
     return words, np.concatenate([numbers, seen.sigma, seen.u.ravel(), seen.null_step, each.ravel()])
 
@@ -76,14 +77,17 @@ def test_cpp_and_c_say_what_python_says(built: Path, name: str, program: str) ->
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert len(lines) == 100
-    n, slowed = monitor.robot.n, 0
+    n, slowed, proven = monitor.robot.n, 0, 0
     for row, line in zip(rows, lines, strict=True):
         words = line.split()
         want, numbers = said_by(monitor, row[:n], row[n:])
         assert words[:4] == want
         np.testing.assert_allclose(np.array(words[4:], dtype=float), numbers, rtol=1e-12, atol=1e-12)
+        assert float(words[10]) == numbers[6] <= numbers[1] + 1e-9  # the proven bound: the same bits, never too large
+        proven += float(words[10]) > 0.01
         slowed += float(words[7]) < 1.0
     assert slowed >= 10
+    assert proven >= 10
 
 
 @needs_compiler
@@ -170,3 +174,34 @@ def test_the_command_writes_the_header(tmp_path: Path, capsys: pytest.CaptureFix
     assert run(["monitor", "scara", "--header", str(target), "--stop", "2mm"]) == 2
     assert "--stop" in capsys.readouterr().err
     assert target.read_text(encoding="utf-8") == text
+
+
+@needs_compiler
+def test_the_node_of_the_how_to_compiles_and_scales(tmp_path: Path) -> None:
+    """Against a stand-in for the few parts of rclcpp that it uses (`tests/core/ros`): there is no ROS here."""
+    page = (ROOT / "docs" / "howto" / "control-loop.md").read_text(encoding="utf-8")
+    node = next(part.split("```")[0] for part in page.split("```cpp\n") if part.startswith("#include <rclcpp"))
+    (tmp_path / "node.cpp").write_text(node, encoding="utf-8")
+    found = shipped("ur5e")
+    monitor = Monitor(found.robot, found.task, found.families, rates=np.full(6, 3.0))
+    (tmp_path / "ur5e.h").write_text(monitor.header(), encoding="utf-8")
+    assert COMPILER is not None
+    command = [COMPILER, "-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-psabi", "-ffp-contract=off",
+               *(f"-I{folder}" for folder in (get_include(), ROOT / "tests" / "core" / "ros", ROOT / "examples" / "cpp",
+                                              tmp_path)), "node.cpp", "-o", "node"]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    q, rates = np.array([0.1, -1.2, 1.4, -0.7, 0.1, 0.3]), np.array([0.0, 0.1, -0.1, 0.0, -0.5, 0.2])
+    names = [joint.name for joint in found.robot.variables]
+    wish = " ".join(["~/commands", *map(repr, rates.tolist())])
+    heard = " ".join(f"{name} {value!r}" for name, value in zip(names, q.tolist(), strict=True))
+    lines = [wish, f"joint_states {heard}", wish]
+    done = subprocess.run([tmp_path / "node"], input="\n".join(lines), capture_output=True, text=True)
+    before, after = (line.split() for line in done.stdout.splitlines())
+    assert before[0] == after[0] == "velocity_controller/commands"
+    assert [float(word) for word in before[1:]] == [0.0] * 6  # nothing goes on before every joint was heard of
+    seen = monitor.step(q, rates)
+    assert 0.0 < seen.scaling < 1.0
+    want = min(seen.scaling, seen.rate_scaling) * rates
+    np.testing.assert_allclose([float(word) for word in after[1:]], want, rtol=1e-12)
+    assert monitor.families[seen.nearest].name in done.stderr

@@ -10,7 +10,7 @@ from reference.arms import standard_dh
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, complete, rank, trig_evaluator
+from rankdrop.exact.algebra.field import P, complete, rank, value_at
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import WIDE, Chain, exact_chain
 from rankdrop.exact.tree import rank_tree, smallest
@@ -32,8 +32,7 @@ def rank_at(chain: Chain, columns, seed: int, pins: dict[int, str]) -> int:
     rng = random.Random(seed)
     point = complete(chain.ring, {name: rng.randrange(2, P) for name in chain.ring.names}, pins)
     assert point is not None
-    evaluate = trig_evaluator(chain.ring)
-    return rank([[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns])
+    return rank([[value_at(chain.ring, x, point) if x != 0 else 0 for x in column] for column in columns])
 
 
 @pytest.mark.parametrize("robot", [gantry(1), gantry(2), gantry(3), open_robot("tiago")], ids=lambda one: str(one.n))

@@ -11,7 +11,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.writing.code import Code
+from rankdrop.exact.code import Code
 from rankdrop.exact.writing.condition import Condition, pin_equation
 
 N = 5
@@ -32,7 +32,7 @@ def families():
     ring = Ring([1, 2, 3, 5], [4], list(LETTERS))
     s, c, letter = ring.s, ring.c, ring.letter
     c23, s23 = c[2] * c[3] - s[2] * s[3], s[2] * c[3] + c[2] * s[3]
-    long, _ = ring.to_half(letter["a2"] * c[2] + letter["lambda"] * c23 - letter["d4"] * s23 * ring.q[4] ** 2 / 7)
+    long = ring.to_half(letter["a2"] * c[2] + letter["lambda"] * c23 - letter["d4"] * s23 * ring.q[4] ** 2 / 7).f
     half = ring.letter_half["d4"] * ring.t[5] * ring.t[2] - 3
     pins = ((5, ("-pi/2",)), (1, ("0", "pi/2")))
     return [

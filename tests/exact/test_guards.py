@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 
 from rankdrop.compare.joined import DIFFERS
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.derivation import corank_one
-from rankdrop.exact.letters import covered, doubled, settled
+from rankdrop.exact.letters import covered, decided_by_numbers, doubled
 from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.searching import search
@@ -50,11 +50,11 @@ def test_what_numbers_leave_open_settles_nothing_with_letters() -> None:
     tree = rank_tree(chain, Work(60.0, 0))
     plain = rank_tree(replace(chain, letters={}, written={}), Work(60.0, 0))
     clear = replace(plain, without_points=[])
-    assert settled(chain, tree, clear)
-    assert not settled(chain, tree, replace(clear, without_points=[(plain.drops[0].piece, 5, True)]))
-    assert not settled(chain, tree, replace(clear, unresolved=["t1 = 0; t2 = 0; t3 = 0"]))
-    assert not settled(chain, tree, replace(clear, complete=False))
-    assert not settled(chain, replace(tree, complete=False), clear)
+    assert decided_by_numbers(chain, tree, clear)
+    assert not decided_by_numbers(chain, tree, replace(clear, without_points=[(plain.drops[0].piece, 5, True)]))
+    assert not decided_by_numbers(chain, tree, replace(clear, unresolved=["t1 = 0; t2 = 0; t3 = 0"]))
+    assert not decided_by_numbers(chain, tree, replace(clear, complete=False))
+    assert not decided_by_numbers(chain, replace(tree, complete=False), clear)
 
 
 def test_a_square_at_these_lengths_is_seen() -> None:
@@ -65,7 +65,7 @@ def test_a_square_at_these_lengths_is_seen() -> None:
     ring = ring_of.ring
     one, two, t = ring.letter_half[a], ring.letter_half[b], ring.t[5]
     f = one * (1 + t**2) - two * t * 2
-    drop = Drop(Variety(ring, {}, rest=(f,), equations=(f,)), 5)
+    drop = Drop(ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5)
     same = replace(ring_of, letters={**ring_of.letters, b: x})
     assert x != y
     assert not doubled(ring_of, replace(tree, drops=[drop]))

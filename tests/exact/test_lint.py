@@ -10,8 +10,8 @@ import pytest
 
 from rankdrop import jacobian, open_robot
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.variety import independent
 from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import independent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.reading.lint import lint, real_points, words
 from rankdrop.exact.tree import rank_tree

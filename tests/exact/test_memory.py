@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop import conditions, open_robot
 from rankdrop.exact.algebra import field
-from rankdrop.exact.algebra.field import Evaluator, Point
+from rankdrop.exact.algebra.field import Point, residues_of, value_at
 from rankdrop.exact.algebra.ring import Ring
 
 
@@ -31,16 +31,15 @@ def test_derivations_leave_nothing_behind() -> None:
         tracemalloc.stop()
 
 
-def test_an_evaluator_remembers_so_many_terms_and_stays_right(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_so_many_terms_are_remembered_and_values_stay_right(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(field, "_KEPT", 40)
     ring = Ring([1, 2])
-    t = ring.t
-    evaluate = Evaluator(ring.names)
+    t, remembered = ring.t, residues_of(ring)
     asked = [t[1] ** k * t[2] + k * t[2] + 3 for k in range(2, 40)]
     for _ in range(2):
         for k, f in enumerate(asked, start=2):
-            assert evaluate(f, Point({"t1": 2, "t2": 5})) == 5 * 2**k % field.P + 5 * k + 3
-            assert sum(1 + len(one) for one, _ in evaluate._reduced.values()) == evaluate._terms <= 40
-    again = len(evaluate._reduced)
-    evaluate(asked[-1], Point({"t1": 7, "t2": 1}))
-    assert len(evaluate._reduced) == again  # remembered
+            assert value_at(ring, f, Point({"t1": 2, "t2": 5})) == 5 * 2**k % field.P + 5 * k + 3
+            assert sum(1 + len(one) for one, *_ in remembered.kept.values()) == remembered.terms <= 40
+    again = len(remembered.kept)
+    value_at(ring, asked[-1], Point({"t1": 7, "t2": 1}))
+    assert len(remembered.kept) == again

@@ -15,7 +15,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra import factoring
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import Evaluator, P, Point, common_zeros, complete, holds, roots
+from rankdrop.exact.algebra.field import P, Point, common_zeros, complete, holds, in_one, in_two, roots
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
@@ -69,15 +69,14 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
         rng.shuffle(moving)
         chosen = rng.sample(subsets, min(2, len(subsets)))
         minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
-        found = [ring.to_half(p)[0] for p in (ring.at(p, pins) for p in minors) if p != 0]
-        evaluate = Evaluator(ring.names)
+        found = [ring.to_half(p).f for p in (ring.at(p, pins) for p in minors) if p != 0]
         if found and moving and rng.random() < 0.5:
-            zeros = roots(evaluate.in_one(found[0], moving[0], values))
+            zeros = roots(in_one(ring, found[0], moving[0], values))
             if zeros:
                 values[moving[0]] = rng.choice(zeros)
         elif len(found) == 2 and len(moving) > 1:
             x, y = moving[:2]
-            pair = next(common_zeros(*(evaluate.in_two(f, x, y, values) for f in found)), None)
+            pair = next(common_zeros(*(in_two(ring, f, x, y, values) for f in found)), None)
             if pair is not None:
                 values[x], values[y] = pair
         point = complete(ring, values, pins)
@@ -192,11 +191,11 @@ def test_what_is_said_to_vanish_does() -> None:
     chain = chain_of("canadarm2")
     draft = Draft(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
     case = Case(pins=((4, "pi"),))
-    choice = _choices(draft, case.columns(chain.ring, draft.columns))[0]
-    assert [j + 1 for j in choice.joints] == [2, 3, 4, 6, 7]
-    assert any(w != 0 for w in choice.screw)
-    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in choice.screw)
-    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in choice.screw)
+    joints, screw = _choices(draft, case.columns(chain.ring, draft.columns))[0]
+    assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
+    assert any(w != 0 for w in screw)
+    assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in screw)
+    assert any(chain.ring.at(w, {4: "pi", 5: "pi/2"}) != 0 for w in screw)
 
 
 def test_basic_screws_are_chosen_for_reciprocity_alone() -> None:

@@ -6,12 +6,12 @@ from math import prod
 
 import pytest
 
-from rankdrop.exact.algebra import variety
+from rankdrop.exact.algebra import zeroset
 from rankdrop.exact.algebra.field import PRIMES, P, roots
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.split import with_points
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.conditions import conditions
 
@@ -30,7 +30,7 @@ def test_a_root_that_one_prime_has_not_exists_modulo_another() -> None:
     ring = Ring([1])
     number = next(n for n in range(2, 100) if not roots([-n, 0, 1]))
     f = ring.t[1] ** 2 - number
-    for point in Variety(ring, {}, rest=(f,), equations=(f,)).samples:
+    for point in ZeroSet(ring, {}, rest=(f,), equations=(f,)).samples:
         assert point.prime != P
         assert point["t1"] ** 2 % point.prime == number
         assert (point["c1"] ** 2 + point["s1"] ** 2) % point.prime == 1
@@ -42,7 +42,7 @@ def test_two_conditions_are_asked_modulo_every_prime() -> None:
     number = next(n for n in range(2, 100) if not roots([-n, 0, 1]))
     x, y = ring.t[1], ring.t[2]
     f, g = (x**2 - 2) * (x**2 - number), y**2 - 3
-    met = {point["t1"] ** 2 % point.prime for point in Variety(ring, {}, rest=(f, g), equations=(f, g)).samples}
+    met = {point["t1"] ** 2 % point.prime for point in ZeroSet(ring, {}, rest=(f, g), equations=(f, g)).samples}
     assert met == {2, number}
 
 
@@ -51,7 +51,7 @@ def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.Monke
     found = conditions(open_robot("panda"), **options)
     assert found.complete
     assert len(found.families) == 8
-    monkeypatch.setattr(variety, "PRIMES", (P,))
+    monkeypatch.setattr(zeroset, "PRIMES", (P,))
     less = conditions(open_robot("panda"), **options)
     assert not less.complete
     assert any("could not be looked into" in one for one in less.left)
@@ -69,7 +69,7 @@ def test_a_root_that_is_real_alone_is_noted_and_one_that_is_not_real_is_not() ->
     ring = Ring([1, 2])
     t = ring.t[1]
     work = Work()
-    real, unreal = (Variety(ring, {}, rest=(f,), equations=(f,)) for f in (t**2 - number, t**2 + t + number))
+    real, unreal = (ZeroSet(ring, {}, rest=(f,), equations=(f,)) for f in (t**2 - number, t**2 + t + number))
     assert with_points([real], work) == []
     assert list(work.without_points) == [real.key]
     work.without_points.clear()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from reference import regional as oracle
 
+from rankdrop.exact import posture_changes
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.postures import decide
-from rankdrop.exact.postures.decide import CUSPS, NO_CUSP, OPEN, SIGNS, decide_postures
-from rankdrop.exact.postures.regional import Unbounded, common_zeros
+from rankdrop.exact.posture_changes import CUSPS, NO_CUSP, OPEN, SIGNS, decide_postures
+from rankdrop.exact.regional import Unbounded, common_zeros
 from rankdrop.kinematics import task_jacobian
 from rankdrop.motion.postures.search import aspects_of
 from rankdrop.robot.dh import from_dh
@@ -152,8 +152,8 @@ def test_neither_base_nor_zero_nor_sense_nor_unit_matters() -> None:
 def test_where_angles_are_counted_from_does_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     chain = exact_chain(three(WENGER))
     kept = decide_postures(chain).cusps
-    for turn in decide._TURNS[1:]:
-        monkeypatch.setattr(decide, "_TURNS", (turn,))
+    for turn in posture_changes._TURNS[1:]:
+        monkeypatch.setattr(posture_changes, "_TURNS", (turn,))
         assert np.allclose(decide_postures(chain).cusps, kept, atol=1e-9)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,12 +12,12 @@ pytest.importorskip("flint")
 
 from rankdrop.exact import families
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work, tick
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.families import real_sets
+from rankdrop.exact.families import full_rank, real_points, real_sets, reality
+from rankdrop.exact.letters import sign_of
 from rankdrop.exact.merge import alone, merge
-from rankdrop.exact.real import full_rank, real_points, reality
 from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -34,19 +35,19 @@ def test_a_sum_of_squares_is_cut_down_to_its_real_points(chain: Chain) -> None:
     t = chain.ring.t
     f = t[3] ** 2 * (1 + t[5] ** 2) ** 2 + t[5] ** 2 * (1 + t[3] ** 2) ** 2
     (f,) = [g for g, _ in f.factor()[1]]
-    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
+    piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
     left: list[str] = []
     sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
     both = ("0", "pi")
-    assert {tuple(sorted(one.piece.pins.items())) for one in sets} == {((3, x), (5, y)) for x in both for y in both}
-    assert {one.rank for one in sets} == {5}
+    assert {tuple(sorted(one.piece.pins.items())) for one, _ in sets} == {((3, x), (5, y)) for x in both for y in both}
+    assert {one.rank for one, _ in sets} == {5}
     assert not left
     assert not not_real
 
 
 def test_a_set_without_a_real_point_is_told_with_what_was_done(chain: Chain) -> None:
     f = 3 + chain.ring.t[3] ** 2 * chain.ring.t[5] ** 2 + chain.ring.t[5] ** 4
-    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
+    piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
     sets, (sentence,) = real_sets(chain, [Drop(piece, 5)], Work(), [])
     assert sets == []
     assert "no real point was found from" in sentence
@@ -56,7 +57,7 @@ def test_a_negative_discriminant_is_a_proof(chain: Chain) -> None:
     ring = chain.ring
     a2 = ring.letter_half["a2"]
     f = a2**2 * ring.t[3] ** 2 + a2 * ring.t[3] + 1
-    found = reality(chain, Variety(ring, {}, rest=(f,), equations=(f,)), 5, np.random.default_rng(0))
+    found = reality(chain, ZeroSet(ring, {}, rest=(f,), equations=(f,)), 5, np.random.default_rng(0))
     assert found.proof
     assert not found.real
     assert not len(found.points)
@@ -66,7 +67,7 @@ def test_a_limit_that_was_met_is_told(chain: Chain) -> None:
     left: list[str] = []
     work = Work(1.0)
     tick(1.1e6)
-    sets, not_real = real_sets(chain, [Drop(Variety(chain.ring, {3: "0"}), 5)], work, left)
+    sets, not_real = real_sets(chain, [Drop(ZeroSet(chain.ring, {3: "0"}), 5)], work, left)
     assert (sets, not_real) == ([], [])
     assert left == ["the limit on work was met: 1 of 1 sets were not looked at for real points"]
 
@@ -75,7 +76,7 @@ def test_points_near_which_conditions_touch_zero_are_told(chain: Chain) -> None:
     """t5² = 0 is met to 1e-8 only: the rank is neither lost there nor clearly higher."""
     left: list[str] = []
     f = chain.ring.t[5] ** 2
-    piece = Variety(chain.ring, {}, rest=(f,), also=(chain.ring.s[5],), equations=(f,))
+    piece = ZeroSet(chain.ring, {}, rest=(f,), zero=(chain.ring.s[5],), equations=(f,))
     sets, not_real = real_sets(chain, [Drop(piece, 5)], Work(), left)
     assert (sets, not_real) == ([], [])
     assert len(left) == 1
@@ -88,34 +89,79 @@ def test_conditions_that_hold_where_the_rank_is_higher_are_told(
     """θ5 = 0 or θ4 = 3 θ1, as it were: on the second set the rank is full."""
     t = chain.ring.t
     f = t[5] * (t[4] - t[1] * 3)
-    piece = Variety(chain.ring, {}, rest=(f,), equations=(f,))
-    monkeypatch.setattr(families, "sharpened", lambda *_: None)
+    piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
+    monkeypatch.setattr(families, "separated", lambda *_: None)
     left: list[str] = []
     sets, _ = real_sets(chain, [Drop(piece, 5)], Work(), left)
     assert len(sets) == 1
     assert len(left) == 1
     assert "hold at configurations of higher rank, too" in left[0]
     left.clear()
-    sets, _ = real_sets(chain, [Drop(Variety(chain.ring, {5: "0"}), 5)], Work(), left)
+    sets, _ = real_sets(chain, [Drop(ZeroSet(chain.ring, {5: "0"}), 5)], Work(), left)
     assert len(sets) == 1
     assert not left
 
 
 def test_points_of_a_set_have_its_rank(chain: Chain) -> None:
-    points, smooth, strays = real_points(chain, Variety(chain.ring, {5: "pi"}), 5, np.random.default_rng(1))
+    points, smooth, strays = real_points(chain, ZeroSet(chain.ring, {5: "pi"}), 5, np.random.default_rng(1))
     assert smooth
     assert len(points) > 50
     assert not len(strays)
     sigma = singular_values(chain.robot, points, resolve_task(None, chain.robot))
     assert (sigma[:, 5] < 1e-9).all()
-    points, _, strays = real_points(chain, Variety(chain.ring, {4: "pi"}), 5, np.random.default_rng(1))
+    points, _, strays = real_points(chain, ZeroSet(chain.ring, {4: "pi"}), 5, np.random.default_rng(1))
     assert not len(points), "θ4 = π is regular"
     assert len(strays)
 
 
+def test_points_of_a_lower_rank_than_claimed_are_none_of_a_set(chain: Chain) -> None:
+    """θ3 = θ4 = θ5 = 0 together lose two freedoms, not one: σ of the second is 1e-16 (`RANK_KEPT`)."""
+    points, _, strays = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 5, np.random.default_rng(1))
+    assert not len(points)
+    assert not len(strays)
+    points, smooth, _ = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 4, np.random.default_rng(1))
+    assert smooth
+    assert len(points) > 50
+
+
+def test_gradients_at_a_double_zero_are_rounding_and_small_ones_are_not() -> None:
+    double, small = np.array([[[1e-7, 0.0]]]), np.array([[[2e-6, 0.0]]])
+    assert full_rank(np.concatenate([double, small]), 1).tolist() == [False, True]
+
+
+def test_a_rank_that_is_a_little_higher_is_unclear_and_one_that_is_plainly_higher_a_stray(chain: Chain) -> None:
+    """Where θ5 is 1e-5 the smallest σ is 1e-6 to 1e-5, where it is 1e-2 nearly everywhere 1e-4 and more
+    (`RANK_HIGHER`)."""
+    t5, found = chain.ring.t[5], []
+    for slope in (200_000, 200):
+        f = slope * t5 - 1
+        piece = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
+        found.append(reality(chain, piece, 5, np.random.default_rng(1)))
+        assert not len(found[-1].points)
+    little, plainly = found
+    assert not len(little.strays)
+    assert little.unclear > 30
+    assert len(plainly.strays) > 30
+    assert plainly.unclear < 5
+
+
+def test_a_condition_fails_where_it_is_more_than_rounding(chain: Chain) -> None:
+    near, far = np.zeros((2, chain.n)), np.zeros((3, chain.n))
+    near[:, 4], far[:, 4] = 1e-8, 1e-4  # sin θ5 = 0, as a condition on t5
+    assert families._away(chain, chain.ring.t[5], np.concatenate([near, far])) == 3
+
+
+def test_lengths_that_agree_to_their_digits_are_equal(chain: Chain) -> None:
+    f = chain.ring.letter_half["a2"] - chain.ring.letter_half["d4"]
+    length = Fraction(43, 100)
+    for apart, sign in ((Fraction(1, 10**14), 0), (Fraction(1, 10**9), 1)):
+        letters = {**chain.letters, "a2": length + apart, "d4": length}
+        assert sign_of(replace(chain, letters=letters), f) == sign
+
+
 def test_angles_in_all_combinations_make_one_row(chain: Chain) -> None:
     ring = chain.ring
-    pieces = [Variety(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
+    pieces = [ZeroSet(ring, {3: one, 5: two}) for one in ("0", "pi") for two in ("0", "pi")]
     (row,) = merge(pieces)
     assert row.pins == {3: ("0", "pi"), 5: ("0", "pi")}
     assert len(row.pieces) == 4
@@ -130,7 +176,7 @@ def test_a_sum_of_angles_at_0_and_at_pi_is_one_row_and_at_half_pi_is_not() -> No
     ring = Ring([3, 5])
     t3, t5 = ring.t[3], ring.t[5]
     polynomials = (t3 - t5, t3 * t5 + 1, t3 * t5 + t3 - t5 + 1)  # θ3 − θ5 is 0, π, −π/2
-    same, opposite, quarter = (Variety(ring, {}, rest=(f,), equations=(f,)) for f in polynomials)
+    same, opposite, quarter = (ZeroSet(ring, {}, rest=(f,), equations=(f,)) for f in polynomials)
     (row,) = merge([same, opposite])
     assert row.texts == ("s(θ3 − θ5) = 0",)
     assert row.pieces == (same, opposite)

@@ -9,9 +9,10 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, complete, half_evaluator, trig_evaluator
+from rankdrop.exact.algebra.field import P, complete, value_at
 from rankdrop.exact.algebra.polynomial import SIMPLE, primitive
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.solving import Solved, put
 from rankdrop.exact.algebra.work import spent
 
 
@@ -37,10 +38,10 @@ def random_polynomial(ring: Ring, rng: random.Random, terms: int = 5):
     return ring.reduce(total)
 
 
-def scale(ring: Ring, degree: tuple[int, ...], point: dict[str, int]) -> int:
+def scale(ring: Ring, degrees: tuple[int, ...], point: dict[str, int]) -> int:
     value = 1
-    for j, power in zip(ring.revolute, degree, strict=True):
-        value = value * pow(1 + point[f"t{j}"] ** 2, power, P) % P
+    for j, power in zip(ring.revolute, degrees, strict=True):
+        value = value * pow(1 + point[f"t{j}"] ** 2, power // 2, P) % P
     return value
 
 
@@ -48,9 +49,9 @@ def test_half_angle_form_is_the_function_times_its_denominators(ring: Ring) -> N
     rng = random.Random(1)
     for _ in range(40):
         p = random_polynomial(ring, rng)
-        f, degree = ring.to_half(p)
+        form = ring.to_half(p)
         point = random_point(ring, rng)
-        assert half_evaluator(ring)(f, point) == trig_evaluator(ring)(p, point) * scale(ring, degree, point) % P
+        assert value_at(ring, form.f, point) == value_at(ring, p, point) * scale(ring, form.degrees, point) % P
 
 
 def test_reduction_changes_no_value(ring: Ring) -> None:
@@ -58,7 +59,7 @@ def test_reduction_changes_no_value(ring: Ring) -> None:
     for _ in range(40):
         p = random_polynomial(ring, rng) * random_polynomial(ring, rng)
         point = random_point(ring, rng)
-        assert trig_evaluator(ring)(p, point) == trig_evaluator(ring)(ring.reduce(p), point)
+        assert value_at(ring, p, point) == value_at(ring, ring.reduce(p), point)
 
 
 def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -> None:
@@ -75,7 +76,7 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
         pins: dict[int, dict[str, int]] = {}
         point = random_point(ring, rng)
         for f, power in found.letters:
-            product = product * pow(half_evaluator(ring)(f, point), power, P) % P
+            product = product * pow(value_at(ring, f, point), power, P) % P
         for atom, power in found.atoms:
             if atom.pinned:
                 pins.setdefault(atom.joint, {})[atom.value] = power
@@ -83,11 +84,10 @@ def test_factors_vanish_where_the_polynomial_does_and_nowhere_else(ring: Ring) -
                 root = {"0": 0, "pi/2": 1, "-pi/2": -1}.get(atom.value)
                 value = 1 if root is None else point[f"t{atom.joint}"] - root
             else:
-                value = half_evaluator(ring)(atom.f, point)
+                value = value_at(ring, atom.f, point)
             product = product * pow(value, power, P) % P
         # what is left out is a power of 1 + t², which has no real zero
-        _, _degree = ring.to_half(p)
-        left = half_evaluator(ring)(ring.to_half(p)[0], point) * pow(product, -1, P) % P
+        left = value_at(ring, ring.to_half(p).f, point) * pow(product, -1, P) % P
         units = {1}
         for j in ring.revolute:
             units |= {u * pow(1 + point[f"t{j}"] ** 2, k, P) % P for u in units for k in (1, 2, 3, 4)}
@@ -106,10 +106,10 @@ def test_a_polynomial_comes_back_from_half_angles(ring: Ring) -> None:
         p = random_polynomial(ring, rng)
         if p == 0:
             continue
-        f, degree = ring.to_half(p)
-        if tuple(2 * d for d in degree) != tuple(f.degrees()[: ring.angles]):
+        form = ring.to_half(p)
+        if form.at_pi:
             continue  # θ = π is a zero: half-angle polynomials do not show it
-        assert ring.to_trig(f) in (primitive(p), -primitive(p))
+        assert ring.to_trig(form.f) in (primitive(p), -primitive(p))
         back += 1
     assert back > 10
 
@@ -120,10 +120,10 @@ def test_odd_half_angle_polynomials_have_a_square_with_their_zeros(ring: Ring) -
     p = ring.trig_zero_set(f)
     rng = random.Random(5)
     point = random_point(ring, rng)
-    assert trig_evaluator(ring)(p, point) != 0
+    assert value_at(ring, p, point) != 0
     point = complete(ring, {**point, "t1": (1 - 2 * point["t2"]) % P}, {})
     assert point is not None
-    assert trig_evaluator(ring)(p, point) == 0
+    assert value_at(ring, p, point) == 0
 
 
 @pytest.mark.parametrize("pins", [{1: "pi", 2: "0"}, {1: "pi", 2: "pi", 4: "pi/2"}, {2: "-pi/2", 4: "pi", 1: "pi"}])
@@ -131,18 +131,14 @@ def test_pins_in_any_order_are_the_function_at_these_angles(ring: Ring, pins: di
     rng = random.Random(6)
     for _ in range(30):
         p = random_polynomial(ring, rng, 7)
-        f, degree = ring.to_half(p)
-        whole = tuple(2 * d for d in degree)
+        form = ring.to_half(p)
         point = random_point(ring, rng, pins)
-        values = {
-            str(ring.half_at(f, {j: pins[j] for j in order}, whole)) for order in permutations(pins)
-        }
-        assert len(values) == 1
-        value = half_evaluator(ring)(ring.half_at(f, pins, whole), point)
-        expected = trig_evaluator(ring)(p, point)
-        for j, power in zip(ring.revolute, degree, strict=True):
+        assert len({str(form.at({j: pins[j] for j in order}).f) for order in permutations(pins)}) == 1
+        value = value_at(ring, form.at(pins).f, point)
+        expected = value_at(ring, p, point)
+        for j, power in zip(ring.revolute, form.degrees, strict=True):
             if pins.get(j) != "pi":
-                expected = expected * pow(1 + point[f"t{j}"] ** 2, power, P) % P
+                expected = expected * pow(1 + point[f"t{j}"] ** 2, power // 2, P) % P
             else:  # t^(2m) / (1 + t²)^m is 1 there
                 expected = expected * pow(1, power)
         assert value == expected % P
@@ -150,10 +146,10 @@ def test_pins_in_any_order_are_the_function_at_these_angles(ring: Ring, pins: di
 
 def test_a_joint_at_pi_takes_the_degree_that_was_there_before_any_pin() -> None:
     ring = Ring([1, 2])
-    f = ring.t[1] * ring.t[2] - ring.t[2] ** 2 + 1  # degree 2 in t2, and 1 in t1: at θ1 = π only t2 is left
-    assert ring.half_at(f, {1: "pi"}) == ring.t[2]
-    assert ring.half_at(f, {1: "pi", 2: "pi"}) == 0
-    assert ring.half_at(f, {2: "pi", 1: "pi"}) == 0
+    form = ring.form(ring.t[1] * ring.t[2] - ring.t[2] ** 2 + 1)  # degree 2 in t2, and 1 in t1: at θ1 = π t2 is left
+    assert form.at({1: "pi"}).f == ring.t[2]
+    assert form.at({1: "pi", 2: "pi"}).f == 0
+    assert form.at({2: "pi", 1: "pi"}).f == 0
 
 
 def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
@@ -164,8 +160,8 @@ def test_a_determinant_is_the_one_of_the_values(ring: Ring) -> None:
         entries = [random_polynomial(ring, rng, 3) if rng.random() < 0.7 else ring.zero for _ in range(n * n)]
         rows = [entries[n * i : n * (i + 1)] for i in range(n)]
         point = random_point(ring, rng)
-        values = [trig_evaluator(ring)(x, point) for row in rows for x in row]
-        assert trig_evaluator(ring)(ring.determinant(rows), point) == int(flint().nmod_mat(n, n, values, P).det())
+        values = [value_at(ring, x, point) for row in rows for x in row]
+        assert value_at(ring, ring.determinant(rows), point) == int(flint().nmod_mat(n, n, values, P).det())
 
 
 def test_units_are_without_a_real_zero() -> None:
@@ -178,14 +174,26 @@ def test_units_are_without_a_real_zero() -> None:
 
 def test_factoring_counts_as_work(ring: Ring) -> None:
     before = spent()
-    ring.split(ring.to_half(random_polynomial(ring, random.Random(4)))[0])
+    ring.to_half(random_polynomial(ring, random.Random(4))).factors()
     assert spent() > before
 
 
 def test_a_degree_that_is_told_counts_at_pi(ring: Ring) -> None:
-    """t1 is infinite at π; as t1 of degree two, over (1 + t1²), it is zero there."""
-    f = ring.t[1] * ring.t[2]
-    own = f.degrees()
-    assert ring.half_at(f, {1: "pi"}, own) == ring.half_at(f, {1: "pi"}) == ring.t[2]
-    place = ring.index["t1"]
-    assert ring.half_at(f, {1: "pi"}, [d + (i == place) for i, d in enumerate(own)]) == 0
+    """t1 is infinite at π; as t1 of degree two, over (1 + t1²), it is zero there, and cos(θ1/2) is a factor."""
+    own = ring.form(ring.t[1] * ring.t[2])
+    assert own.at({1: "pi"}).f == ring.t[2]
+    assert own.at_pi == ()
+    counted = Form(ring, own.f, tuple(d + (j == 1) for j, d in zip(ring.revolute, own.degrees, strict=True)))
+    assert counted.at({1: "pi"}).f == 0
+    assert counted.at_pi == ((1, 1),)
+    found = {atom.key: power for atom, power in counted.factors().atoms}
+    assert found == {"θ1=pi": 1, "θ1=0": 1, "θ2=0": 1}
+
+
+def test_a_zero_at_pi_stays_when_a_solution_is_put_in() -> None:
+    """(1 + cos θ2) counts for degree 2 in t2, whatever t1 is put in: t1 = t2 adds its own."""
+    ring = Ring([1, 2])
+    solved = Solved(0, ring.t[2], ring.half.constant(1))
+    form = put(ring.to_half((1 + ring.c[2]) * (1 - ring.c[1])), solved)
+    assert form.at_pi == ((2, 2),)
+    assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=pi", "θ2=0"}

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.writing.form import Product, Sum, Symbol, Wave, fourier, half_of, product, total, wave
 from rankdrop.exact.writing.notation import Text
 from rankdrop.exact.writing.shortest import gathered, length, shortest
@@ -15,16 +15,13 @@ from rankdrop.exact.writing.shortest import gathered, length, shortest
 
 def same(form, f, ring) -> bool:
     """Whether a form is f over Π (1 + t²)^(D/2), D the degrees of f, without rounding."""
-    back, degrees = half_of(form, ring)
+    half = half_of(form, ring)
+    back, degrees = half.f, half.degrees
     for j, have, own in zip(ring.revolute, degrees, f.degrees(), strict=False):
         assert (have - own) % 2 == 0
         assert have >= own
         f = f * (1 + ring.t[j] ** 2) ** ((have - int(own)) // 2)
     return back == f
-
-
-def own_degrees(f, ring):
-    return [int(d) for d in f.degrees()[: ring.angles]]
 
 
 def random_polynomial(ring, rng, terms, most):
@@ -42,7 +39,7 @@ def test_every_form_of_a_random_polynomial_is_equal_to_it(seed):
     rng = random.Random(seed)
     ring = Ring([1, 2, 11], [4], ["a", "b"])
     f = random_polynomial(ring, rng, 5, 1 + seed % 3)
-    plain = fourier(f, own_degrees(f, ring), ring)
+    plain = fourier(ring.form(f))
     assert same(plain, f, ring)
     assert same(gathered(plain), f, ring)
     short = shortest(f, ring)
@@ -52,7 +49,7 @@ def test_every_form_of_a_random_polynomial_is_equal_to_it(seed):
 
 def test_higher_degrees_than_the_polynomial_has_stand_for_zeros_at_pi():
     ring = Ring([1])
-    form = fourier(ring.half.constant(1), [2], ring)  # cos²(θ/2)
+    form = fourier(Form(ring, ring.half.constant(1), (2,)))  # cos²(θ/2)
     assert Text().zero(form) == "c1 + 1"
     assert form.number == Fraction(1, 2)
 
@@ -90,9 +87,9 @@ def test_kg_eq_15_at_pi_splits_off_a_plain_relation():
 def test_common_factors_go_before_brackets():
     ring = Ring([3, 4], letters=["a", "b"])
     a, b = ring.letter["a"], ring.letter["b"]
-    f, _ = ring.to_half(a * a * ring.s[4] - a * b * ring.c[4] - 2 * b * b * ring.s[4] + ring.s[3] * b * ring.c[4])
+    f = ring.to_half(a * a * ring.s[4] - a * b * ring.c[4] - 2 * b * b * ring.s[4] + ring.s[3] * b * ring.c[4]).f
     assert same(shortest(f, ring), f, ring)
-    assert length(shortest(f, ring)) < length(fourier(f, own_degrees(f, ring), ring))
+    assert length(shortest(f, ring)) < length(fourier(ring.form(f)))
 
 
 def test_sums_are_primitive_with_the_first_sign_positive():

@@ -9,10 +9,10 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.field import holds, rank, trig_evaluator
+from rankdrop.exact.algebra.field import holds, rank, value_at
+from rankdrop.exact.algebra.polynomial import Equality
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.steps import Case
 from rankdrop.exact.suppression.stratum import Stratum
 from rankdrop.exact.suppression.suppress import _Derivation, suppress
@@ -111,7 +111,7 @@ class TestEveryArm:
     def test_proves_what_it_suppresses(self, name):
         """At random points of every case the proof's minors are not all zero and the screw lies in the others' span."""
         found = derived(name)
-        rng, evaluate, seen = random.Random(5), trig_evaluator(found.chain.ring), 0
+        rng, seen = random.Random(5), 0
 
         def walk(case):
             nonlocal seen
@@ -120,9 +120,10 @@ class TestEveryArm:
                 screw, on, proof = case.dependence.screw, case.dependence.on, case.dependence.proof
                 for piece in case.stratum.pieces:
                     point = piece.point(rng)
-                    matrix = {j: [evaluate(x, point) for x in found.columns[j - 1]] for j in (screw, *on)}
-                    assert rank([matrix[j] for j in on]) == len(on) == rank(list(matrix.values()))
-                    assert any(evaluate(p, point) for p in proof.polynomials)
+                    ring, prime = found.chain.ring, point.prime
+                    matrix = {j: [value_at(ring, x, point) for x in found.columns[j - 1]] for j in (screw, *on)}
+                    assert rank([matrix[j] for j in on], prime) == len(on) == rank(list(matrix.values()), prime)
+                    assert any(value_at(ring, p, point) for p in proof.polynomials)
             for inner in case.cases:
                 walk(inner)
 
@@ -183,7 +184,7 @@ def test_an_arm_with_too_few_joints_is_refused():
 def test_every_set_of_the_rank_tree_lies_in_one_family(name):
     """Another derivation, of all coranks: a random point of each of its sets satisfies exactly one family, modulo p."""
     found = derived(name)
-    rng, evaluate = random.Random(7), trig_evaluator(found.chain.ring)
+    rng = random.Random(7)
     tree = rank_tree(found.chain, Work(60.0))
     points = [point for drop in tree.drops for point in drop.piece.points(rng, 3)]
     assert len(points) > 6
@@ -191,8 +192,8 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         holding = [
             family.number
             for family in found.families
-            if all(evaluate(p, point) == 0 for p in family.equalities)
-            and all(evaluate(p, point) != 0 for p in family.stratum.inequalities)
+            if all(value_at(found.chain.ring, p, point) == 0 for p in family.equalities)
+            and all(value_at(found.chain.ring, p, point) != 0 for p in family.stratum.inequalities)
         ]
         assert len(holding) == 1, (holding, point)
 
@@ -231,8 +232,8 @@ def test_a_case_in_which_the_rank_is_full_is_told_and_is_no_family():
     chain = exact_chain(open_robot("pa10"))
     ring = chain.ring
     derivation = _Derivation(chain, chain.frame, "", None, Work(60.0), None)
-    regular, elbow = (Stratum.whole(ring).meet(Factor(ring.s[joint])) for joint in (3, 4))
-    for stratum in (regular, elbow.avoid(Factor(ring.s[2])).meet(Factor(ring.s[2])), elbow):
+    regular, elbow = (Stratum.whole(ring).meet(Equality((), ring.s[joint])) for joint in (3, 4))
+    for stratum in (regular, elbow.avoid(Equality((), ring.s[2])).meet(Equality((), ring.s[2])), elbow):
         derivation.family(Case("1", stratum, tuple(range(1, 8))), ())
     assert [family.stratum for family in derivation.families] == [elbow]
     assert [left.split(":")[1].strip() for left in derivation.left] == [

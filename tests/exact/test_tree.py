@@ -14,7 +14,7 @@ pytest.importorskip("flint")
 from rankdrop.exact.algebra.work import Work, spent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
-from rankdrop.exact.real import reality
+from rankdrop.exact.families import reality
 from rankdrop.exact.tree import Drop, largest, rank_tree
 from rankdrop.family.system import System
 from rankdrop.local.block import singular_values

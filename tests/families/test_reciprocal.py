@@ -18,6 +18,7 @@ from rankdrop.family.which import families_at
 from rankdrop.results.codec import json_text
 from rankdrop.results.findings import find_to_dict
 from rankdrop.results.known import shipped
+from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
@@ -75,6 +76,44 @@ def test_every_stratum_has_families_of_its_own():
         assert all(met)
 
 
+@pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2)])
+def test_higher_coranks_are_drawn_too(name, corank):
+    robot = open_robot(name)
+    found = search(robot, corank, starts=300, method="reciprocal", seed=2)
+    assert len(found.q) == 300
+    assert found.rank == 6 - corank
+    assert all("together" in one or "alone" in one for one in found.strata)
+    task = resolve_task(None, robot)
+    for q in found.q[:60]:
+        full = reference_jacobian(robot, q) / np.array([task.scale(robot)] * 3 + [1.0] * 3)[:, None]
+        sigma = np.linalg.svd(full, compute_uv=False)
+        assert sigma[6 - corank] <= 10 * EXACT * sigma[0]
+    families = [one for one in shipped(name).families if one.corank == corank]
+    met = {one.family.id for q in found.q for one in families_at(families, robot, q, task, DEFAULT)}
+    assert met == {one.id for one in families}
+
+
+def test_a_corank_that_an_arm_has_nowhere_is_told():
+    with pytest.raises(OptionError, match="no reciprocal wrench"):
+        search(open_robot("scara"), 3, starts=10, method="reciprocal")
+    with pytest.raises(OptionError, match="corank"):
+        search(open_robot("scara"), 5, starts=10, method="reciprocal")
+
+
+def test_a_slide_that_is_pinned_is_solved_for():
+    """Two parallel axes and a slide between them that brings one onto the other."""
+    turn, slide = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    away = [0.0, -0.25, 0.0, 0.0, 0.0, 1.0]
+    joints = [Joint("a", JointKind.REVOLUTE, np.array(turn)),
+              Joint("b", JointKind.PRISMATIC, np.array(slide), lower=-1.0, upper=1.0),
+              Joint("c", JointKind.REVOLUTE, np.array(away))]  # fmt: skip
+    home = np.eye(4)
+    home[0, 3] = 0.5
+    found = search(Robot("rpr", tuple(joints), home, task="planar"), 1, starts=100, method="reciprocal")
+    assert set(np.array(found.strata)[found.stratum]) >= {"joint 2 alone", "joints 1, 2 together"}
+    np.testing.assert_allclose(found.q[:, 1], -0.25, atol=1e-12)
+
+
 def test_same_seed_same_configurations_and_another_seed_others():
     robot = open_robot("ur5")
     one, same, other = (search(robot, 1, starts=50, method="reciprocal", seed=seed).q for seed in (3, 3, 4))
@@ -116,7 +155,7 @@ def test_the_record_satisfies_its_schema_and_tells_the_strata():
 
 
 @pytest.mark.parametrize(("name", "corank", "task", "words"), [
-    ("ur5", 2, None, "corank 1"), ("ur5", 1, "0,1,5", "some rows"), ("scara", 1, "pose", "wherever it stands"),
+    ("ur5", 1, "0,1,5", "some rows"), ("scara", 1, "pose", "wherever it stands"),
     ("fetch", 1, "vx,vy", "some rows"),
 ])  # fmt: skip
 def test_what_cannot_be_drawn_is_refused_with_what_to_use(name, corank, task, words):

@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.exact.postures.decide import OPEN, Decision
+from rankdrop.exact.posture_changes import OPEN, Decision
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.motion.check import check_path
 from rankdrop.motion.inverse import Aim, solutions

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import main
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.postures.decide import decide_postures
+from rankdrop.exact.posture_changes import decide_postures
 from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
 from rankdrop.motion.time_law import through
 from rankdrop.motion.time_law_record import CORNER, NOT, PASSES, REGULAR, TANGENT, TURNS, Through

@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from browser.axe import axe_program
 
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -97,6 +98,32 @@ def test_the_page_says_what_the_numbers_say(laptop: tuple[Viewer, Tab]) -> None:
     tab.page.get_by_text("■ singular").first.wait_for(timeout=30_000)
     tab.page.get_by_text("wrist: axes 4 and 6 aligned").first.wait_for(timeout=30_000)
     assert tab.page.get_by_text("joints 4, 6").count() >= 1
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_axe_finds_nothing_at_any_width(dark: bool, browser: Any) -> None:
+    program = axe_program()
+    for viewer, tab in opened(browser, LAPTOP, dark=dark):
+        for width in (390, 1024, 1440):
+            tab.page.set_viewport_size({"width": width, "height": 900})
+            tab.page.get_by_text("singular").first.wait_for(timeout=30_000)
+            tab.page.wait_for_timeout(1500)
+            tab.page.evaluate(program)
+            rules = "{runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa']}"
+            names = "(r) => r.violations.map((v) => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 200)])"
+            found = tab.page.evaluate(f"axe.run(document, {rules}).then({names})")
+            assert found == [], width
+        assert viewer.controls.found is not None
+
+
+def test_every_slider_has_its_joint_for_a_name_and_obeys_the_keyboard(laptop: tuple[Viewer, Tab]) -> None:
+    viewer, tab = laptop
+    slider = tab.page.get_by_role("slider", name="3 joint3")
+    before = viewer.session.q[2]
+    slider.first.focus()
+    slider.first.press("ArrowRight")
+    tab.until(lambda: viewer.session.q[2] > before)
+    viewer.session.set(np.array(WRIST))
 
 
 def test_a_slider_moves_the_arm(laptop: tuple[Viewer, Tab]) -> None:

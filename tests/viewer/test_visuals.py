@@ -114,3 +114,19 @@ def test_a_damaged_mesh_is_told(tmp_path: Path) -> None:
 
 def test_an_arm_of_the_catalogue_has_no_shapes() -> None:
     assert visuals_of(open_robot("pa10"), {}) == ((), ())
+
+
+def test_a_xacro_file_is_drawn_as_it_was_expanded(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc", reason="xacrodoc is not installed")
+    (tmp_path / "part.obj").write_text(TRIANGLE, encoding="utf-8")
+    plain, _ = shapes(tmp_path, '<mesh filename="part.obj"/>')
+    text = URDF.format(mesh='<mesh filename="part.obj" scale="$(arg size) 1 1"/>')
+    head, rest = text.split(">", 1)
+    file = tmp_path / "two.urdf.xacro"
+    whole = f'{head} xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="size" default="1"/>{rest}'
+    file.write_text(whole, encoding="utf-8")
+    found, notes = visuals_of(open_robot(file, tip="flange", args={"size": 3}), {}, {"size": "3"})
+    assert notes == ()
+    assert [(one.link, one.solid) for one in found] == [(one.link, one.solid) for one in plain]
+    assert found[2].size == (3.0, 1.0, 1.0)
+    assert all(np.allclose(one.pose, other.pose) for one, other in zip(found, plain, strict=True))

@@ -99,6 +99,15 @@ def packages_of(options: ArmOptions) -> dict[str, Path]:
     return _packages(options.package) or {}
 
 
+def arguments_of(options: ArmOptions) -> dict[str, str]:
+    """Arguments of a xacro file, name -> value, as given.
+
+    Raises:
+        OptionError: an argument is not NAME:=VALUE, or given twice.
+    """
+    return _arguments(options.arg)
+
+
 def _packages(words: tuple[str, ...]) -> dict[str, Path] | None:
     packages = {}
     for word in words:

@@ -64,7 +64,7 @@ def find(
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         corank: How many directions the tool loses: generic rank minus rank.
         method: Levenberg-Marquardt on the block; for comparison, steepest descent, or Almarkhi and Maciejewski's own;
-            reciprocal: no search, exact singular configurations of corank 1 by reciprocal wrenches, --starts of them.
+            reciprocal: exact singular configurations of this corank or more by reciprocal wrenches, --starts of them.
         limits: Look within the joint limits only; otherwise in the whole joint space.
         starts: Random starts.
         seed: Of every random choice; the same seed gives the same result.
@@ -240,7 +240,9 @@ def _how(found: Search) -> str:
     """The method with what it was told."""
     words = [found.method]
     if found.method == "reciprocal":
-        return "reciprocal wrenches: every joint in closed form"
+        if found.corank == 1:
+            return "reciprocal wrenches: every joint in closed form, or some joints by Newton's method"
+        return "reciprocal wrenches: some joints by Newton's method, the others drawn"
     if found.method != "lm":
         words.append("line search" if found.step is None else f"steps of {found.step:g} of that to linearised zero")
     if found.method == "almarkhi":
@@ -290,13 +292,13 @@ def _drawn(found: Search, seconds: float) -> Iterator[RenderableType]:
     from rankdrop.families import EXACT
 
     ratio = (found.sigma[:, found.rank] / found.sigma[:, 0]).max(initial=0.0)
-    yield Text.assemble((f"{len(found.q):,} exact singular configurations", "bold"), ", corank 1 or more")
+    yield Text.assemble((f"{len(found.q):,} exact singular configurations", "bold"), f", corank {found.corank} or more")
     if len(found.q):
         yield _configurations(found)
     counts = Counter(found.strata[k] for k in found.stratum.tolist()) if found.stratum is not None else Counter[str]()
     yield "From " + "; ".join(f"{name}: {count:,}" for name, count in counts.items()) + "."
     yield f"Largest σ{found.rank + 1}/σ1: {ratio:.2g}, all at most {EXACT:g}. Time taken: {seconds:.1f} s."
-    rest = "Families that none of these strata meets are missing: it is no covering."
+    rest = "Families that none of these met are missing: it is no covering."
     yield rest if found.complete else f"{rest} Interrupted: fewer were drawn than were asked for."
 
 

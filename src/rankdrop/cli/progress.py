@@ -63,11 +63,16 @@ def _bar_report(bars: Progress) -> Report:
 
 def _line_report() -> Report:
     last = monotonic()
+    begun: dict[str, tuple[float, int]] = {}  # when, and how far it was: what a journal keeps was done before
 
     def report(label: str, done: int, total: int) -> None:
         nonlocal last
-        if monotonic() - last >= _SECONDS_BETWEEN_LINES:
-            last = monotonic()
-            say(f"{label}: {done} of {total}")
+        now = monotonic()
+        start, first = begun.setdefault(label, (now, done))
+        if now - last >= _SECONDS_BETWEEN_LINES:
+            last = now
+            rate = (done - first) / (now - start) if now > start else 0.0
+            left = f", {rate:,.0f}/s, {(total - done) / rate:,.0f} s left" if rate > 0.5 and total > done else ""
+            say(f"{label}: {done} of {total}{left}")
 
     return report

@@ -14,6 +14,7 @@ from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from rankdrop.cli.progress import Report
+    from rankdrop.report.meshes import Lighter
     from rankdrop.results import Analysis, Verdict
     from rankdrop.verbs import Idealised
 
@@ -31,6 +32,7 @@ def report(
     format: Format = "html",
     figure: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = (),
     exact_seconds: float = 8.0,
+    no_meshes: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
     seed: Whole = 0,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -58,6 +60,7 @@ def report(
         figure: arm, slice, solid, workspace, image or lines; of one family: lines-k1.f1. May be given again. Default:
             all of them.
         exact_seconds: Time limit of the exact conditions; 0 leaves them out.
+        no_meshes: Draw links as rods though the robot's file has shapes of them (URDF, xacro).
         starts: Random starts for each corank, where the arm has to be analysed first.
         seed: Of every random choice of the analysis and of the figures.
         quiet: No progress.
@@ -74,7 +77,10 @@ def report(
     with reporter(quiet=quiet) as progress:
         analysis, made = _analysis(robot, arm, ideal, starts, seed, progress)
         target = given or _checked(_default(analysis, format), format)
-        written, verdict, stopped = _written(analysis, made, target, format, figure, exact_seconds, seed, progress)
+        drawn = () if no_meshes or format != "html" or robot.lower().endswith(_ANALYSIS) else _drawn(analysis, arm)
+        written, verdict, stopped = _written(
+            analysis, made, target, format, figure, exact_seconds, seed, progress, drawn
+        )  # fmt: skip
     for path in written:
         say(f"wrote {path}")
     if stopped or not analysis.complete:
@@ -110,6 +116,7 @@ def _written(
     exact_seconds: float,
     seed: int,
     progress: Report,
+    drawn: tuple[Lighter, ...],
 ) -> tuple[list[Path], Verdict, bool]:
     """The files, the verdict of the first line, and whether exact conditions were interrupted."""
     from rankdrop.cli.files import write_bytes
@@ -122,8 +129,8 @@ def _written(
         check_figures(analysis, figure)
     shown = content(
         analysis, exact=not paper and exact_seconds > 0, exact_seconds=exact_seconds, seed=seed, made=made,
-        progress=progress,
-    )
+        progress=progress, meshes=drawn,
+    )  # fmt: skip
     if not paper:
         write_bytes(page(shown).encode(), str(target))
         return [target], shown.verdict, shown.interrupted
@@ -141,6 +148,25 @@ def _written(
         write_bytes(content_of, str(path))
         paths.append(path)
     return paths, shown.verdict, shown.interrupted
+
+
+def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Lighter, ...]:
+    """The shapes of the links that the arm's file has; what cannot be drawn is told."""
+    from rankdrop.cli.arm import arguments_of, packages_of
+    from rankdrop.cli.terminal import say
+    from rankdrop.errors import MissingExtraError
+    from rankdrop.report.meshes import lighter
+    from rankdrop.viewer.meshes import meshes_of
+    from rankdrop.viewer.visuals import visuals_of
+
+    visuals, left_out = visuals_of(analysis.robot, packages_of(arm), arguments_of(arm))
+    try:
+        meshes, unread = meshes_of(visuals)
+    except MissingExtraError as error:
+        meshes, unread = (), (str(error),)
+    for note in (*left_out, *unread):
+        say(f"not drawn: {note}")
+    return lighter(meshes)
 
 
 def _default(analysis: Analysis, format: Format) -> str:

@@ -23,6 +23,8 @@ def verify(
     arm: ArmOptions = NO_OPTIONS,
     enclosures: Whole = 500_000,
     sample: Whole | None = None,
+    everything: Annotated[bool, Parameter(name="--all", negative=(), show_default=False)] = False,
+    journal: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
@@ -35,7 +37,8 @@ def verify(
         rankdrop nearest ur5 --deg --q 0,-135,45,90,-90,0 --certificate here.json
         rankdrop verify here.json
         rankdrop verify here.json --robot ur5
-        rankdrop verify cell.json --sample 1000
+        rankdrop verify boxes.json --journal boxes.checked
+        rankdrop verify boxes.json --sample 1000
 
     Exit code 0: it holds; 3: it does not, or could not be confirmed, with the
     reason; 2: no certificate, or a malformed one.
@@ -45,6 +48,10 @@ def verify(
         robot: The arm it must be about: name or file. Default: the arm whose numbers are in it.
         enclosures: What the check may cost, about a millisecond each.
         sample: Of a covering, look at so many free boxes only, chosen at random: quick, but never exit code 0.
+        everything: Of a covering, check all free boxes, whatever --enclosures allows. Those of six turning joints need
+            a minute or two and no --all; of other arms a box takes milliseconds, and how long that is, is told first.
+        journal: Of a covering, keep in this file how many boxes are proven; after Ctrl-C, or a kill, the same command
+            goes on there. Take none from others: it is believed.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
@@ -57,7 +64,7 @@ def verify(
     model = None if robot is None else open_arm(robot, arm)[0]
     with reporter(quiet=quiet) as report:
         found = check(
-            file, model, enclosures=enclosures, sample=sample,
+            file, model, enclosures=enclosures, sample=sample, every=everything, journal=journal,
             progress=lambda done, total: report("checked", done, total),
         )  # fmt: skip
     steps: list[Callable[[], None]] = []

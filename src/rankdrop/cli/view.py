@@ -59,7 +59,7 @@ def view(
         expose: Let other machines in that know the token.
         quiet: Print the address, and no notes.
     """
-    from rankdrop.cli.arm import open_arm, packages_of
+    from rankdrop.cli.arm import arguments_of, open_arm, packages_of
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.terminal import say
     from rankdrop.motion import read_trajectory
@@ -74,6 +74,7 @@ def view(
         q=None if q is None else np.array(parse_configuration(q, model, deg=deg)),
         analysis=None if analysis is None else Analysis.load(analysis),
         packages=packages_of(arm),
+        args=arguments_of(arm),
         limits=limits,
         frame=frame,
         trajectory=None if trajectory is None else read_trajectory(trajectory, model, deg=deg),

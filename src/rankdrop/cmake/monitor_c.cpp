@@ -24,6 +24,14 @@ int rankdrop_monitor_step(rankdrop_monitor* monitor, const double* q, const doub
     return monitor->monitor.step(q, velocity, *out) ? 1 : 0;
 }
 
+double rankdrop_monitor_at_least(const rankdrop_monitor* monitor, const double* q) {
+    try {
+        return monitor->monitor.at_least(q);
+    } catch (...) {
+        return 0.0;
+    }
+}
+
 int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* distance, double* residual, double* away) {
     if (family < 0 || family >= monitor->monitor.families()) return 0;
     const rankdrop::Monitor::Nearness one = monitor->monitor.family(family);

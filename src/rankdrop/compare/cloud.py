@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.exact.algebra.field import PRIMES
-from rankdrop.exact.algebra.variety import Variety
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
@@ -161,8 +161,8 @@ def sets_without_points(
     A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
     there and no smaller set inside it is looked for. That none was found is no proof that there is none.
     """
-    lost: dict[str, Variety] = {}
-    unmet: dict[str, Variety] = {}
+    lost: dict[str, ZeroSet] = {}
+    unmet: dict[str, ZeroSet] = {}
     for piece, order, last in tree.without_points:
         theta = [point for point, _ in zip(real_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
@@ -177,7 +177,7 @@ def sets_without_points(
     return [_sentence(list(lost.values()))] if lost else [], told
 
 
-def _sentence(lost: Sequence[Variety]) -> str:
+def _sentence(lost: Sequence[ZeroSet]) -> str:
     sets = "1 set of real configurations" if len(lost) == 1 else f"{len(lost)} sets of real configurations"
     shortest = min(lost, key=_terms)
     texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
@@ -189,7 +189,7 @@ def _sentence(lost: Sequence[Variety]) -> str:
     )
 
 
-def _terms(piece: Variety) -> int:
+def _terms(piece: ZeroSet) -> int:
     return sum(map(len, piece.equations))
 
 

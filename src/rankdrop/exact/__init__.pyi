@@ -10,8 +10,8 @@ from .family import ExactFamily as ExactFamily
 from .methods import METHODS as METHODS
 from .methods import derive as derive
 from .methods.derivation import Distances as Distances
-from .postures.decide import Decision as Decision
-from .postures.decide import decide_postures as decide_postures
+from .posture_changes import Decision as Decision
+from .posture_changes import decide_postures as decide_postures
 from .reading.grammar import Node as Node
 from .reading.grammar import read as read
 from .reading.meaning import parse_conditions as parse_conditions

@@ -257,7 +257,7 @@ def signs_of(chain: Chain, *, names: bool = True) -> Signs:
         raise TaskError("the determinant is zero at every configuration", got=chain.task.name)
     atoms = [atom for atom, _ in chain.ring.factor(determinant).atoms]
     factors = signed_factors(chain.ring, atoms)
-    found = tuple(look(chain, factor.atoms).name if names else "" for factor in factors)
+    found = tuple(look(chain, factor.atoms)[0] if names else "" for factor in factors)
     return Signs(chain, factors, found)
 
 

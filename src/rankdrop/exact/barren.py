@@ -10,14 +10,14 @@ lengths is not there for almost all: the configurations are compact, and where t
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, islice
 from math import prod
 
 from rankdrop.exact.algebra.field import P, reduced
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.work import Work, spent, tick
 
 _EACH = 6  # polynomials kept of those in the same variables
@@ -53,17 +53,16 @@ def barren(
         True with a proof modulo P; False where none was found.
     """
     rng = random.Random(_SEED)
-    turned = _Turned(ring, rng)
+    turned = _turned(ring, rng)
     known = _Known(ring)
     lengths = {name: _number(work.lengths.get(name, Fraction(rng.randrange(1, _LENGTH)))) for name in ring.letters}
     for f in conditions:
-        known.add(turned.half(f.subs(lengths), [int(d) for d in f.degrees()]))
+        known.add(turned(Form(ring, f.subs(lengths), ring.form(f).degrees)))
     here = [[ring.at(x.subs(lengths) if x != 0 else x, pins) for x in column] for column in columns]
     until = spent() + _LIMIT
     for minor in islice(_minors(ring, here, order), _MINORS):
         work.check()
-        f, degree = ring.to_half(minor)
-        known.add(turned.half(f, [2 * int(d) for d in degree]))  # of a lower degree it vanishes at π, too
+        known.add(turned(ring.to_half(minor)))
         if known.barren:
             return True
     for _ in range(_ROUNDS):
@@ -76,6 +75,7 @@ def barren(
 
 
 def _number(value: Fraction) -> Polynomial:
+    """As python-flint has it."""
     return flint().fmpq(value.numerator, value.denominator)
 
 
@@ -89,45 +89,38 @@ def _minors(ring: Ring, columns: Sequence[Sequence[Polynomial]], order: int) -> 
                 yield minor
 
 
-class _Turned:
-    """Half-angle polynomials modulo P with each angle turned at random."""
+def _turned(ring: Ring, rng: random.Random) -> Callable[[Form], Polynomial]:
+    """f ↦ f · Π (1 − u_j t_j)^D_j modulo P with each angle turned at random: tan((θ + φ) / 2) = (t + u) / (1 − u t)."""
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(list(ring.names[: ring.moving]), P, module.Ordering.lex)
+    turns = [(t + u, 1 - t * u) for t in context.gens()[: ring.angles] for u in [rng.randrange(2, P)]]
 
-    def __init__(self, ring: Ring, rng: random.Random) -> None:
-        module = flint()
-        self.context = module.nmod_mpoly_ctx.get(list(ring.names[: ring.moving]), P, module.Ordering.lex)
-        gens = self.context.gens()
-        self._angles = ring.angles
-        self._tops, self._bottoms = [], []
-        for k in range(ring.angles):  # tan((θ + φ) / 2) = (t + u) / (1 − u t)
-            u = rng.randrange(2, P)
-            self._tops.append(gens[k] + u)
-            self._bottoms.append(1 - gens[k] * u)
-        self._moving = ring.moving
-
-    def half(self, f: Polynomial, degrees: Sequence[int]) -> Polynomial:
-        """f · Π (1 − u_j t_j)^degree at the turned angles; the degrees are those it counts for."""
-        g = reduced(f)
-        tick(20 + 12 * len(f) + 2 * prod(1 + degree for degree in degrees[: self._angles]))
+    def turned(form: Form) -> Polynomial:
+        residues, degrees = reduced(form.f), form.degrees
+        tick(20 + 12 * len(form.f) + 2 * prod(1 + degree for degree in degrees))
         powers: dict[tuple[int, int], Polynomial] = {}
 
         def nested(items: list[tuple[tuple[int, ...], int]], k: int) -> Polynomial:
             """Σ c t^e with the angles from the k-th on turned: one power of each is multiplied in at a time."""
-            if k == self._angles:
-                return self.context.from_dict({(0,) * k + e[k : self._moving]: value for e, value in items})
+            if k == ring.angles:
+                return context.from_dict({(0,) * k + e[k : ring.moving]: value for e, value in items})
             groups: dict[int, list[tuple[tuple[int, ...], int]]] = {}
             for item in items:
                 groups.setdefault(item[0][k], []).append(item)
-            total = self.context.constant(0)
+            total = context.constant(0)
             for power, group in groups.items():
                 inner = nested(group, k + 1)
                 if degrees[k]:
                     if (k, power) not in powers:
-                        powers[k, power] = self._tops[k] ** power * self._bottoms[k] ** (degrees[k] - power)
+                        top, bottom = turns[k]
+                        powers[k, power] = top**power * bottom ** (degrees[k] - power)
                     inner = inner * powers[k, power]
                 total += inner
             return total
 
-        return nested([(tuple(map(int, e)), int(value)) for e, value in g.to_dict().items()], 0)
+        return nested([(tuple(map(int, e)), int(value)) for e, value in residues.to_dict().items()], 0)
+
+    return turned
 
 
 class _Known:

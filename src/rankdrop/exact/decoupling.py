@@ -33,7 +33,7 @@ from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.link_jacobian import POSE, BlockForm, block_form
 from rankdrop.exact.arm.structure import ExactStructure, listed, structure_of
-from rankdrop.exact.signs import UNSEEN, condition_text, look, merged
+from rankdrop.exact.signs import condition_text, look, merged, roles_of
 from rankdrop.local.lines import Scene
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import ROWS
@@ -352,17 +352,18 @@ def _part(
     times: dict[Atom, Any],
     names: bool,
 ) -> Part:
-    seen = look(chain, atoms) if names else UNSEEN
+    """One factor as a part of the arm; real configurations on it are looked at only where names are wanted."""
+    seen, points, lost = look(chain, atoms) if names else ("", np.zeros((0, 0)), ())
     return Part(
-        name=seen.name or block,
-        roles=seen.roles,
+        name=seen or block,
+        roles=roles_of(seen),
         block=block,
         atoms=atoms,
         multiplicity=max(int(times[atom]) for atom in atoms),
         text=condition_text(chain.ring, atoms),
-        witness=tuple(float(x) for x in out_of_units(chain.robot, seen.points[0])) if len(seen.points) else None,
-        lost=seen.lost,
-        statement=_statement(chain, form, joints, seen.points) if len(seen.points) else "",
+        witness=tuple(float(x) for x in out_of_units(chain.robot, points[0])) if len(points) else None,
+        lost=lost,
+        statement=_statement(chain, form, joints, points) if len(points) else "",
     )
 
 
@@ -376,6 +377,7 @@ def _statement(chain: Chain, form: BlockForm, joints: tuple[int, ...], points: A
 
 
 def _always_singular(chain: Chain) -> bool:
+    """Whether the determinant is zero as a polynomial."""
     rows = [list(row) for row in zip(*chain.columns, strict=True)]
     return bool(chain.ring.determinant(rows) == 0)
 

@@ -9,20 +9,20 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Atom
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import WIDE, Chain
-from rankdrop.exact.arm.structure import structure_of
+from rankdrop.exact.arm.structure import check_basic, structure_of
 from rankdrop.exact.decoupling import Decoupling, decouple, why_not
+from rankdrop.exact.families import real_points
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.methods import METHODS as COMPARED
 from rankdrop.exact.methods import Derivation, derive
 from rankdrop.exact.methods.derivation import Words
-from rankdrop.exact.real import real_points
-from rankdrop.exact.suppression.factors import check_basic
 from rankdrop.exact.suppression.steps import Suppression
 from rankdrop.exact.suppression.suppress import suppress
 from rankdrop.exact.tree import Tree
+from rankdrop.exact.writing.notation import Step
 from rankdrop.local.block import sample, singular_values
 from rankdrop.units import out_of_units
 
@@ -35,39 +35,7 @@ _LONG = 400  # terms of a condition beyond which the methods done by hand take m
 _REGULAR = 200  # random configurations on which no condition may hold
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One step of a derivation done by hand.
-
-    Attributes:
-        title: heading.
-        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
-        whole: the same with everything written out; empty where `lines` leave nothing out.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-    whole: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Chosen:
-    """What the user may choose for suppression and reciprocity.
-
-    Attributes:
-        basic: numbers of the six basic screws; None for the method's own rules.
-        frame: link in whose frame the screws are; None for the one where they are shortest.
-    """
-
-    basic: tuple[int, ...] | None = None
-    frame: int | None = None
-
-    def __bool__(self) -> bool:
-        """Whether anything was chosen."""
-        return self.basic is not None or self.frame is not None
-
-
-DEFAULT_CHOICE = Chosen()
+_Chosen = tuple[tuple[int, ...] | None, int | None]  # basic screws, and the link in whose frame they are
 
 
 @dataclass(frozen=True)
@@ -88,21 +56,23 @@ class CorankOne:
     disagreements: tuple[str, ...] = ()
 
 
-def check_method(chain: Chain, method: str, chosen: Chosen = DEFAULT_CHOICE) -> None:
+def check_method(
+    chain: Chain, method: str, *, basic: tuple[int, ...] | None = None, frame: int | None = None
+) -> None:
     """Refuse decoupling of an arm that does not decouple, and screws chosen for a method that has none, before the rank
     tree is derived.
 
     Raises:
         OptionError: says why.
     """
-    if chosen and method not in CHOOSING:
+    if (basic, frame) != (None, None) and method not in CHOOSING:
         raise OptionError(
             "basic screws and the frame are chosen for another method", where="method", got=method,
             allowed=", ".join(CHOOSING), mend="name one of them",
         )  # fmt: skip
-    check_basic(chain, chosen.basic)
-    if chosen.frame is not None and not 1 <= chosen.frame < chain.n:
-        raise OptionError("no such link frame", where="frame", got=chosen.frame, allowed=f"1 … {chain.n - 1}")
+    check_basic(chain, basic)
+    if frame is not None and not 1 <= frame < chain.n:
+        raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n - 1}")
     if method == "decoupling" and decouple(chain, names=False) is None:
         raise OptionError(
             "this arm does not decouple", where="method", got=why_not(chain), mend="take auto or another method"
@@ -117,7 +87,8 @@ def corank_one(
     work: Work,
     *,
     steps: bool = False,
-    chosen: Chosen = DEFAULT_CHOICE,
+    basic: tuple[int, ...] | None = None,
+    frame: int | None = None,
 ) -> CorankOne:
     """Derive corank 1 by one method, and compare with what the rank tree has found.
 
@@ -129,7 +100,8 @@ def corank_one(
         families: made from it.
         work: deadline and random points.
         steps: also write the derivation down as it is done by hand; long polynomials take seconds to be put shortly.
-        chosen: for suppression and reciprocity: what the user chose.
+        basic: for suppression and reciprocity: numbers of the six basic screws; None for the method's own rules.
+        frame: for these, too: link in whose frame the screws are; None for the one where they are shortest.
 
     Raises:
         OptionError: a method that is not for this arm; says why.
@@ -145,12 +117,13 @@ def corank_one(
         return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     if method == "suppression" or (method == "auto" and six and 6 < chain.n <= WIDE and tree.generic_rank == 6):
         reason = "asked for" if method == "suppression" else why_not(chain)
-        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, chosen), method, tree)
+        return _by_tree_if_open(_suppressed(chain, reason, tree, work, steps, (basic, frame)), method, tree)
     if method == "tree" or (method == "auto" and (chain.n != chain.task.m or tree.generic_rank < chain.task.m)):
         reason = "asked for" if method == "tree" else why_not(chain)
         return CorankOne("tree", reason, (Step("Rank tree", _tree_lines(tree)),))
     reason = why_not(chain) if method == "auto" else "asked for"
-    compared = _compared(chain, "determinant" if method == "auto" else method, reason, families, work, steps, chosen)
+    name = "determinant" if method == "auto" else method
+    compared = _compared(chain, name, reason, families, work, steps, (basic, frame))
     return _by_tree_if_open(compared, method, tree)
 
 
@@ -169,6 +142,7 @@ def _tree_lines(tree: Tree) -> tuple[str, ...]:
 
 
 def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> CorankOne:
+    """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
     told = (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", found.sentences())) if steps else ()
     atoms = [atom for part in found.parts for atom in part.atoms]
     said = [_as_set(chain, atom) for atom in atoms]
@@ -178,14 +152,15 @@ def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> Cora
     return CorankOne("decoupling", found.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree))
 
 
-def _as_set(chain: Chain, atom: Atom) -> Variety:
+def _as_set(chain: Chain, atom: Atom) -> ZeroSet:
+    """Where an atom holds."""
     if atom.pinned:
-        return Variety(chain.ring, {atom.joint: atom.value})
-    return Variety(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
+        return ZeroSet(chain.ring, {atom.joint: atom.value})
+    return ZeroSet(chain.ring, {}, rest=(atom.f,), equations=(atom.f,))
 
 
 def _differences(
-    chain: Chain, method: str, missing: Sequence[Variety], surplus: Sequence[Variety], tree: Tree
+    chain: Chain, method: str, missing: Sequence[ZeroSet], surplus: Sequence[ZeroSet], tree: Tree
 ) -> tuple[str, ...]:
     """One line for each way round: how many sets, and a configuration on one of them; the sets may be polynomials of
     thousands of terms."""
@@ -197,7 +172,7 @@ def _differences(
     )
 
 
-def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
+def _met(chain: Chain, sets: Sequence[ZeroSet], tree: Tree) -> str:
     """A real configuration on one of the sets, in words."""
     rng, r = np.random.default_rng(0), tree.generic_rank
     for one in sets:
@@ -210,10 +185,12 @@ def _met(chain: Chain, sets: Sequence[Variety], tree: Tree) -> str:
 
 
 def _suppressed(
-    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: Chosen
+    chain: Chain, reason: str, tree: Tree, work: Work, steps: bool, chosen: _Chosen
 ) -> CorankOne:
-    found = suppress(chain, frame=chosen.frame, basic=chosen.basic, seconds=work.left)
-    told = tuple(Step(step.title, step.lines) for step in found.steps()) if steps else ()
+    """Corank 1 by dependent-screw suppression."""
+    basic, frame = chosen
+    found = suppress(chain, frame=frame, basic=basic, seconds=work.left)
+    told = found.steps() if steps else ()
     left = (f"suppression did not finish {len(found.left)} of its cases",) if found.left else ()
     different = () if found.left else _suppression_differences(chain, found, tree, work)
     return CorankOne("suppression", reason, told, left, different)
@@ -222,14 +199,13 @@ def _suppressed(
 def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
     """Random points of each method's sets, tried on those of the other."""
     pieces = [piece for family in found.families for piece in family.stratum.pieces]
-    closed = [Variety(chain.ring, piece.pins, equations=tuple(piece.equations)) for piece in pieces]
     missing = []
-    for piece, one in zip(pieces, closed, strict=True):
+    for piece in pieces:
         point = piece.point(work.rng)
         if point is not None and not any(drop.piece.holds_at([point]) for drop in tree.drops):
-            missing.append(one)
+            missing.append(piece)
     surplus = [
-        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in closed)
+        drop.piece for drop in tree.drops if not any(one.holds_at([p]) for p in drop.piece.samples for one in pieces)
     ]
     return _differences(chain, "suppression", missing, surplus, tree)
 
@@ -241,11 +217,12 @@ def _compared(
     families: Sequence[ExactFamily],
     work: Work,
     steps: bool,
-    chosen: Chosen,
+    chosen: _Chosen,
 ) -> CorankOne:
     """One of the methods that KG lists; the families' witnesses satisfy it, random configurations do not."""
     seconds = max(work.left, 0.1)
-    found = derive(chain, method.replace("-", "_"), seconds, frame=chosen.frame, basic=chosen.basic)
+    basic, frame = chosen
+    found = derive(chain, method.replace("-", "_"), seconds, frame=frame, basic=basic)
     different = []
     for family in families:
         if not found.left and not found.holds(family.witness).all():
@@ -255,12 +232,12 @@ def _compared(
     wrong = int((found.holds(q[sigma > 1e-3])).sum())
     if wrong:
         different.append(f"the conditions of the method {method} hold at {wrong} regular configurations")
-    told = (_told(found, f"Method: {method}"),) if steps else ()
+    told = (_step(found, f"Method: {method}"),) if steps else ()
     left = tuple(f"{method}: {one}" for one in found.left)
     return CorankOne(method, reason, told, left, tuple(different))
 
 
-def _told(found: Derivation, title: str) -> Step:
+def _step(found: Derivation, title: str) -> Step:
     """The conditions of a method, its figures and its notes, in lines."""
     words, whole = Words(found.chain.ring), Words(found.chain.ring, whole=True)
     figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())

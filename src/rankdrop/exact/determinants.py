@@ -25,7 +25,7 @@ import numpy as np
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import P, complete, trig_evaluator
+from rankdrop.exact.algebra.field import P, complete, value_at
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import MANY, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -161,6 +161,7 @@ def determinants_of(chain: Chain, work: Work) -> Determinants:
 
 
 def _value(chain: Chain, p: Polynomial, work: Work) -> Value:
+    """A polynomial with its factors, if it is not too long to be factored."""
     if p == 0 or len(p) > MANY:
         return Value(chain.ring, p, None)
     return Value(chain.ring, p, factors_within(chain.ring, p, work.left))
@@ -212,6 +213,7 @@ def _axes(chain: Chain) -> str:
 
 
 def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
+    """det J11 and det J22 of the blocks, and det J with the sign of their product."""
     ring, rows = chain.ring, chain.task.rows
     names = ("det J11", "det J22")
     minors = []
@@ -302,6 +304,7 @@ def closed_inverse(ring: Ring, rows: Sequence[Sequence[Polynomial]], work: Work)
 
 
 def _entry(ring: Ring, p: Polynomial, work: Work) -> Value:
+    """An entry of the adjugate with its factors."""
     work.check()
     return Value(ring, p, None if p == 0 else factors_within(ring, p, work.left))
 
@@ -321,12 +324,12 @@ def _agrees(
     seed: int,
 ) -> bool:
     """Whether J · adj J = det J · 1 at a random point modulo the prime."""
-    rng, evaluate, n = random.Random(seed), trig_evaluator(ring), len(rows)
+    rng, n = random.Random(seed), len(rows)
     point = None
     while point is None:
         point = complete(ring, {name: rng.randrange(P) for name in ring.names}, {})
-    one = [[evaluate(x, point) for x in row] for row in rows]
-    two = [[evaluate(x, point) for x in row] for row in adjugate]
-    middle = evaluate(whole, point)
+    one = [[value_at(ring, x, point) for x in row] for row in rows]
+    two = [[value_at(ring, x, point) for x in row] for row in adjugate]
+    middle = value_at(ring, whole, point)
     entries = ((i, j, sum(one[i][k] * two[k][j] for k in range(n)) % P) for i in range(n) for j in range(n))
     return all(value == (middle if i == j else 0) for i, j, value in entries)

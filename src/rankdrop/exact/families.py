@@ -3,47 +3,158 @@
 *Sharp* conditions hold on a set and nowhere else where the rank is higher. An irreducible set is solved for one
 variable after the other, and the equations met on the way may hold elsewhere too: A t + B = 0 and A'B − AB' = 0 hold
 where A = B = 0, whatever t is. A factor of a minor that vanishes on the set, and not there, tells the two apart.
-
-The last part says what an exact family is called, what it takes away, and at which configuration it is shown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.polynomial import Polynomial, used
-from rankdrop.exact.algebra.solving import form
+from rankdrop.exact.algebra.polynomial import Polynomial, coefficients, used
+from rankdrop.exact.algebra.ring import Form
 from rankdrop.exact.algebra.split import with_points
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check, rank_agreement
 from rankdrop.exact.family import ExactFamily
+from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
-from rankdrop.exact.real import STARTS, Reality, reality
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing.condition import Condition
-from rankdrop.family.naming import lost_motions, name_family, told_apart
-from rankdrop.local.block import singular_values
-from rankdrop.problem import Problem, wrapped
+from rankdrop.exact.writing.condition import RADIANS, Condition
+from rankdrop.family.naming import told_apart
+from rankdrop.family.system import System
+from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array
-from rankdrop.tolerances import DEFAULT
-from rankdrop.units import out_of_units
+from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_HIGHER, RANK_KEPT, REAL_STARTS, SMOOTH
+
+
+@dataclass(frozen=True, eq=False)
+class Reality:
+    """Real points of an irreducible set.
+
+    Attributes:
+        points: (k, n) real configurations of `Chain.own` on it, of the rank claimed; none where it is not real.
+        smooth: at one of them the gradients have full rank: near it the real set has the dimension claimed.
+        proof: why it is not real, where that is proven; "" where none was found only.
+        condition: when it is real, in words; "" where that is plain.
+        strays: (k, n) real configurations of higher rank that satisfy the conditions of the set, too.
+        unclear: at so many more the conditions hold, and the rank is neither lost nor clearly higher: they are near
+            points at which conditions touch zero only.
+    """
+
+    points: Array
+    smooth: bool
+    proof: str
+    condition: str
+    strays: Array
+    unclear: int = 0
+
+    @property
+    def real(self) -> bool:
+        """Whether real points of the dimension claimed were found."""
+        return self.smooth and len(self.points) > 0
+
+
+def reality(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> Reality:
+    """Look for real points on a set, with the arm's own lengths.
+
+    Args:
+        chain: the arm.
+        piece: irreducible set.
+        rank: of the task Jacobian almost everywhere on it.
+        rng: source of starts.
+    """
+    n = chain.n
+    words: list[str] = []
+    for f in piece.equations:
+        found = _discriminant(piece, f)
+        if found is None:
+            continue
+        text = letters_text(chain.ring, found)
+        if sign_of(chain, found) < 0:
+            none = np.empty((0, n))
+            return Reality(none, False, f"{text} ≥ 0 does not hold", text, none)
+        if text and not _always(chain, found):
+            words.append(f"{text} ≥ 0")
+    points, smooth, strays, unclear = _met(chain, piece, rank, rng)
+    condition = "real if and only if " + " and ".join(words) if words else ""
+    return Reality(points, smooth, "", condition, strays, unclear)
+
+
+def real_points(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array]:
+    """(k, n) real configurations of `Chain.own` on a set with exactly its rank, whether the set is smooth at one of
+    them, and those of higher rank that satisfy its conditions.
+    """
+    return _met(chain, piece, rank, rng)[:3]
+
+
+def _met(chain: Chain, piece: ZeroSet, rank: int, rng: np.random.Generator) -> tuple[Array, bool, Array, int]:
+    """`real_points`, and at how many more its conditions hold and the rank is neither lost nor clearly higher."""
+    n = chain.n
+    theta = rng.uniform(-np.pi, np.pi, (REAL_STARTS, n))
+    low, high = sampling_box(chain.own, chain.own_task, limits=False)
+    for j in chain.ring.prismatic:  # of their travel
+        theta[:, j - 1] = low[j - 1] + (high[j - 1] - low[j - 1]) * (theta[:, j - 1] + np.pi) / (2 * np.pi)
+    pinned = list(piece.pins)
+    for j, value in piece.pins.items():
+        theta[:, j - 1] = RADIANS[value]
+    q = theta - chain.shifts
+    shifts = chain.shifts.tolist()
+    equations = tuple(
+        Condition(chain.ring, chain.own_polynomial(f)).equation(chain.own_numbers, n, shifts) for f in piece.equations
+    )
+    system = System(equations)
+    moving = np.delete(np.eye(n), [j - 1 for j in pinned], axis=1)
+    good = np.ones(REAL_STARTS, dtype=np.bool_)
+    if equations:
+        q, good = system.solve(q, along=moving, iterations=60)
+    sigma = singular_values(chain.own, q, chain.own_task)
+    full = sigma[:, rank] if rank < sigma.shape[1] else np.zeros(REAL_STARTS)
+    strays = q[good & (full > RANK_HIGHER)]
+    unclear = int((good & (full > DEFAULT.singular) & (full <= RANK_HIGHER)).sum())
+    good &= full <= DEFAULT.singular
+    good &= (sigma[:, rank - 1] > RANK_KEPT) if rank else True
+    q = q[good]
+    if not equations or not len(q):
+        return q, len(q) > 0, strays, unclear
+    smooth = full_rank(system.jacobian(q) @ moving, piece.codimension - len(pinned))
+    return (q[smooth], True, strays, unclear) if smooth.any() else (q, False, strays, unclear)
+
+
+def full_rank(gradients: Array, wanted: int) -> NDArray[np.bool_]:
+    """(k,) whether gradients (k, conditions, joints) of rank `wanted` are more than what rounding leaves of none."""
+    return np.asarray((np.linalg.svd(gradients, compute_uv=False) > SMOOTH).sum(axis=1) >= wanted)
+
+
+def _discriminant(piece: ZeroSet, f: Polynomial) -> Polynomial | None:
+    """b² − 4ac of a condition on one angle alone; None for another one."""
+    ring = piece.ring
+    places = [place for place in used(f) if place < ring.moving]
+    if len(places) != 1 or f.degrees()[places[0]] != 2:
+        return None
+    c, b, a = coefficients(f, places[0])
+    return b * b - 4 * a * c
+
+
+def _always(chain: Chain, f: Polynomial) -> bool:
+    """Whether f ≥ 0 for a plain reason: a number, a sum of squares times positive numbers."""
+    return all(value > 0 and not any(e % 2 for e in powers) for powers, value in f.terms())
+
 
 _MINORS = 60  # minors that are factored in search of a condition
 _ENOUGH = 6  # conditions that are compared
-_FAR = 1e-6  # |f| above this, coefficients of size one: the condition does not hold
 
 
-def sharpened(
-    chain: Chain, piece: Variety, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
-) -> Variety | None:
+def separated(
+    chain: Chain, piece: ZeroSet, rank: int, strays: Array, known: Sequence[Polynomial], work: Work
+) -> ZeroSet | None:
     """The set with one more condition, which fails at some of the strays; None where none was found.
 
     Args:
@@ -71,11 +182,11 @@ def _away(chain: Chain, f: Polynomial, strays: Array) -> int:
     """At how many configurations a condition does not hold."""
     condition = Condition(chain.ring, chain.own_polynomial(f))
     equation = condition.equation(chain.own_numbers, chain.n, chain.shifts.tolist())
-    return int((np.abs(equation(strays)) > _FAR).sum())
+    return int((np.abs(equation(strays)) > CONDITION_FAILS).sum())
 
 
 def _candidates(
-    chain: Chain, piece: Variety, rank: int, known: Sequence[Polynomial], work: Work
+    chain: Chain, piece: ZeroSet, rank: int, known: Sequence[Polynomial], work: Work
 ) -> Iterator[Polynomial]:
     """Half-angle polynomials that vanish on a set: known ones, then factors of minors that are zero on it."""
     ring = piece.ring
@@ -96,29 +207,20 @@ def _candidates(
 
 
 _LONG = 40  # terms of a set's conditions beyond which they are not written out
-_SHARPENED = 3  # conditions added at most
+_SEPARATED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
-
-
-@dataclass(frozen=True, eq=False)
-class RealSet:
-    """An irreducible set with real points of the arm on it."""
-
-    piece: Variety
-    rank: int
-    reality: Reality
 
 
 def real_sets(
     chain: Chain, drops: Sequence[Drop], work: Work, left: list[str], seed: int = 0
-) -> tuple[list[RealSet], list[str]]:
-    """The sets that have real points, in short words, and sentences on those that do not.
+) -> tuple[list[tuple[Drop, Reality]], list[str]]:
+    """The sets that have real points, in short words, with these points, and sentences on the sets that have none.
 
     Where the real points of a set are fewer than its conditions say (a sum of squares vanishes), the set is cut down to
     them by the derivatives of its conditions. What time does not allow is told in `left`.
     """
-    kept: list[RealSet] = []
-    left_out: dict[str, list[Variety]] = {}
+    kept: list[tuple[Drop, Reality]] = []
+    left_out: dict[str, list[ZeroSet]] = {}
     known: list[Polynomial] = []
     waiting = list(drops)
     while waiting:
@@ -141,7 +243,7 @@ def real_sets(
             left.append(f"the real points of a set were not all taken apart: {_named(piece)}")
             work.without_points.clear()
         if found.real:
-            kept.append(RealSet(piece, drop.rank, found))
+            kept.append((Drop(piece, drop.rank), found))
             if len(found.strays):
                 left.append(
                     f"the conditions of a set of rank {drop.rank} hold at configurations of higher rank, too, and no "
@@ -154,22 +256,22 @@ def real_sets(
                 f"a set has real points, but its conditions are dependent at all that were found: {_named(piece)}"
             )
         elif not thinner:
-            left_out.setdefault(f"no real point was found from {STARTS} random starts", []).append(piece)
-    remaining = largest([Drop(one.piece, one.rank) for one in kept])
+            left_out.setdefault(f"no real point was found from {REAL_STARTS} random starts", []).append(piece)
+    remaining = largest([drop for drop, _ in kept])
     sentences = [f"{', '.join(row.texts)}: {why}" for why, pieces in left_out.items() for row in merge(pieces)]
-    return [one for one in kept if any(one.piece is drop.piece for drop in remaining)], sentences
+    return [one for one in kept if any(one[0] is drop for drop in remaining)], sentences
 
 
 def _sharp(
     chain: Chain, drop: Drop, rng: np.random.Generator, known: list[Polynomial], work: Work
-) -> tuple[Variety, Reality]:
+) -> tuple[ZeroSet, Reality]:
     """A set in short words, with conditions added until no configuration of higher rank satisfies them."""
     piece = tidy(drop.piece, work)
     found = reality(chain, piece, drop.rank, rng)
-    for _ in range(_SHARPENED):
+    for _ in range(_SEPARATED):
         if not len(found.strays):
             break
-        more = sharpened(chain, piece, drop.rank, found.strays, known, work)
+        more = separated(chain, piece, drop.rank, found.strays, known, work)
         if more is None:
             break
         known += [f for f in more.equations[-1:] if not any(f is one for one in known)]
@@ -177,32 +279,33 @@ def _sharp(
     return piece, found
 
 
-def _named(piece: Variety) -> str:
+def _named(piece: ZeroSet) -> str:
     """A set for people: its conditions, or how long they are."""
     terms = sum(map(len, piece.equations))
     return ", ".join(alone(piece).texts) if terms <= _LONG else f"{len(piece.equations)} conditions of {terms} terms"
 
 
-def _thinner(chain: Chain, piece: Variety, work: Work) -> list[Drop]:
+def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
     """The real points of a set whose condition does not change its sign: there its derivatives vanish too."""
-    if len(piece.equations) != 1 or piece.also:
+    if len(piece.equations) != 1 or piece.zero:
         return []
-    ring, (f, degree) = chain.ring, form(piece.equations[0], chain.ring)
+    ring, form = chain.ring, chain.ring.form(piece.equations[0])
+    f = form.f
     slopes = []
     for place, name in enumerate(ring.names[: ring.moving]):
         slope = f.derivative(name)
         if place < ring.angles:  # by the angle, of f / (1 + t²)^(D/2): a polynomial of degree D again
             t = f.context().gen(place)
-            slope = (1 + t**2) * slope - degree[place] * t * f
-        slopes.append((slope, degree))
-    found = decompose(ring, piece.pins, [(f, degree), *slopes], chain.n, work)
+            slope = (1 + t**2) * slope - form.degrees[place] * t * f
+        slopes.append(Form(ring, slope, form.degrees))
+    found = decompose(ring, piece.pins, [form, *slopes], chain.n, work)
     smaller = with_points([one for one in found if one.codimension > piece.codimension], work)
     return [Drop(one, rank_on(chain.columns, one)) for one in smaller]
 
 
 def families(
     chain: Chain,
-    sets: Sequence[RealSet],
+    sets: Sequence[tuple[Drop, Reality]],
     generic_rank: int,
     work: Work,
     describe: Callable[[int, Array, Pins, Sequence[int]], tuple[str, tuple[str, ...], tuple[float, ...]]],
@@ -221,13 +324,13 @@ def families(
         Families by corank, large ones first, with their numbers.
     """
     result: list[ExactFamily] = []
-    seen = {id(one.piece): one.reality for one in sets}
+    seen = {id(drop.piece): found for drop, found in sets}
     for corank in range(1, generic_rank + 1):
         rank = generic_rank - corank
-        by_reality: dict[str, list[Variety]] = {}
-        for one in sets:
-            if one.rank == rank:
-                by_reality.setdefault(one.reality.condition, []).append(one.piece)
+        by_reality: dict[str, list[ZeroSet]] = {}
+        for drop, found in sets:
+            if drop.rank == rank:
+                by_reality.setdefault(found.condition, []).append(drop.piece)
         rows = [row for pieces in by_reality.values() for row in merge(pieces)]
         here: list[ExactFamily] = []
         for row in rows:
@@ -255,6 +358,7 @@ def _family(
     told: tuple[str, tuple[str, ...], tuple[float, ...]],
     check: Check,
 ) -> ExactFamily:
+    """One row of sets as a family, its number and final name still to come."""
     piece = row.pieces[0]
     conditions = tuple(Condition(chain.ring, f) for f in sorted(row.equations, key=len))
     coupled = tuple(sorted({joint for one in conditions for joint in one.joints}))
@@ -276,53 +380,3 @@ def _family(
         shifts=tuple(float(x) for x in chain.shifts),
         pieces=row.pieces,
     )
-
-
-_ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
-
-
-def described(
-    chain: Chain,
-    generic_rank: int,
-    corank: int,
-    points: Array,
-    pins: Mapping[int, tuple[str, ...]],
-    coupled: Sequence[int],
-) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
-    """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
-
-    Args:
-        chain: the arm.
-        generic_rank: of the task Jacobian.
-        corank: of the family.
-        points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
-        pins: its pinned joints.
-        coupled: joints that its other conditions bind.
-    """
-    robot, task = chain.own, chain.own_task
-    at = _witness(chain, generic_rank - corank, points, pins)
-    name = name_family(robot, task, points, sorted(pins), coupled=coupled)
-    _, sentences = lost_motions(Problem(robot, task, corank), at, points)
-    return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
-
-
-def _witness(chain: Chain, rank: int, points: Array, pins: Mapping[int, tuple[str, ...]]) -> Array:
-    """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
-    q = wrapped(chain.own, points)
-    rounded = q.copy()
-    for joint in range(chain.n):
-        tried = rounded.copy()
-        tried[:, joint] = 0.0 if joint in (0, chain.n - 1) else np.round(tried[:, joint] / _ROUND) * _ROUND
-        if joint + 1 not in pins and _holds(chain, rank, tried):
-            rounded = tried
-    sigma = singular_values(chain.own, rounded, chain.own_task)
-    best = rounded[int(np.argmax(sigma[:, rank - 1] if rank else sigma[:, 0]))]
-    return np.asarray(np.where(np.abs(best) < 1e-15, 0.0, np.round(best, 15)))
-
-
-def _holds(chain: Chain, rank: int, q: Array) -> bool:
-    """Whether every configuration has exactly this rank."""
-    sigma = singular_values(chain.own, q, chain.own_task)
-    low = sigma[:, rank:].max(axis=1) if rank < sigma.shape[1] else np.zeros(len(q))
-    high = sigma[:, rank - 1] if rank else np.ones(len(q))
-    return bool((low <= DEFAULT.singular).all() and (high > 1e3 * DEFAULT.singular).all())

@@ -1,14 +1,13 @@
 """Letters for the lengths of an arm: what is assumed of them, and what holds where the assumption fails.
 
 Polynomials in lengths alone have a value and a sign for an arm, and a text. An arm derived with letters is held against
-the same arm with numbers (`settled`). What an arm of special lengths adds comes of the derivation done again where an
-assumption on the lengths fails (`assumptions`).
+the same arm with numbers (`decided_by_numbers`). What an arm of special lengths adds comes of the derivation done again
+where an assumption on the lengths fails (`assumptions`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from rankdrop.exact.algebra.field import residue
@@ -19,8 +18,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import Assumption
 from rankdrop.exact.merge import merge, tidy
 from rankdrop.exact.tree import Drop, Tree, rank_tree
-
-_ZERO = Fraction(1, 10**12)  # share of the terms' sizes below which their sum is rounding of the lengths given
+from rankdrop.tolerances import ROUNDED_LENGTHS
 
 
 def value_of(chain: Chain, f: Polynomial) -> float:
@@ -32,7 +30,7 @@ def sign_of(chain: Chain, f: Polynomial) -> int:
     """Sign of f at the arm's own lengths: −1, 0 or 1."""
     parts = _terms(chain, f)
     value, size = sum(parts, Fraction(0)), sum(map(abs, parts), Fraction(0))
-    return 0 if abs(value) <= _ZERO * size else (1 if value > 0 else -1)
+    return 0 if abs(value) <= Fraction(ROUNDED_LENGTHS) * size else (1 if value > 0 else -1)
 
 
 def _terms(chain: Chain, f: Polynomial) -> list[Fraction]:
@@ -95,7 +93,7 @@ def _power(e: int) -> str:
 _LONG = 2000  # terms of a condition that is factored at the arm's own lengths
 
 
-def settled(chain: Chain, tree: Tree, plain: Tree) -> bool:
+def decided_by_numbers(chain: Chain, tree: Tree, plain: Tree) -> bool:
     """Whether what a tree with letters leaves open, or rules out, makes no difference for the arm's own lengths.
 
     So it is where the tree with numbers leaves nothing open and has nothing besides. A set that it could not look into
@@ -146,13 +144,8 @@ _NUMBERS = {1: "one freedom", 2: "two freedoms", 3: "three freedoms", 4: "four f
 _SHOWN = 3  # families of a special arm that are named in its sentence
 
 
-@dataclass(frozen=True, slots=True)
-class _Equal:
-    """letter = sign · other."""
-
-    letter: str
-    sign: int
-    other: str
+_Equal = tuple[str, int, str]
+"""(letter, sign, other): letter = sign · other."""
 
 
 def assumptions(chain: Chain, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work) -> list[Assumption]:
@@ -186,8 +179,10 @@ def assumptions(chain: Chain, drops: Sequence[Drop], generic_rank: int, lowest: 
 
 
 def _unequal(chain: Chain, f: Polynomial, equal: _Equal | None) -> str:
+    """What is assumed, in words."""
     if equal is not None:
-        return f"{equal.letter} ≠ {'−' if equal.sign < 0 else ''}{equal.other}"
+        letter, sign, other = equal
+        return f"{letter} ≠ {'−' if sign < 0 else ''}{other}"
     return f"{sum_text(chain.ring, f)} ≠ 0"
 
 
@@ -198,14 +193,15 @@ def _equal(chain: Chain, f: Polynomial) -> _Equal | None:
     if len(terms) != 2 or f.total_degree() != 1 or any(abs(value) != 1 for _, value in terms):
         return None
     (one, first), (two, second) = ((names[list(powers).index(1)], value) for powers, value in terms)
-    return _Equal(one, 1 if first != second else -1, two)
+    return one, 1 if first != second else -1, two
 
 
 def _words(
     chain: Chain, equal: _Equal, drops: Sequence[Drop], generic_rank: int, lowest: int, work: Work
 ) -> str:
     """The families that the special arm has besides, in one sentence; "" for none."""
-    special = chain.with_letters({equal.other: (equal.sign, equal.letter)})
+    letter, sign, other = equal
+    special = chain.with_letters({other: (sign, letter)})
     inner = Work(work.left)
     tree = rank_tree(special, inner, lowest=lowest)
     if not tree.finished:
@@ -217,20 +213,19 @@ def _words(
         rows += [(row.texts, generic_rank - rank) for row in merge(pieces)]
     if not rows:
         return ""
-    told = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
+    said = [_sentence(texts, corank) for texts, corank in rows[:_SHOWN]]
     more = f", and {len(rows) - _SHOWN} more families" if len(rows) > _SHOWN else ""
-    sign = "−" if equal.sign < 0 else ""
-    return f"if {equal.letter} = {sign}{equal.other}, " + "; ".join(told) + more
+    return f"if {letter} = {'−' if sign < 0 else ''}{other}, " + "; ".join(said) + more
 
 
 def _sentence(texts: tuple[str, ...], corank: int) -> str:
+    """What a family of a special arm takes away, in words."""
     lost = _NUMBERS.get(corank, str(corank))
     return f"{texts[0]} alone loses {lost}" if len(texts) == 1 else f"{', '.join(texts)} together lose {lost}"
 
 
 def _known(drop: Drop, drops: Sequence[Drop], equal: _Equal) -> bool:
     """Whether a set of the special arm lies in one of the general arm's, of the same or a lower rank."""
-    points = [
-        point.changed({equal.other: equal.sign * point[equal.letter] % point.prime}) for point in drop.piece.samples
-    ]
-    return any(other.piece.holds_at(points) for other in drops if other.rank <= drop.rank)
+    letter, sign, other = equal
+    points = [point.changed({other: sign * point[letter] % point.prime}) for point in drop.piece.samples]
+    return any(one.piece.holds_at(points) for one in drops if one.rank <= drop.rank)

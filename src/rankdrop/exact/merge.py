@@ -17,36 +17,35 @@ from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.field import Point
 from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import form
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.writing.condition import Condition, pin_text
 
 _MOST = 4  # joints in a sum
 _SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
 
 
-def tidy(piece: Variety, work: Work) -> Variety:
+def tidy(piece: ZeroSet, work: Work) -> ZeroSet:
     """The same set with its constant sums of angles among the conditions, and the other conditions shortened by them.
 
     Raises:
         OutOfTime: the deadline has passed.
     """
-    if len(piece.equations) < 2 or piece.also or not piece.samples:
+    if len(piece.equations) < 2 or piece.zero or not piece.samples:
         return piece
     ring = piece.ring
     found = list(_relations(piece))
     if not found or all(str(f) in {str(primitive(g)) for g in piece.equations} for f in found):
         return piece
     most = piece.codimension - len(piece.pins)
-    system = [form(f, ring) for f in (*found, *piece.equations)]
+    system = [ring.form(f) for f in (*found, *piece.equations)]
     for other in decompose(ring, piece.pins, system, most, work):
         if other.codimension == piece.codimension and other.inside(piece) and piece.inside(other):
             return other
     return piece
 
 
-def _relations(piece: Variety) -> Iterator[Polynomial]:
+def _relations(piece: ZeroSet) -> Iterator[Polynomial]:
     """Polynomials of Σ ± θ_j = 0, π or ±π/2 that hold on a set, for its joints that are bound together."""
     ring = piece.ring
     bound = {place for f in piece.equations for place in used(f) if place < ring.angles}
@@ -105,7 +104,7 @@ class Row:
 
     pins: Pins
     equations: tuple[Polynomial, ...]
-    pieces: tuple[Variety, ...]
+    pieces: tuple[ZeroSet, ...]
 
     @property
     def texts(self) -> tuple[str, ...]:
@@ -116,7 +115,7 @@ class Row:
         )
 
 
-def merge(pieces: Sequence[Variety]) -> list[Row]:
+def merge(pieces: Sequence[ZeroSet]) -> list[Row]:
     """Rows of sets with the same conditions whose simple angles form all combinations; large sets first.
 
     Two rows that differ in one sum of angles alone, which is x on the one and x + π on the other, become one too.
@@ -128,7 +127,7 @@ def merge(pieces: Sequence[Variety]) -> list[Row]:
     return sorted(_joined(rows, _sums_joined), key=_order)
 
 
-def alone(piece: Variety) -> Row:
+def alone(piece: ZeroSet) -> Row:
     """One set as a row of its own."""
     return Row({joint: (value,) for joint, value in sorted(piece.pins.items())}, tuple(piece.equations), (piece,))
 
@@ -146,6 +145,7 @@ def _joined(rows: list[Row], join: Callable[[Row, Row], Row | None]) -> list[Row
 
 
 def _angles_joined(one: Row, two: Row) -> Row | None:
+    """Two rows that differ in the angles of one joint alone as one; None for others."""
     joint = _different(one.pins, two.pins)
     if joint is None:
         return None
@@ -178,5 +178,6 @@ def _different(one: Pins, two: Pins) -> int | None:
 
 
 def _order(row: Row) -> tuple[object, ...]:
+    """Sort key of rows: large sets first, then few and short conditions."""
     piece = row.pieces[0]
     return piece.codimension, len(row.equations), sorted(row.pins.items()), sum(map(len, row.equations)), piece.key

@@ -95,7 +95,7 @@ def signed_factors(ring: Ring, atoms: Sequence[Atom]) -> tuple[SignedFactor, ...
     kept = list(dict.fromkeys(atoms))
     odd = [_odd(ring, (atom,)) for atom in kept]
     groups: list[tuple[int, ...]] = []
-    basis = _told(kept)
+    basis = _not_needed(kept)
     candidates = (chosen for size in range(1, len(kept) + 1) for chosen in combinations(range(len(kept)), size))
     for chosen in sorted(candidates, key=lambda one: (len(one), not simple_pair([kept[i] for i in one]), one)):
         total: set[int] = set()
@@ -115,7 +115,7 @@ def simple_pair(atoms: Sequence[Atom]) -> bool:
     return len(atoms) == 2 and atoms[0].joint == atoms[1].joint and tuple(a.value for a in atoms) in _PAIRS
 
 
-def _told(atoms: Sequence[Atom]) -> list[int]:
+def _not_needed(atoms: Sequence[Atom]) -> list[int]:
     """Products, as bits, that need no factor: of a joint with all four pins sine and cosine tell the quarter."""
     rows: list[int] = []
     for joint in dict.fromkeys(atom.joint for atom in atoms if atom.pinned):
@@ -225,6 +225,7 @@ def _odd(ring: Ring, atoms: Sequence[Atom]) -> set[int]:
 
 
 def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor:
+    """Atoms as one factor, with the text that people read and its sign over the product of their functions."""
     if simple_pair(atoms):
         # sin θ = 2 sin(θ/2) cos(θ/2); cos θ = −2 sin(θ/2 − π/4) sin(θ/2 + π/4)
         sine = atoms[0].value == "0"
@@ -256,6 +257,7 @@ def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) 
 
 
 def _random(chain: Chain, rng: np.random.Generator) -> Array:
+    """θ (n,) at random tenths [rad], slides at shares of the reach."""
     theta = np.round(rng.uniform(-np.pi, np.pi, chain.n), 1)
     for j in chain.ring.prismatic:
         theta[j - 1] = np.round(rng.uniform(0.3, 1.0), 1) * reach(chain.own)
@@ -298,25 +300,10 @@ ROLES = ("shoulder", "elbow", "wrist")
 _PIN = {"0": "0", "pi": "π", "pi/2": "π/2", "-pi/2": "−π/2"}
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where a part was looked at.
-
-    Attributes:
-        name: as `analyze` names such a family; "" where no configuration is real, or singular of corank 1.
-        roles: out of "shoulder", "elbow", "wrist", as the name says.
-        points: (N, n) real configurations on the part, those of corank 1 where there are such; of `Chain.own`.
-        lost: one sentence on each direction lost, in a frame where it stands still or at the first point.
-    """
-
-    name: str
-    roles: tuple[str, ...]
-    points: Array
-    lost: tuple[str, ...]
-
-
-UNSEEN = Place("", (), np.zeros((0, 0)), ())
-"""A part that was not looked at, or of which no real configuration was found."""
+Seen = tuple[str, Array, tuple[str, ...]]
+"""(name, points, lost) of a part: as `analyze` names such a family, "" where no configuration is real, or singular of
+corank 1; (N, n) real configurations of `Chain.own` on it, those of corank 1 where there are such; one sentence on each
+direction lost, in a frame where it stands still or at the first point."""
 
 
 def merged(atoms: Sequence[Atom]) -> tuple[tuple[Atom, ...], ...]:
@@ -338,7 +325,13 @@ def condition_text(ring: Ring, atoms: Sequence[Atom]) -> str:
     return Condition(ring, atoms[0].f).text()
 
 
-def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
+def roles_of(name: str) -> tuple[str, ...]:
+    """The parts of an arm (out of `ROLES`) that a family's name speaks of."""
+    head, colon, _ = name.partition(":")
+    return tuple(role for role in ROLES if colon and role in head)
+
+
+def look(chain: Chain, atoms: Sequence[Atom]) -> Seen:
     """Name a part by the geometry of real configurations on it, and say what is lost there.
 
     Names and lost directions are seen at `POINTS` random configurations; they are not proofs.
@@ -346,23 +339,22 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Place:
     robot, task = chain.own, chain.own_task
     points = real_points(chain, atoms, POINTS)
     if not len(points):
-        return UNSEEN
+        return "", points, ()
     rank = generic_rank(robot, task)
     sigma = singular_values(robot, points, task)
     simple = (sigma[:, rank - 1] <= DEFAULT.singular) & (rank == 1 or sigma[:, max(rank - 2, 0)] > DEFAULT.explained)
     if not simple.any():  # the part lies in a family of higher corank
-        return Place("", (), points, ())
+        return "", points, ()
     points = points[simple]
     try:
         name = name_family(robot, task, points)
     except ConfigurationError:
         name = ""
-    head, colon, _ = name.partition(":")
-    roles = tuple(role for role in ROLES if colon and role in head)
-    return Place(name, roles, points, _lost(chain, points))
+    return name, points, _lost(chain, points)
 
 
 def _lost(chain: Chain, points: Array) -> tuple[str, ...]:
+    """Sentences on the directions lost at all points alike, else on those at the first one."""
     robot, task = chain.own, chain.own_task
     still = lost_over_family(robot, points, task, 1)
     found = still or lost_in_sparsest_frame(robot, points[0], task, 1)

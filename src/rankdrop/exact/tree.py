@@ -23,12 +23,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, islice
 
-from rankdrop.exact.algebra.field import rank, trig_evaluator
+from rankdrop.exact.algebra.field import rank, value_at
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.split import cut, meet, pinned, with_points, zero_where
-from rankdrop.exact.algebra.variety import Variety
 from rankdrop.exact.algebra.work import OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.barren import barren
 from rankdrop.local.block import generic_rank
@@ -97,7 +97,7 @@ _SHORT = 4  # a minor with so short factors is taken at once
 class Drop:
     """An irreducible closed set on which the rank is `rank` almost everywhere, and lower than around it."""
 
-    piece: Variety
+    piece: ZeroSet
     rank: int
 
 
@@ -123,7 +123,7 @@ class Tree:
     left: list[str] = field(default_factory=list)
     visited: int = 0
     unresolved: list[str] = field(default_factory=list)
-    without_points: list[tuple[Variety, int, bool]] = field(default_factory=list)
+    without_points: list[tuple[ZeroSet, int, bool]] = field(default_factory=list)
 
     @property
     def finished(self) -> bool:
@@ -143,7 +143,7 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
         Tree; incomplete, with what is left in words, where time ran out or the user interrupted it.
     """
     work.lengths = chain.letters
-    whole = Variety.whole(chain.ring)
+    whole = ZeroSet.whole(chain.ring)
     try:
         columns, never = smallest(chain)
     except OutOfTime as stop:
@@ -191,7 +191,7 @@ def largest(found: Sequence[Drop]) -> list[Drop]:
 
 
 def _explore(
-    columns: list[list[Polynomial]], order: int, waiting: list[Variety], found: list[Drop], tree: Tree, work: Work
+    columns: list[list[Polynomial]], order: int, waiting: list[ZeroSet], found: list[Drop], tree: Tree, work: Work
 ) -> None:
     """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
@@ -201,7 +201,7 @@ def _explore(
     n, m = len(columns), len(columns[0])
     bound = (m - order + 1) * (n - order + 1)
     bending = _bending(columns, waiting[0].ring)
-    seen: list[Variety] = []
+    seen: list[ZeroSet] = []
     while waiting:
         work.show(f"sets looked into for rank < {order}", len(seen) - len(waiting) + 1, len(seen) + 1)
         piece = min(waiting, key=_length)
@@ -238,11 +238,12 @@ def _bending(columns: list[list[Polynomial]], ring: Ring) -> int:
     return angles + sum(any(d[k + ring.angles] for d in degrees) for k in range(ring.angles, ring.moving))
 
 
-def _length(piece: Variety) -> int:
+def _length(piece: ZeroSet) -> int:
+    """How long a set's conditions are: the shortest set is looked into first."""
     return piece.codimension + sum(map(len, piece.equations))
 
 
-def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Iterator[Variety]:
+def _by_rank(columns: list[list[Polynomial]], piece: ZeroSet, work: Work) -> Iterator[ZeroSet]:
     """A set, or, where two conditions hold on several, parts of it on each of which all of them have the same rank.
 
     A minor as large as the highest rank met is zero where the rank is lower. Where it is not, the rank is the highest
@@ -253,7 +254,7 @@ def _by_rank(columns: list[list[Polynomial]], piece: Variety, work: Work) -> Ite
         yield piece
         return
     ring = piece.ring
-    remaining: Variety | None = piece
+    remaining: ZeroSet | None = piece
     for atom in _atoms(ring, _parting(columns, piece, ranks, work)):
         if remaining is None or atom.value == "pi":
             continue  # sets with a further joint at π have been taken apart from this one
@@ -271,19 +272,18 @@ def _atoms(ring: Ring, minor: Polynomial) -> list[Atom]:
     """The irreducible conditions under one of which a minor vanishes; a very long one as it stands."""
     if len(minor) <= _FACTORED:
         return [atom for atom, _ in ring.factor(minor).atoms]
-    f = primitive(ring.to_half(minor)[0])
+    f = primitive(ring.to_half(minor).f)
     return [Atom(0, "", f, str(f))]
 
 
-def _parting(columns: list[list[Polynomial]], piece: Variety, ranks: list[int], work: Work) -> Polynomial:
+def _parting(columns: list[list[Polynomial]], piece: ZeroSet, ranks: list[int], work: Work) -> Polynomial:
     """Of some minors that are not zero at a point of the highest rank, the one that is not zero at most of these."""
-    ring, highest = piece.ring, max(ranks)
+    highest = max(ranks)
     full = [point for point, met in zip(piece.samples, ranks, strict=True) if met == highest]
-    evaluate = trig_evaluator(ring)
     best: tuple[int, int, Polynomial] | None = None
     for minor in islice(_minors(columns, piece, highest), _TRIED):
         work.check()
-        known = [evaluate(minor, point) != 0 for point in full]
+        known = [value_at(piece.ring, minor, point) != 0 for point in full]
         if any(known) and (best is None or (-sum(known), len(minor)) < best[:2]):
             best = (-sum(known), len(minor), minor)
         if all(known):
@@ -293,25 +293,25 @@ def _parting(columns: list[list[Polynomial]], piece: Variety, ranks: list[int], 
     return best[2]
 
 
-def rank_on(columns: list[list[Polynomial]], piece: Variety) -> int:
+def rank_on(columns: list[list[Polynomial]], piece: ZeroSet) -> int:
     """Rank almost everywhere on a set."""
     return max(_ranks(columns, piece), default=0)
 
 
-def _ranks(columns: list[list[Polynomial]], piece: Variety) -> list[int]:
+def _ranks(columns: list[list[Polynomial]], piece: ZeroSet) -> list[int]:
+    """The rank at each sample of a set."""
     return [rank(matrix, prime) for matrix, prime in _residues(columns, piece)]
 
 
-def _residues(columns: list[list[Polynomial]], piece: Variety) -> list[tuple[list[list[int]], int]]:
+def _residues(columns: list[list[Polynomial]], piece: ZeroSet) -> list[tuple[list[list[int]], int]]:
     """The columns at each sample of a set, and the prime that they are modulo."""
-    evaluate = trig_evaluator(piece.ring)
     return [
-        ([[evaluate(x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
+        ([[value_at(piece.ring, x, point) if x != 0 else 0 for x in column] for column in columns], point.prime)
         for point in piece.samples
     ]
 
 
-def _chosen(columns: list[list[Polynomial]], piece: Variety, order: int, work: Work) -> list[Polynomial]:
+def _chosen(columns: list[list[Polynomial]], piece: ZeroSet, order: int, work: Work) -> list[Polynomial]:
     """Minors of the given order that are not zero on a set of at least that rank, those with short factors first."""
     tried: list[tuple[int, int, Polynomial]] = []
     for number, minor in enumerate(_minors(columns, piece, order)):
@@ -324,7 +324,7 @@ def _chosen(columns: list[list[Polynomial]], piece: Variety, order: int, work: W
     return [minor for _, _, minor in sorted(tried, key=lambda one: one[:2])[:_TOGETHER]]
 
 
-def _minors(columns: list[list[Polynomial]], piece: Variety, order: int) -> Iterator[Polynomial]:
+def _minors(columns: list[list[Polynomial]], piece: ZeroSet, order: int) -> Iterator[Polynomial]:
     """Minors of the given order that are not zero on all of a set, those with short entries first."""
     ring = piece.ring
     here = [[ring.at(x, piece.pins) for x in column] for column in columns]
@@ -348,7 +348,8 @@ def by_length(lengths: list[list[int]], order: int) -> Iterator[tuple[tuple[int,
     return ((chosen, rows) for _, _, chosen, rows in choices)
 
 
-def _weight(piece: Variety, minor: Polynomial) -> int:
+def _weight(piece: ZeroSet, minor: Polynomial) -> int:
+    """How long the factors of a minor are; the minor itself where it is not factored."""
     if len(minor) > _FACTORED:
         return len(minor)
     atoms: list[tuple[Atom, int]] = list(piece.ring.factor(minor).atoms)

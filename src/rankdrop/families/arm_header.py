@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from math import isinf
 from typing import Any, Protocol
 
+from rankdrop.certify.ball import settings_of
+from rankdrop.certify.setting import Setting
+from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.frames import link_index
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -14,7 +18,7 @@ from rankdrop.task import Task
 
 Value = int | float | str | list[int] | list[float] | list[str]
 
-FORMAT = 1
+FORMAT = 2
 """`RANKDROP_ARM_FORMAT` of `src/core/monitor.h`."""
 _LONG = 110  # characters of a line
 
@@ -56,7 +60,7 @@ def arm_header(monitor: Watched, *, mark: str | None = None) -> str:
     mark = _mark(monitor.robot.name if mark is None else mark)
     fields: dict[str, Value] = _chain(monitor)
     arrays: dict[str, str] = {}
-    for part in (_task(monitor), _families(monitor), _settings(monitor)):
+    for part in (_task(monitor), _families(monitor), _settings(monitor), _bounds(monitor)):
         fields |= part
     lines = [
         f"/* {_plain(monitor.robot.name)} and its families of singular configurations, written by rankdrop. */",
@@ -77,7 +81,7 @@ _TYPES = {
     **dict.fromkeys(("variable_names", "ids", "names"), _WORDS),
     **dict.fromkeys(
         ("turns", "variable", "row", "corank", "first_turn", "turning", "angle", "powers", "first_term", "coupled",
-         "first_equation", "first_pin", "pinned", "first_value", "periodic"), "int",
+         "first_equation", "first_pin", "pinned", "first_value", "periodic", "bound_row", "bound_link"), "int",
     ),
 }  # fmt: skip
 
@@ -130,6 +134,20 @@ def _settings(monitor: Watched) -> dict[str, Value]:
         "generic_rank": monitor.generic_rank, "singular": set_to["singular"], "on": set_to["on"],
         "loose": set_to["loose"], "start": monitor.start, "stop": monitor.stop, "beyond": int(monitor.beyond),
         "rates": monitor.rates.tolist(),
+    }  # fmt: skip
+
+
+def _bounds(monitor: Watched) -> dict[str, Value]:
+    """What enclosures are made from, the same as `certify.ball` takes; none for a task that cannot be certified."""
+    made: Sequence[Setting] = ()
+    with suppress(OptionError):
+        made = settings_of(monitor.robot, monitor.task)
+    return {
+        "bounds": len(made), "bound_rows": len(made[0].rows) if made else 0,
+        "bound_row": list(made[0].rows) if made else [], "bound_link": [one.link for one in made],
+        "bound_point": [x for one in made for x in one.point], "bound_length": [one.length for one in made],
+        "bound_reach": [x for one in made for x in one.arm.tolist()],
+        "bound_repeats": made[0].repeats if made else 1.0,
     }  # fmt: skip
 
 

@@ -45,7 +45,8 @@ class Sightings:
             corank is below that of the configuration where only larger families meet.
         nearest: (B,) index of the family that the smallest motion reaches, singular or not. −1 without families.
         residual: (B,) largest |f|/|∇f| over the equations of `family`, or of `nearest` where that is −1 [rad; metres
-            divided by the length scale]: never far above the distance to it. inf without families.
+            divided by the length scale]: never far above the distance to it. Where conditions have more than 100 terms
+            and the configuration is regular, σ's own. inf without families.
         u: (B, m, m) left singular vectors of the task Jacobian as columns: the last m − rank are lost, weakest last.
         v: (B, n, n) right singular vectors as columns: the last n − rank do not move the task.
         distance: (B,) to `nearest` [rad; metres divided by the length scale], as in `Sighting`.
@@ -69,8 +70,9 @@ class Sighting:
         rank, corank, family, nearest, residual: as in `Sightings`.
         distance: to `nearest` [rad; metres divided by the length scale]: the way of the pinned joints to their nearest
             values, and of the coupled ones to the nearest point that Newton's method on the family's conditions comes
-            to from there; to first order where it does not come to rest in eight steps, or the conditions have more
-            than 100 terms. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller.
+            to from there in eight steps. Where the conditions have more than 100 terms, four walks onto the singular
+            set by the kinematics, six steps each, and the nearest end that is of the family. To first order where none
+            comes to rest. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller.
             `Monitor.distances` looks farther around, and takes longer. inf where there is nothing to go by.
         approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.
         scaling: 0 to 1, what the motion is to be multiplied by (`Monitor.step`).

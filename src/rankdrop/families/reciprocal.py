@@ -1,7 +1,7 @@
 """Exact singular configurations without a search: joints at which a wrench does no work on any joint.
 
-An arm is singular exactly where some wrench u ≠ 0 of the task is reciprocal to all its screws, u · S_i = 0. Two ways to
-begin, each a *stratum*, and every one of them is drawn from:
+An arm is singular exactly where some wrench u ≠ 0 of the task is reciprocal to all its screws, u · S_i = 0, of corank
+k where k independent ones are. Three ways to begin, each a *stratum*, and every one of them is drawn from:
 
 - joints a … b: the values between them are drawn, so that their screws are known in a link among them, and u is drawn
   from the wrenches reciprocal to these. Then each next joint outwards is solved for by itself:
@@ -12,21 +12,27 @@ begin, each a *stratum*, and every one of them is drawn from:
   block, as all joints of a spherical wrist, do, and families as shoulder and elbow are found there.
 - joint p alone: all the others are drawn, and the zeros of the determinant (of a redundant arm, of two of its minors
   combined) as a function of q_p are solved for: a trigonometric polynomial of low degree. Families that pin p.
+- joints p, q … together (and a slide alone; of a higher corank, joints alone too): all the others are drawn, these
+  begin anywhere, and U₂ᵀ J V₂ = 0 (`rankdrop.local.block`) is solved by Newton's method in these joints alone. A family
+  of codimension c is, almost everywhere, a graph over all joints but some c: every family is met by a stratum of as
+  many joints as it has conditions, if enough are drawn.
 
-Every configuration is looked at once more: σ_r at most `EXACT` times σ_1, else it is dropped and drawn anew.
+The first two are of corank 1 (or more) and in closed form. Every configuration is looked at once more: σ_r is at most
+`EXACT` times σ_1, else it is dropped and drawn anew.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, task_jacobian
-from rankdrop.local.block import generic_rank, sample, sampling_box, singular_values
+from rankdrop.local.block import block, generic_rank, sample, sampling_box, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
@@ -34,7 +40,11 @@ EXACT = 1e-13
 """Largest σ_r / σ_1 of a configuration that is given out: some hundred roundings."""
 _ZERO = 1e-11  # coefficients of a joint's equation below this leave it free [arms of size one]
 _ROUNDS, _BATCH = 200, 16_384  # rounds in which what failed is drawn anew, and how many at one go
-_TRIED = 8192  # draws of a stratum before it is given up
+_TRIED, _TRIED_TOGETHER = 8192, 256  # draws of a stratum before it is given up
+_SETS = 512  # of joints solved for together, at most: those of few joints first
+_STEPS, _STEP = 24, 0.5  # of Newton's method, and how long one is at most [arms of size one]
+_SIFTED = {5: 0.2, 9: 1e-2, 14: 1e-5}  # after so many steps those whose σ/σ_1 is still larger are given up
+_ONE_BATCH = 2048
 _DEGREE = 4  # of the trigonometric polynomials, at most
 _ON_CIRCLE = 1e-4  # how far a root may be from the unit circle before it is no angle
 _ABSENT = 1e-11  # rows of the Jacobian below this share of its size are zero for this arm
@@ -54,7 +64,7 @@ class Drawn:
         q: (N, n) [rad, m].
         sigma: (N, min(m, n)) singular values there.
         stratum: (N,) which of `strata`.
-        strata: what was begun with: "joints 4-6", "joint 3 alone".
+        strata: what was begun with: "wrenches of joints 4-6", "joint 3 alone", "joints 2, 5 together".
         complete: False where it was interrupted: fewer than were asked for.
     """
 
@@ -66,7 +76,7 @@ class Drawn:
 
 
 def drawn(
-    robot: Robot, task: Task, count: int, seed: int, *, limits: bool = False,
+    robot: Robot, task: Task, count: int, seed: int, *, corank: int = 1, limits: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Drawn:  # fmt: skip
     """Draw exact singular configurations, the same number from every stratum that has any.
@@ -76,6 +86,7 @@ def drawn(
         task: of it.
         count: how many.
         seed: of every random choice.
+        corank: that they have, or more.
         limits: within the joint limits only.
         progress: progress(done, count).
 
@@ -83,9 +94,12 @@ def drawn(
         OptionError: joints that follow others or that screw, a task whose rank depends on the axes or that the arm
             never fills, or no stratum that has a singular configuration.
     """
-    rank = _checked(robot, task)
+    full = _checked(robot, task)
+    rank = full + 1 - corank  # σ of this number vanishes
     arm = _Chain(robot, task, limits)
-    ways: list[tuple[str, Draw]] = [*arm.wrenches(), *arm.single_joints(rank)]
+    ways = [*arm.wrenches(), *arm.single_joints(full)] if corank == 1 else []
+    exact = len(ways)
+    ways += arm.together(rank - 1, full, corank)
     rng = np.random.default_rng(seed)
     alive = set(range(len(ways)))
     parts: list[tuple[Array, Array, int]] = []
@@ -107,7 +121,7 @@ def drawn(
                 have[k] += len(q)
                 tried[k] += wanted
                 parts.append((q, sigma, k))
-                if not have[k] and tried[k] >= _TRIED:
+                if not have[k] and tried[k] >= (_TRIED if k < exact else _TRIED_TOGETHER):
                     alive.discard(k)
                 if progress is not None:
                     progress(min(int(have.sum()), count), count)
@@ -125,7 +139,7 @@ def _gathered(
             none = np.zeros((0, n))
             return Drawn(none, none, np.zeros(0, np.int32), (), False)
         raise OptionError(
-            "no reciprocal wrench was found: there may be no singular configuration, or only such as lie on no stratum",
+            "no reciprocal wrench was found: there may be no singular configuration of this corank, or hardly any",
             where="method", got="reciprocal", mend=_MEND, typed=_TYPED,
         )  # fmt: skip
     q = np.concatenate([one for one, _, _ in parts])
@@ -307,11 +321,46 @@ class _Chain:
         """Strata in which one turning joint is solved for."""
         return [(f"joint {p + 1} alone", self._one_joint(p, rank)) for p in range(self.n) if not self.slides[p]]
 
+    def together(self, kept: int, full: int, corank: int) -> list[tuple[str, Draw]]:
+        """Strata in which some joints are solved for by Newton's method; those of few joints first.
+
+        As many joints as a family of this corank has conditions, k (n − r + k) at most, and two at least.
+        """
+        most = min(max(2, corank * (self.n - full + corank)), self.n - 1)
+        found: list[tuple[str, Draw]] = []
+        for count in range(1, most + 1):
+            for joints in combinations(range(self.n), count):
+                if (count > 1 or corank > 1 or self.slides[joints[0]]) and len(found) < _SETS:
+                    name = f"joints {', '.join(str(j + 1) for j in joints)} together"
+                    alone = f"joint {joints[0] + 1} alone"
+                    found.append((name if count > 1 else alone, self._newton(list(joints), kept)))
+        return found
+
+    def _newton(self, joints: list[int], kept: int) -> Draw:
+        def draw(count: int, rng: np.random.Generator) -> Array:
+            q = self.drawn(min(count, _ONE_BATCH), rng)
+            done = [np.zeros((0, self.n))]
+            for step in range(_STEPS):
+                found = block(self.robot, q, self.task, kept)
+                share = found.sigma[:, kept] / found.sigma[:, 0]
+                done.append(q[share <= EXACT])
+                left = (share > EXACT) & (share <= _SIFTED.get(step, np.inf))
+                q = q[left].copy()
+                if not len(q):
+                    break
+                f, d = found.f[left].reshape(len(q), -1, 1), found.d[left][..., joints].reshape(len(q), -1, len(joints))
+                move = (np.linalg.pinv(d, rcond=1e-9) @ f)[..., 0]
+                size = np.linalg.norm(move, axis=1, keepdims=True)
+                q[:, joints] -= move * np.minimum(1.0, _STEP / np.maximum(size, _STEP))
+            return np.concatenate(done)
+
+        return draw
+
     def _one_joint(self, p: int, rank: int) -> Draw:
         mix = np.eye(self.n) if self.n == rank else np.random.default_rng(p + 1).standard_normal((self.n, rank))
 
         def draw(count: int, rng: np.random.Generator) -> Array:
-            count = min(count, 2048)
+            count = min(count, _ONE_BATCH)
             q = self.drawn(count, rng)
             points = 2 * _DEGREE + 1
             angles = 2 * np.pi * np.arange(points) / points

@@ -78,7 +78,7 @@ def search(
         starts: number of random starts.
         seed: of the starts and of every random choice; same seed, same result, on any number of threads.
         limits: start and stay inside the joint limits.
-        method: "lm", "gradient" or "almarkhi"; or "reciprocal": corank 1 (or more), exact to rounding, no search.
+        method: "lm", "gradient" or "almarkhi"; or "reciprocal": exact to rounding, drawn stratum by stratum.
         iterations: most iterations per start; None for the method's own (200, of descents 300).
         step: of descents: None for a line search, else the share f of the step to linearised zero, up to 2.
         tie: of "almarkhi": relative gap below which singular values count as equal; 0 for no treatment of ties.
@@ -186,17 +186,14 @@ def _drawn(
     tolerances: Tolerances,
 ) -> Search:  # fmt: skip
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
-    if isinstance(corank, bool) or corank != 1:
-        raise OptionError(
-            "reciprocal wrenches find configurations of corank 1, some of them of more", where="corank", got=corank,
-            allowed="1", mend="method='lm' searches for a higher corank", typed="--method lm",
-        )  # fmt: skip
     there, there_task = in_units(robot), task_in_units(task, robot)
-    rank = generic_rank(there, there_task) - 1
-    found = drawn(there, there_task, count, seed, limits=limits, progress=progress)
+    full = generic_rank(there, there_task)
+    corank = _whole("corank", corank, 1, max(full, 1))
+    rank = full - corank
+    found = drawn(there, there_task, count, seed, corank=corank, limits=limits, progress=progress)
     size = len(found.q)
     return Search(
-        robot, task, 1, rank, RECIPROCAL, seed, limits, tolerances, q=_frozen(out_of_units(robot, found.q)),
+        robot, task, corank, rank, RECIPROCAL, seed, limits, tolerances, q=_frozen(out_of_units(robot, found.q)),
         sigma=_frozen(found.sigma), outcome=_frozen(np.full(size, Outcome.CONVERGED, dtype=np.int8)),
         iterations=_frozen(np.zeros(size, dtype=np.int32)), most=0, stratum=_frozen(found.stratum),
         strata=found.strata, interrupted=not found.complete,

@@ -24,6 +24,7 @@ from rankdrop.families import (
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
+from rankdrop.report.meshes import Lighter
 from rankdrop.report.ways import Way, ways_out
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
 from rankdrop.robot import Array
@@ -59,6 +60,7 @@ class Content:
         sweeps: per family, each joint swept through its witness.
         ways: per family, the ways out of its witness; of the first 60 families.
         beside: what was moved to make the arm ideal, and what the arm itself does; empty for any other arm.
+        meshes: shapes of the links, where the arm's file has them.
     """
 
     analysis: Analysis
@@ -72,6 +74,7 @@ class Content:
     sweeps: tuple[tuple[Sweep, ...], ...]
     ways: tuple[tuple[Way, ...], ...] = ()
     beside: tuple[Section, ...] = ()
+    meshes: tuple[Lighter, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -93,7 +96,7 @@ class Content:
 
 def content(
     analysis: Analysis, *, exact: bool = True, exact_seconds: float = EXACT_SECONDS, seed: int = 0,
-    made: Idealised | None = None, progress: Progress | None = None,
+    made: Idealised | None = None, progress: Progress | None = None, meshes: tuple[Lighter, ...] = (),
 ) -> Content:  # fmt: skip
     """Work out all that a report of this analysis shows.
 
@@ -104,6 +107,7 @@ def content(
         seed: of every random choice.
         made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
+        meshes: shapes of the links (`rankdrop.report.meshes.lighter`).
     """
     robot, task = analysis.robot, analysis.task
     families = tuple(posed(robot, task, family) for family in analysis.families)
@@ -133,6 +137,7 @@ def content(
         sweeps=swept,
         ways=tuple(ways_out(robot, task, family) for family in families[:_WITH_WAYS]),
         beside=_beside(analysis, made, seed),
+        meshes=meshes,
     )
 
 

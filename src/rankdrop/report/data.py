@@ -15,6 +15,7 @@ from rankdrop.problem import wrap
 from rankdrop.reach import reach
 from rankdrop.report.content import Content, standing
 from rankdrop.report.downloads import downloads
+from rankdrop.report.meshes import meshes_data
 from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
@@ -41,6 +42,7 @@ def page_data(content: Content) -> dict[str, Any]:
             for family, numbers, words, out in blame
         ],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
+        "meshes": meshes_data(content.meshes),
         "downloads": downloads(content),
     }
 

@@ -132,7 +132,7 @@ def _arm(content: Content) -> str:
         '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Orange: axes to blame.'
         '<span class="screen"> Drag or use the arrow keys to turn, double click to turn back.</span></div></div>'
         '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="told"></div>'
-        f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}'
+        f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}{_meshes_box(content)}'
         f'<div class="sliders">{"".join(sliders)}</div></div></div>{_SAVE}</section>'
     )
 
@@ -158,6 +158,17 @@ def _limits_box(robot: Robot) -> str:
     if not any(limit_range(robot, i) for i in range(robot.n)):
         return '<p class="small">No joint limits are known: sliders go all the way round.</p>'
     return '<label class="small screen"><input type="checkbox" id="limits" checked> keep to the joint limits</label>'
+
+
+def _meshes_box(content: Content) -> str:
+    """The switch between the links as the file draws them and rods; nothing where the file draws none."""
+    if not content.meshes:
+        return ""
+    count = sum(len(one.faces) for one in content.meshes)
+    return (
+        '<label class="small screen"><input type="checkbox" id="meshes" checked> links as the file draws them '
+        f"(simplified, {count:,} triangles)</label>"
+    )
 
 
 def _beside(content: Content) -> str:

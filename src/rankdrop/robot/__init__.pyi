@@ -30,5 +30,7 @@ from .urdf import number as number
 from .urdf import three as three
 from .urdf_tree import Tree as Tree
 from .urdf_tree import read_tree as read_tree
+from .xacro import EXPANDED as EXPANDED
 from .xacro import PLACES as PLACES
 from .xacro import find_package as find_package
+from .xacro import xacro_text as xacro_text

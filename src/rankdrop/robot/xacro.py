@@ -167,15 +167,32 @@ def from_xacro(
             or what comes out cannot be used.
     """
     file = Path(path)
-    root = read_xml(read_text(file), str(file))
-    name = root.attributes.get("name", "")
-    arguments = _Arguments({key: _written(value) for key, value in (args or {}).items()}, root)
-    finder = _Packages(file, packages or {})
-    text = _expand(file, name if name and "$" not in name else visible(file.name.partition(".")[0]), finder, arguments)
-    robot = from_urdf(text, base=base, tip=tip, file=f"{file} (expanded)", as_written=as_written)
+    text, name, arguments, finder = _expanded(file, packages or {}, args or {})
+    robot = from_urdf(text, base=base, tip=tip, file=f"{file}{EXPANDED}", as_written=as_written)
     named = _ARGUMENT.sub(lambda found: arguments.get(found[1], found[0]), name)  # name="$(arg name)"
     return replace(robot, name=named if named and "$" not in named else robot.name,
                    notes=(*robot.notes, *finder.notes()))  # fmt: skip
+
+
+EXPANDED = " (expanded)"
+"""Stands after the name of a file that was expanded, in the source of a robot."""
+
+
+def xacro_text(path: str | PathLike[str], *, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
+               ) -> str:  # fmt: skip
+    """What comes out of a xacro file; the arguments are those of `from_xacro`, and so is what it raises."""
+    return _expanded(Path(path), packages, args)[0]
+
+
+def _expanded(file: Path, packages: Mapping[str, str | PathLike[str]], args: Mapping[str, object]
+              ) -> tuple[str, str, _Arguments, _Packages]:  # fmt: skip
+    """The URDF that comes out, the name that the file gives, and what was asked for on the way."""
+    root = read_xml(read_text(file), str(file))
+    name = root.attributes.get("name", "")
+    arguments = _Arguments({key: _written(value) for key, value in args.items()}, root)
+    finder = _Packages(file, packages)
+    plain = name if name and "$" not in name else visible(file.name.partition(".")[0])
+    return _expand(file, plain, finder, arguments), name, arguments, finder
 
 
 def _written(value: object) -> str:

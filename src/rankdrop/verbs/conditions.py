@@ -14,11 +14,11 @@ from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.exact.arm.verify import Check
-from rankdrop.exact.derivation import METHODS, Chosen, CorankOne, check_method, corank_one
+from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
-from rankdrop.exact.families import described, families, real_sets
-from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.letters import assumptions, doubled, settled, sign_of, sum_text
+from rankdrop.exact.families import families, real_sets
+from rankdrop.exact.family import Assumption, ExactFamily, described
+from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.families.searching import check_numbers
 from rankdrop.results.conditions.conditions import Conditions
@@ -101,8 +101,9 @@ def conditions(
     """
     check_robot(robot)
     _check(method, coranks, seconds, points, seed)
-    chosen = Chosen(None if basic is None else tuple(sorted(int(j) for j in basic)), frame)
-    asked_plainly = (method, lengths, coranks, seed, points, special, steps) == _PLAIN and not chosen
+    basic = None if basic is None else tuple(sorted(int(j) for j in basic))
+    plain = (method, lengths, coranks, seed, points, special, steps) == _PLAIN
+    asked_plainly = plain and basic is None and frame is None
     if asked_plainly and not fresh:
         anew = partial(conditions, robot, task, points=0, special=False, fresh=True)
         shipped = known_conditions(robot, task, anew=anew)
@@ -111,13 +112,13 @@ def conditions(
     begun = monotonic()
     work = Work(seconds / SLOWER, seed, progress)
     asked = exact_chain(robot, task, lengths=lengths)
-    check_method(asked, method, chosen)
+    check_method(asked, method, basic=basic, frame=frame)
     chain, tree, work, remarks = _tree(asked, coranks, lengths, work)
     lowest = _lowest(chain, coranks)
     left = list(tree.left)
     with work.share(_SHARE):
         found, not_real, wrong = _families(chain, tree, work, seed, left)
-    first = _first(chain, method, tree, found, work, seed, steps, chosen)
+    first = _first(chain, method, tree, found, work, seed, steps, basic, frame)
     said = _said(chain, work) if steps else None
     hidden, unmet = sets_without_points(chain, tree, found, seed)
     left += [*first.left, *_unresolved(tree), *hidden]
@@ -151,7 +152,7 @@ def conditions(
         settings=ConditionSettings(
             method=method, lengths=lengths if isinstance(lengths, str) else dict(lengths), coranks=coranks,
             seconds=seconds, seed=seed, points=points, special=special, steps=steps, version=VERSION,
-            basic=chosen.basic, frame=chosen.frame,
+            basic=basic, frame=frame,
         ),
         chain=chain,
     )  # fmt: skip
@@ -204,7 +205,7 @@ def _tree(
     plain, again = replace(chain, letters={}, written={}), work.again()
     with again.share(_SHARE):
         other = rank_tree(plain, again, lowest=lowest)
-    if not double and settled(chain, tree, other):
+    if not double and decided_by_numbers(chain, tree, other):
         return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
     if broken:
         return plain, other, again, broken
@@ -240,14 +241,15 @@ def _first(
     work: Work,
     seed: int,
     steps: bool,
-    chosen: Chosen,
+    basic: tuple[int, ...] | None,
+    frame: int | None,
 ) -> CorankOne:
     """Corank 1 by the method a person would take; left out where the user has asked to stop."""
     if not work.interrupted:
         work.show("the method for corank 1", 0, 1)
         try:
             own = Work(max(_SHARE * work.left, 0.1), seed)
-            return corank_one(chain, method, tree, found, own, steps=steps, chosen=chosen)
+            return corank_one(chain, method, tree, found, own, steps=steps, basic=basic, frame=frame)
         except KeyboardInterrupt:
             work.interrupt()
     return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))

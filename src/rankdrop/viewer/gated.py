@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import functools
+import gzip
 import io
 import socket
 import threading
@@ -200,10 +201,46 @@ def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> An
             with contextlib.suppress(Exception):  # a link that says nothing moves nothing; the page comes either way
                 arrived(request.path)
         if response is not None:
+            _label(response)
             _harden(response.headers, cookie)
         return response
 
     return process_request
+
+
+_LABELS = """<style>label, .mantine-Notification-description { color: inherit !important; opacity: 0.85; }
+.mantine-Button-root:not([data-disabled]) .mantine-Button-label { color: #fff; }
+.mantine-Button-root:not([data-disabled]) { background-color: #495057; }</style>
+<script>
+// viser's sliders, number boxes and small buttons have no names: they take the words that stand beside them
+function named() {
+  for (const label of document.querySelectorAll("label[for]")) {
+    let row = label.parentElement;
+    while (row && !row.querySelector("[role=slider], input")) row = row.parentElement;
+    for (const one of row ? row.querySelectorAll("[role=slider], input") : []) {
+      if (!one.getAttribute("aria-label") && !one.labels?.length) one.setAttribute("aria-label", label.textContent);
+    }
+  }
+  for (const one of document.querySelectorAll("button")) {
+    if (one.textContent.trim() || one.getAttribute("aria-label")) continue;
+    one.setAttribute("aria-label", one.closest(".mantine-Notification-root") ? "close the message" : "settings");
+  }
+}
+new MutationObserver(named).observe(document, { childList: true, subtree: true });
+</script>"""
+
+
+def _label(response: Any) -> None:
+    """Names for what the page of viser leaves without: screen readers and the keyboard need them."""
+    if "text/html" not in response.headers.get("Content-Type", "") or response.status_code != HTTPStatus.OK:
+        return
+    packed = response.headers.get("Content-Encoding") == "gzip"
+    page = gzip.decompress(response.body) if packed else bytes(response.body)
+    page = page.replace(b"</head>", _LABELS.encode() + b"</head>", 1)
+    response.body = gzip.compress(page, 1) if packed else page
+    if "Content-Length" in response.headers:
+        del response.headers["Content-Length"]
+        response.headers["Content-Length"] = str(len(response.body))
 
 
 def _harden(headers: Any, cookie: str | None) -> None:

@@ -17,11 +17,11 @@ from rankdrop.viewer.live import Now
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9"
 VERDICTS = {
-    "regular": (GREEN, "#fff", "●"),
+    "regular": ("#00664b", "#fff", "●"),
     "near": (ORANGE, "#000", "▲"),
-    "singular": (VERMILION, "#fff", "■"),
-    "always-singular": (VERMILION, "#fff", "■"),
-}
+    "singular": ("#ad4400", "#fff", "■"),
+    "always-singular": ("#ad4400", "#fff", "■"),
+}  # green and vermilion so much darker that white words on them can be read: contrast above 5
 CIRCUITS = (ORANGE, PURPLE, GREEN)
 """Of the circuits to blame, the smallest first; further ones take the last."""
 _STYLE = "font-size:0.86em;line-height:1.4;padding:0 0.6em 0.5em 0.6em;overflow-wrap:anywhere"
@@ -111,7 +111,7 @@ def _bars(now: Now, generic_rank: int) -> str:
             f'<span style="display:block;height:100%;width:{width:.1f}%;border-radius:0.3em;'
             f'background:{colour}"></span></span>'
             f'<span style="width:7em;text-align:right;font-variant-numeric:tabular-nums">'
-            f"{short(float(sigma), 3)}{note}</span></div>"
+            f"{'0' if lost else short(float(sigma), 3)}{note}</span></div>"
         )
     return f'<div style="margin:0.3em 0" title="lengths: shares of σ1">{"".join(rows)}</div>'
 

@@ -51,6 +51,7 @@ class Wishes:
         q: (n,) to begin with [rad, m]; None for a plain one.
         analysis: families from it; None for those of the catalogue.
         packages: package name -> folder, for meshes.
+        args: arguments of a xacro file.
         limits: the nearest singularity, families and slices within the joint limits.
         trajectory: to play; None for none.
         deg: angles of uploaded files are in degrees.
@@ -63,6 +64,7 @@ class Wishes:
     q: Array | None = None
     analysis: Analysis | None = None
     packages: dict[str, Path] = field(default_factory=dict)
+    args: dict[str, str] = field(default_factory=dict)
     limits: bool = False
     trajectory: Trajectory | None = None
     deg: bool = False
@@ -92,7 +94,7 @@ class Viewer:
             families = tuple(posed(robot, task, family) for family in families)
         live = Live(robot, task, families)
         self._wishes, self._others = wishes, list[Viewer]()
-        visuals, left_out = visuals_of(robot, wishes.packages)
+        visuals, left_out = visuals_of(robot, wishes.packages, wishes.args)
         meshes, unread = meshes_of(visuals)
         self.notes = (*left_out, *unread)
         port = free_port(wishes.host, PORT if wishes.port is None else wishes.port, next_one=wishes.port is None)

@@ -11,6 +11,7 @@ import numpy as np
 
 from rankdrop.errors import RobotError
 from rankdrop.robot import (
+    EXPANDED,
     PLACES,
     Angles,
     Array,
@@ -25,6 +26,7 @@ from rankdrop.robot import (
     read_tree,
     read_xml,
     three,
+    xacro_text,
 )
 
 MESHES = (".stl", ".dae", ".obj", ".ply")
@@ -53,8 +55,10 @@ class Visual:
     colour: tuple[float, float, float] | None
 
 
-def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual, ...], tuple[str, ...]]:
-    """The shapes of the links of a robot that was read from a URDF file, and what could not be used.
+def visuals_of(
+    robot: Robot, packages: Mapping[str, Path], args: Mapping[str, str] | None = None
+) -> tuple[tuple[Visual, ...], tuple[str, ...]]:
+    """The shapes of the links of a robot that was read from a URDF or xacro file, and what could not be used.
 
     Links that hang on the chain by fixed joints belong to the link that carries them; those on moving joints outside
     the chain (the fingers of a gripper) are drawn at zero. A robot from another source has none.
@@ -62,14 +66,17 @@ def visuals_of(robot: Robot, packages: Mapping[str, Path]) -> tuple[tuple[Visual
     Args:
         robot: from `open_robot`.
         packages: package name -> folder, for package://; others are looked for (see `robot.xacro.find_package`).
+        args: of a xacro file, which is expanded once more, as it was when the robot was opened.
 
     Returns:
         Shapes, and one line of text for every shape that was left out.
     """
-    file = Path(robot.source.origin)
+    expanded = robot.source.origin.endswith(EXPANDED)
+    file = Path(robot.source.origin.removesuffix(EXPANDED))
     if robot.source.kind != "urdf" or not file.is_file():
         return (), ()
-    root = read_xml(read_text(file), str(file), _NOT_READ)
+    text = xacro_text(file, packages=packages, args=args or {}) if expanded else read_text(file)
+    root = read_xml(text, str(file), _NOT_READ)
     tree = read_tree(root, str(file))
     if robot.base not in tree.links:
         return (), ()

@@ -64,6 +64,7 @@ class Told:
         tolerance: of the model; None for the numbers themselves.
         claim, proof: as they stand.
         folder: where files are that it names.
+        sha256: its hash.
     """
 
     kind: str
@@ -84,6 +85,7 @@ class Told:
     claim: Record
     proof: Record
     folder: Path
+    sha256: str
 
     @property
     def whole_rows(self) -> list[int]:
@@ -178,7 +180,7 @@ def _told(record: Record, folder: Path) -> Told:
         point=tuple(vector(view["point"], 3, "point of the view")),
         length=number(view["length"], 1e-9, _BIGGEST, "length of the view"),
         tolerance=_tolerance(record["tolerance"], len(links)), claim=_entries(record["claim"], "claim"),
-        proof=_entries(record["proof"], "proof"), folder=folder,
+        proof=_entries(record["proof"], "proof"), folder=folder, sha256=text(record["sha256"], "sha256"),
     )  # fmt: skip
 
 
@@ -293,6 +295,7 @@ class Work:
 
     def __init__(self, most: int, progress: Progress | None) -> None:
         self.most, self.done, self._progress = most, 0, progress
+        self.place = (0, 0)
 
     def spend(self) -> bool:
         """Count one enclosure; False where there are no more."""
@@ -301,6 +304,7 @@ class Work:
 
     def tell(self, done: int, total: int) -> None:
         """Say how far the check is."""
+        self.place = (done, total)
         if self._progress is not None:
             self._progress(done, total)
 

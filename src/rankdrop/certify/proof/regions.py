@@ -19,6 +19,9 @@ OPEN, CROSSING, CLEAR = "open", "crossing", "free"
 """What a span of a path is said to be."""
 _DEEPEST, _PARTS = 40, 1000  # halvings of one leaf of the tree, and parts of it
 _NARROW = 1e-13  # pieces of a path whose joints move less are given up [rad]
+_ROUGH, _FINE = 32, 4000  # parts of the surroundings of a piece of a path: of one that is halved next, and of the last
+_SHORT = 0.02  # share of the distance to be kept below which a piece is not halved
+_OUTWARDS = 1e-12  # share by which doubles are taken larger
 _WIDE = 1.2  # half diagonal of boxes around runs of stretches that are tried [rad]
 
 
@@ -63,10 +66,7 @@ def verify_ball(arm: Arm, told: Told, work: Work) -> str:
     claim = told.claim
     q = vector(claim["q"], told.variables, "q")
     radius = number(claim["radius"], 0.0, 4.0, "radius")
-    scale = [number(one, 1e-9, 1e9, "scale") for one in vector(claim["scale"], told.variables, "scale")]
-    slides = {one.driver for one in told.links if one.kind == SLIDE}
-    if any(scale[j] != 1.0 for j in range(told.variables) if j not in slides):
-        raise Unproven("turns are measured in another unit than rad")
+    scale = _scale(told)
     side, tree = number(told.proof["side"], 0.0, 4.0, "side"), text_of_tree(told.proof["tree"])
     if not 0.0 < radius <= side:
         raise Unproven("the boxes do not reach as far as the radius" if radius else "the radius is zero")
@@ -161,12 +161,7 @@ def verify_path(arm: Arm, told: Told, work: Work) -> str:
         Unproven: a span that is not confirmed, or a gap between spans.
     """
     claim = told.claim
-    degree = whole(claim["degree"], 1, 9, "degree")
-    points = numbers(claim["points"], (-1, told.variables), "points")
-    count, rest = divmod(len(points) - 1, degree)
-    if rest or count < 1:
-        raise Unproven(f"control points are missing: {len(points)} are not 1 more than a multiple of {degree}")
-    path = _Path(arm, told, points, degree, count, work)
+    path, count = _read_path(arm, told, work)
     spans = [_Span.read(one, count) for one in _list(claim["spans"])]
     _check_tiles(spans, count)
     met: dict[str, int] = {CLEAR: 0, CROSSING: 0, OPEN: 0}
@@ -186,6 +181,50 @@ def verify_path(arm: Arm, told: Told, work: Work) -> str:
     if met[OPEN]:
         parts.append(f"of {met[OPEN]} nothing is claimed")
     return ", ".join(parts)
+
+
+def _read_path(arm: Arm, told: Told, work: Work) -> tuple[_Path, int]:
+    degree = whole(told.claim["degree"], 1, 9, "degree")
+    points = numbers(told.claim["points"], (-1, told.variables), "points")
+    count, rest = divmod(len(points) - 1, degree)
+    if rest or count < 1:
+        raise Unproven(f"control points are missing: {len(points)} are not 1 more than a multiple of {degree}")
+    return _Path(arm, told, points, degree, count, work), count
+
+
+def verify_distance(arm: Arm, told: Told, work: Work) -> str:
+    """No configuration nearer to a path than its `min_distance` has a lower rank; a sentence, "" where none is claimed.
+
+    Around each piece of the path, the boxes that come nearer to it than the distance are free; a piece is halved until
+    they are.
+
+    Raises:
+        ValueError: the claim is malformed.
+        Unproven: somewhere it is not confirmed.
+    """
+    if told.claim.get("min_distance") is None:
+        return ""
+    distance = number(told.claim["min_distance"], 0.0, 4.0, "min_distance")
+    scale = _scale(told)
+    path, count = _read_path(arm, told, work)
+    for stretch in range(count):
+        work.tell(stretch, count)
+        path.keeps_away(stretch, distance, np.array(scale))
+    return f"no configuration of this arm nearer to the path than {distance:.9g} rad has a rank below {told.rank} " \
+           "(slides in their scale)"
+
+
+def _scale(told: Told) -> list[float]:
+    """What a motion of each variable is divided by.
+
+    Raises:
+        Unproven: turns are not measured in rad.
+    """
+    scale = [number(one, 1e-9, 1e9, "scale") for one in vector(told.claim["scale"], told.variables, "scale")]
+    slides = {one.driver for one in told.links if one.kind == SLIDE}
+    if any(scale[j] != 1.0 for j in range(told.variables) if j not in slides):
+        raise Unproven("turns are measured in another unit than rad")
+    return scale
 
 
 Place = tuple[int, float]
@@ -344,6 +383,57 @@ class _Path:
             raise Unproven(
                 f"the determinant is not proven to have two signs between rows {low[0] + 1} and {high[0] + 2}"
             )
+
+    def keeps_away(self, stretch: int, distance: float, scale: Array) -> None:
+        """Everything nearer to a stretch than a distance is free.
+
+        Raises:
+            Unproven: it is not confirmed.
+        """
+        moving = self._arm.moving
+        stack = [self._stretch(stretch)]
+        while stack:
+            piece = stack.pop()
+            ends = np.array([[[float(x.lower()), float(x.upper())] for x in row] for row in piece])
+            least, most = ends[..., 0].min(axis=0), ends[..., 1].max(axis=0)
+            centre = (least + most) / 2
+            wide = ((most - least) / 2 + 1e-15 * np.abs(centre)) * (1 + _OUTWARDS)  # of the piece
+            last = bool((wide / scale)[moving].max(initial=0.0) <= _SHORT * distance)
+            if self._surroundings(centre, wide, distance, scale, _FINE if last else _ROUGH):
+                continue
+            if last:
+                raise Unproven(f"the distance {distance:.6g} rad could not be proven again between rows {stretch + 1} "
+                               f"and {stretch + 2}")  # fmt: skip
+            low, high = self._cut(piece, self._f.arb(0.5))
+            stack += [high, low]
+
+    def _surroundings(self, centre: Array, wide: Array, distance: float, scale: Array, parts: int) -> bool:
+        """Is everything nearer than a distance to the box centre ± wide free, in so many parts at most?"""
+        f, moving = self._f, self._arm.moving
+        reach = (wide + distance * scale) * (1 + _OUTWARDS)
+        stack = [Cell((0,) * len(moving), (0,) * len(moving))]
+        while stack:
+            cell = stack.pop()
+            ends = np.array([[float(x) for x in cell.ends(place)] for place in range(len(moving))]).reshape(-1, 2)
+            gap = np.maximum(0.0, np.maximum(ends[:, 0], -ends[:, 1])) * reach[moving] - wide[moving]
+            if np.linalg.norm(np.maximum(0.0, gap / scale[moving])) > distance * (1 + 1e-9):
+                continue
+            if not self._work.spend():
+                raise Unproven(f"the work is used up ({self._work.most:,} enclosures) before the distance was proven")
+            middle, half = [f.arb(float(x)) for x in centre], [f.arb(float(x)) for x in wide]
+            for place, j in enumerate(moving):
+                low, high = cell.ends(place)
+                middle[j] += f.arb(float((low + high) / 2)) * f.arb(float(reach[j]))
+                half[j] = f.arb(float((high - low) / 2)) * f.arb(float(reach[j]))
+            if self._arm.keeps_rank(Region(middle, half), self._told.whole_rows, self._told.rank):
+                continue
+            parts -= 1
+            if parts <= 0 or sum(cell.level) >= _DEEPEST:
+                return False
+            widths = [Fraction(1, 2 ** level) * Fraction(float(reach[j] / scale[j]))
+                      for level, j in zip(cell.level, moving, strict=True)]  # fmt: skip
+            stack += cell.halved(widths.index(max(widths)))
+        return True
 
     def _at(self, place: Place) -> list[Interval]:
         return self._cut(self._stretch(place[0]), self._f.arb(place[1]))[0][-1]

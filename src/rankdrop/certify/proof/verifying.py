@@ -11,18 +11,19 @@ import numpy as np
 
 from rankdrop.certify.proof.covers import verify_covering
 from rankdrop.certify.proof.existence import verify_existence
-from rankdrop.certify.proof.intervals import BITS, Arm, Interval, Region, flint
+from rankdrop.certify.proof.intervals import BITS, SCREW, SLIDE, Arm, Interval, Region, flint
 from rankdrop.certify.proof.reading import (
     BALL,
     COVERING,
     EXISTENCE,
+    PATH,
     Damaged,
     Told,
     Unproven,
     Work,
     read_certificate,
 )
-from rankdrop.certify.proof.regions import verify_ball, verify_path
+from rankdrop.certify.proof.regions import verify_ball, verify_distance, verify_path
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Robot
@@ -91,6 +92,8 @@ def verify(
     *,
     enclosures: int = ENCLOSURES,
     sample: int | None = None,
+    every: bool = False,
+    journal: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Verified:
     """Check a certificate: prove its claim again from the numbers of the arm that are in it.
@@ -104,6 +107,9 @@ def verify(
         robot: the arm that the certificate must be about; None: the arm whose numbers are in it.
         enclosures: to be spent at most, about a millisecond each.
         sample: of a covering, only so many of the boxes it leaves out; it does not hold then, but may fail.
+        every: of a covering, all boxes that it leaves out, whatever `enclosures` allows.
+        journal: of a covering, this file keeps how many boxes are proven: the same call goes on there. Believed as it
+            stands: take none from others.
         progress: progress(done, all).
 
     Returns:
@@ -111,7 +117,7 @@ def verify(
 
     Raises:
         ResultFileError: the file cannot be read, is no certificate, or is malformed.
-        OptionError: a budget outside what is allowed.
+        OptionError: a budget outside what is allowed, or a journal of what is no covering.
         MissingExtraError: python-flint is not installed.
 
     Example:
@@ -129,20 +135,24 @@ def verify(
         _check_whole("sample", sample)
     module = flint()
     work = Work(int(enclosures), progress)
+    asked = _Asked(sample, every, None if journal is None else Path(journal))
     try:
         told = read_certificate(Path(file))
     except Damaged as error:
         return Verified(False, "", "", "", str(error), (), 0)
     try:
         with module.ctx.workprec(BITS):
-            claim, assumed = _proven(told, robot, work, sample)
+            claim, assumed = _proven(told, robot, work, asked)
     except Unproven as error:
         return Verified(False, told.kind, told.name, "", str(error), (), work.done)
     except (KeyError, TypeError, ValueError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
         raise ResultFileError("the certificate is malformed", where=str(file), got=what) from error
     except KeyboardInterrupt:
-        return Verified(False, told.kind, told.name, "", "interrupted: not all of it was checked", (), work.done, False)
+        done, total = work.place
+        far = f": {done:,} of {total:,} were checked" if total else ": not all of it was checked"
+        kept = f", which {journal} keeps: the same command goes on there" if journal is not None else ""
+        return Verified(False, told.kind, told.name, "", f"interrupted{far}{kept}", (), work.done, False)
     return Verified(True, told.kind, told.name, claim, "", assumed, work.done)
 
 
@@ -151,12 +161,24 @@ def _check_whole(name: str, value: int) -> None:
         raise OptionError("this is a whole number from 1 up", where=name, got=repr(value))
 
 
-def _proven(told: Told, robot: Robot | None, work: Work, sample: int | None) -> tuple[str, tuple[str, ...]]:
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """How a covering is checked."""
+
+    sample: int | None
+    every: bool
+    journal: Path | None
+
+
+def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple[str, tuple[str, ...]]:
     """The claim in words, and what it rests on.
 
     Raises:
         Unproven: it does not hold, or could not be confirmed.
     """
+    if asked.journal is not None and (told.kind != COVERING or asked.sample is not None):
+        got = f"a {told.kind}" if asked.sample is None else "a sample"
+        raise OptionError("a journal is kept of all boxes of a covering", where="journal", got=got, mend="leave it out")
     _same_arm(told, robot)
     arm = _arm(told)
     if told.kind == EXISTENCE:
@@ -165,12 +187,14 @@ def _proven(told: Told, robot: Robot | None, work: Work, sample: int | None) -> 
     if told.kind == BALL:
         claim = verify_ball(arm, told, work)
     elif told.kind == COVERING:
-        claim = verify_covering(arm, told, work, sample)
+        claim = verify_covering(arm, told, work, asked.sample, every=asked.every, journal=asked.journal)
     else:
         claim = verify_path(arm, told, work)
     if told.tolerance is not None:
         near = told.tolerance
         claim += f"; so it is for every arm within {near.length:g} m and {near.angle:g} rad of this one, joint by joint"
+    if told.kind == PATH:
+        claim = "; ".join(filter(None, (claim, verify_distance(arm, told, work))))
     return claim, tuple(assumed)
 
 
@@ -202,8 +226,9 @@ def _arm(told: Told) -> Arm:
             sum((f.arb(float(pose[r, c])) * local[c] for c in range(3)), f.arb(float(pose[r, 3]))) for r in range(3)
         ]
     if told.tolerance is not None:
-        if told.whole_rows == [0, 1, 2] or any(one.kind != "revolute" for one in told.links):
-            raise Unproven("a tolerance of the model is proven for turning joints and tasks with rotation only")
+        alone = len(told.links) == told.variables and all((x.multiplier, x.offset) == (1.0, 0.0) for x in told.links)
+        if not alone or any(one.kind == SCREW for one in told.links):
+            raise Unproven("a tolerance of the model is proven for joints that turn or slide, each for itself")
         if list(told.rows) != told.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _points_on_axes(told)
@@ -213,6 +238,8 @@ def _arm(told: Told) -> Arm:
 def _points_on_axes(told: Told) -> None:
     assert told.tolerance is not None
     for number, (one, point) in enumerate(zip(told.links, told.tolerance.points, strict=True), start=1):
+        if one.kind == SLIDE:
+            continue
         v, w = np.array(one.screw[:3]), np.array(one.screw[3:])
         off = float(np.linalg.norm(v - np.cross(point, w)))
         if not off < 1e-9 * (1.0 + float(np.linalg.norm(point))):

@@ -10,28 +10,25 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.field import Point, half_evaluator, residue
+from rankdrop.exact.algebra.field import Point, residue, value_at
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, primitive, used
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.solving import (
-    Form,
     Solved,
-    at,
+    atoms,
     binds_more,
     combined,
     divisions,
     eliminable,
     factors,
-    form,
-    free_in,
     linear,
     pairs,
     put,
     remainder,
     unit,
 )
-from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work, tick
+from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 
 Done = frozenset[tuple[str, str, int]]
 """Pairs of conditions, and the place of a variable, that have been combined on the way to a system."""
@@ -44,13 +41,13 @@ def decompose(
     most: int,
     work: Work,
     done: Done = frozenset(),
-) -> list[Variety]:
+) -> list[ZeroSet]:
     """Irreducible sets that together hold every large piece of where all half-angle polynomials vanish.
 
     Args:
         ring: of the polynomials.
         pins: joints at simple angles; the polynomials do not contain them any more.
-        conditions: polynomials with the degrees they count for.
+        conditions: forms.
         most: pieces of a codimension above this, the pins not counted, are not wanted.
         work: deadline; letters divided by are noted there.
 
@@ -62,38 +59,26 @@ def decompose(
     """
     work.check()
     tick(100)
-    choices = [_atoms(ring, pins, form, work) for form in conditions if form[0] != 0]
+    choices = [atoms(form, work) for form in conditions if form.f != 0]
     if not all(choices):
         return []
-    found: list[Variety] = []
+    found: list[ZeroSet] = []
     for system in _distinct(choices):
         angles = {atom.joint: atom.value for atom in system if atom.pinned}
         polynomials = [atom.f for atom in system if not atom.pinned]
         if len(angles) < sum(atom.pinned for atom in system):
             continue  # one joint at two angles
         if angles:
-            there = [at(ring, form(f, ring), angles) for f in polynomials]
+            there = [ring.form(f).at(angles) for f in polynomials]
             found += decompose(ring, {**pins, **angles}, there, most - len(angles), work, done)
         else:
             found += _irreducible(ring, dict(pins), polynomials, most, work, done)
     return independent(found)
 
 
-def _atoms(ring: Ring, pins: Mapping[int, str], one: Form, work: Work) -> list[Atom]:
-    """The irreducible conditions under one of which a form vanishes."""
-    f, degree = one
-    actual = f.degrees()
-    far = [
-        ring.pin(joint, "pi")
-        for place, joint in enumerate(ring.revolute)
-        if joint not in pins and degree[place] > actual[place]
-    ]
-    return [*far, *(ring.atom(g) for g in factors(ring, f, work))]
-
-
 def _irreducible(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
-) -> list[Variety]:
+) -> list[ZeroSet]:
     """`decompose` for irreducible polynomials, no two of them the same: two of them bind two freedoms."""
     if min(len(system), 2) > most:
         # two conditions without a common factor; for special lengths they may have one
@@ -105,7 +90,7 @@ def _irreducible(
         return [_single(ring, pins, system)]
     for f, g, k in divisions(ring, system):
         if len(used(f)) == 1:  # numbers alone: powers of the variable from its degree on are known
-            others = [form(h, ring) for h in system if h is not g]
+            others = [ring.form(h) for h in system if h is not g]
             return decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
     work.special = work.special or any(_always(ring, f, work) for f in system)
     found = list(_at_infinity(ring, pins, system, most, work, done))
@@ -114,65 +99,65 @@ def _irreducible(
 
 
 def _bound(ring: Ring, system: list[Polynomial], most: int, work: Work) -> bool:
+    """Whether a system binds more than `most` freedoms: see `binds_more`."""
     return binds_more(system, most, ring.moving, work.lengths)
 
 
-def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> Variety:
+def _single(ring: Ring, pins: dict[int, str], system: list[Polynomial]) -> ZeroSet:
     """At most one condition."""
     if not system:
-        return Variety(ring, pins)
+        return ZeroSet(ring, pins)
     solved = linear(ring, system[0])
     if solved is None:
-        return Variety(ring, pins, rest=tuple(system), equations=tuple(system))
-    return Variety(ring, pins, solved=(solved,), equations=tuple(system))
+        return ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))
+    return ZeroSet(ring, pins, solved=(solved,), equations=tuple(system))
 
 
 def _at_infinity(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
-) -> Iterator[Variety]:
+) -> Iterator[ZeroSet]:
     """Components with a further joint at π: there two leading coefficients vanish together."""
     for k, joint in enumerate(ring.revolute):
         if joint in pins or not any(f.degrees()[k] for f in system):
             continue
-        there = [at(ring, form(f, ring), {joint: "pi"}) for f in system]
+        there = [ring.form(f).at({joint: "pi"}) for f in system]
         # more than two conditions may meet there without a common factor, where they may bind more than two freedoms
-        if most > 2 < len(system) or any(_share(ring, one, two, work) for one, two in combinations(there, 2)):
+        if most > 2 < len(system) or any(_share(one, two, work) for one, two in combinations(there, 2)):
             yield from decompose(ring, {**pins, joint: "pi"}, there, most - 1, work, done)
 
 
-def _share(ring: Ring, one: Form, two: Form, work: Work) -> bool:
-    """Whether two forms have a common factor, or both vanish at π of a joint."""
-    (f, most), (g, most_too) = one, two
-    degrees = zip(most, f.degrees(), most_too, g.degrees(), strict=False)
-    return any(a > b and c > d for a, b, c, d in degrees) or bool(factors(ring, f.gcd(g), work))
+def _share(one: Form, two: Form, work: Work) -> bool:
+    """Whether two forms have a common factor, be it at π of a joint."""
+    at_pi = dict(one.at_pi).keys() & dict(two.at_pi).keys()
+    return bool(at_pi) or bool(factors(one.ring, one.f.gcd(two.f), work))
 
 
 def _eliminated(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
-) -> list[Variety] | None:
+) -> list[ZeroSet] | None:
     """Solve one condition for a variable and go on with the others; None where none is linear in a variable."""
     solvable = [(solved, f) for f in system if (solved := linear(ring, f)) is not None]
     if not solvable:
         return None
     solved, f = min(solvable, key=lambda pair: (not unit(ring, pair[0].denominator), len(pair[1])))
     others = [g for g in system if g != f]
-    found: list[Variety] = []
+    found: list[ZeroSet] = []
     factors(ring, solved.denominator, work)  # those in lengths alone are assumed not to vanish
     if not unit(ring, solved.denominator):
         both = (*others, solved.numerator, solved.denominator)
-        found += decompose(ring, pins, [form(g, ring) for g in both], most, work, done)
-    values = [put(ring, form(g, ring), solved) for g in others]
+        found += decompose(ring, pins, [ring.form(g) for g in both], most, work, done)
+    values = [put(ring.form(g), solved) for g in others]
     for piece in decompose(ring, pins, values, most - 1, work, done):
         if not piece.half_vanishes(solved.denominator):
             found += _solved_on(piece, f, solved.place, [g for g in others if solved.place in used(g)])
     return found
 
 
-def _solved_on(piece: Variety, f: Polynomial, place: int, others: list[Polynomial]) -> list[Variety]:
+def _solved_on(piece: ZeroSet, f: Polynomial, place: int, others: list[Polynomial]) -> list[ZeroSet]:
     """A set in the other variables, with the one that a condition is linear in added; other conditions on it are kept
     in mind for where it cannot be solved.
     """
-    f = piece.ring.half_at(f, piece.pins)
+    f = piece.ring.form(f).at(piece.pins).f
     parts = coefficients(f, place)
     if len(parts) != 2:
         return []
@@ -186,19 +171,19 @@ def _solved_on(piece: Variety, f: Polynomial, place: int, others: list[Polynomia
     ]
 
 
-def _there(piece: Variety, conditions: list[Polynomial]) -> list[Polynomial]:
+def _there(piece: ZeroSet, conditions: list[Polynomial]) -> list[Polynomial]:
     """Conditions with the joints that a set pins at their angles; those that say nothing there are left out."""
-    here = [piece.ring.half_at(f, piece.pins) for f in conditions]
+    here = [piece.ring.form(f).at(piece.pins).f for f in conditions]
     return [f for f in here if f != 0]
 
 
 def _reduced(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work, done: Done
-) -> list[Variety]:
+) -> list[ZeroSet]:
     """No condition is linear: combine two of them into one that is, or into one with a variable less."""
     for f, g, k in divisions(ring, system):
         work.check()
-        others = [form(h, ring) for h in system if h is not g]
+        others = [ring.form(h) for h in system if h is not g]
         pieces = decompose(ring, pins, [*others, remainder(ring, g, f, k)], most, work, done)
         return [replace(piece, known=(*piece.known, *_there(piece, [g]))) for piece in pieces]
     known = {str(f) for f in system}
@@ -218,18 +203,18 @@ def _reduced(
         if any(str(h) in known for h in parts):
             continue
         if len(parts) > 1 or linear(ring, parts[0]) is not None:
-            found: list[Variety] = []
+            found: list[ZeroSet] = []
             for h in parts:
-                found += decompose(ring, pins, [form(g, ring) for g in (*system, h)], most, work, done)
+                found += decompose(ring, pins, [ring.form(g) for g in (*system, h)], most, work, done)
             return found
     if len(system) <= 2:
-        return [Variety(ring, pins, rest=tuple(system), equations=tuple(system))]
+        return [ZeroSet(ring, pins, rest=tuple(system), equations=tuple(system))]
     return _several(ring, pins, system, most, work)
 
 
 def _several(
     ring: Ring, pins: dict[int, str], system: list[Polynomial], most: int, work: Work
-) -> list[Variety]:
+) -> list[ZeroSet]:
     """Three or more conditions that no step makes simpler: two of them; the others tell their zeros apart.
 
     They have common zeros that bind no more than two freedoms (`binds_more`). Where these are not met again, the system
@@ -239,13 +224,13 @@ def _several(
     if min(most, len(places)) <= 2:
         for f, g in combinations(sorted(system, key=len), 2):
             if {*used(f), *used(g)} >= places:
-                also = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
-                found = Variety(ring, pins, rest=(f, g), also=also, equations=tuple(system))
+                others = tuple(ring.trig_zero_set(h) for h in system if h is not f and h is not g)
+                found = ZeroSet(ring, pins, rest=(f, g), zero=others, equations=tuple(system))
                 if found.samples:
                     return [found]
     base, tops = _tower(ring, system)
     if tops and len(base) == 2 and len(system) <= most:
-        one = Variety(ring, pins, rest=(*base, *tops), equations=tuple(system))
+        one = ZeroSet(ring, pins, rest=(*base, *tops), equations=tuple(system))
         if one.samples:
             return [*_free_on_top(ring, pins, base, tops, most, work), one]
     work.leave(pins, system)
@@ -272,15 +257,15 @@ def _tower(ring: Ring, system: list[Polynomial]) -> tuple[list[Polynomial], list
 
 def _free_on_top(
     ring: Ring, pins: dict[int, str], base: list[Polynomial], tops: list[Polynomial], most: int, work: Work
-) -> list[Variety]:
+) -> list[ZeroSet]:
     """Sets on which a condition holds whatever its own variable is: all its coefficients vanish."""
-    found: list[Variety] = []
+    found: list[ZeroSet] = []
     for number, top in enumerate(tops):
         before = [*base, *tops[:number]]
         known = {place for f in before for place in used(f)}
         own = next(place for place in used(top) if place < ring.moving and place not in known)
-        others = [form(f, ring) for f in (*before, *tops[number + 1 :])]
-        found += decompose(ring, pins, [*others, *free_in(top, own, ring)], most, work)
+        others = [ring.form(f) for f in (*before, *tops[number + 1 :])]
+        found += decompose(ring, pins, [*others, *ring.form(top).coefficients(own)], most, work)
     return found
 
 
@@ -290,7 +275,7 @@ def _always(ring: Ring, f: Polynomial, work: Work) -> bool:
         return False
     values = Point({name: 7 + 11 * place**3 for place, name in enumerate(ring.names)})
     values.update((name, residue(value)) for name, value in work.lengths.items())
-    return half_evaluator(ring)(f, values) == 0
+    return value_at(ring, f, values) == 0
 
 
 def _distinct(choices: list[list[Atom]]) -> list[list[Atom]]:

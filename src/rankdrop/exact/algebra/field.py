@@ -29,9 +29,10 @@ PRIMES = tuple((1 << 61) - below for below in _BELOW)
 P = PRIMES[0]
 """The one that is taken first."""
 
-_KEPT = 200_000
-"""Terms of polynomials that an evaluator remembers modulo primes: ten megabytes or so. Most derivations have 25,000."""
-_RINGS = 4  # whose evaluators are remembered: a derivation has one with letters, one with numbers, seldom a third
+_KEPT = 400_000
+"""Terms of polynomials of one ring that are remembered modulo primes: twenty megabytes or so. Most derivations have
+50,000."""
+_RINGS = 4  # for which they are remembered: a derivation has one with letters, one with numbers, seldom a third
 
 
 class Point(dict[str, int]):
@@ -75,72 +76,67 @@ def reduced(f: Polynomial, prime: int = P) -> Polynomial:
     return context.from_dict({tuple(map(int, powers)): modulo(value, prime) for powers, value in f.terms()})
 
 
-class Evaluator:
-    """Evaluates polynomials of one context modulo the prime of a point.
+class Residues:
+    """Polynomials of one ring modulo primes, remembered up to `_KEPT` terms."""
 
-    What it has reduced modulo a prime it remembers, up to `_KEPT` terms; the memory ends with the evaluator.
+    def __init__(self) -> None:
+        self.kept: dict[tuple[int, int], tuple[Polynomial, Polynomial, tuple[str, ...]]] = {}  # by id and prime
+        self.terms = 0
 
-    Args:
-        names: of the context's variables, in order.
-    """
-
-    def __init__(self, names: Sequence[str]) -> None:
-        self._names = tuple(names)
-        self._reduced: dict[tuple[int, int], tuple[Polynomial, Polynomial]] = {}  # by id, which the first keeps, and p
-        self._terms = 0
-
-    def __call__(self, f: Polynomial, point: Mapping[str, int]) -> int:
-        """f at a point; variables that the point gives no value to are not in f."""
-        tick(3 + 0.12 * len(f))
-        return int(self.reduced(f, modulus(point))(*(point.get(name, 0) for name in self._names)))
-
-    def reduced(self, f: Polynomial, prime: int) -> Polynomial:
-        """`reduced`, remembered."""
-        kept = self._reduced.get((id(f), prime))
-        if kept is None:
-            self._terms += 1 + len(f)
-            if self._terms > _KEPT:
-                self._reduced.clear()
-                self._terms = 1 + len(f)
-            kept = self._reduced[id(f), prime] = (f, reduced(f, prime))
-        return kept[1]
-
-    def _put(self, f: Polynomial, left: Sequence[str], point: Mapping[str, int]) -> Polynomial:
-        """f modulo the prime with every variable but those left at a point."""
-        tick(10 + len(f))
-        values = {name: point[name] for name in self._names if name not in left and name in point}
-        return self.reduced(f, modulus(point)).subs(values)
-
-    def in_one(self, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
-        """f as a polynomial in one variable, the others at a point: coefficients from power 0 up."""
-        return dense(self._put(f, (name,), point), self._names.index(name))
-
-    def in_two(self, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
-        """f as a polynomial in two variables modulo the prime (`flint.nmod_mpoly` in x, y)."""
-        a, b = self._names.index(one), self._names.index(two)
-        put = self._put(f, (one, two), point)
-        module = flint()
-        context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
-        return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+    def of(self, f: Polynomial, prime: int) -> tuple[Polynomial, tuple[str, ...]]:
+        """`reduced`, and the names of the variables; f is kept, so that its id is no other one's."""
+        known = self.kept.get((id(f), prime))
+        if known is None:
+            self.terms += 1 + len(f)
+            if self.terms > _KEPT:
+                self.kept.clear()
+                self.terms = 1 + len(f)
+            known = self.kept[id(f), prime] = (f, reduced(f, prime), tuple(f.context().names()))
+        return known[1:]
 
 
 @lru_cache(maxsize=_RINGS)
-def half_evaluator(ring: Ring) -> Evaluator:
-    """Evaluates half-angle polynomials of a ring."""
-    return Evaluator(ring.names)
+def residues_of(ring: Ring) -> Residues:
+    """What is remembered for a ring; of rings not used for long nothing is."""
+    return Residues()
 
 
-@lru_cache(maxsize=_RINGS)
-def trig_evaluator(ring: Ring) -> Evaluator:
-    """Evaluates trigonometric polynomials of a ring."""
-    return Evaluator([f"{x}{j}" for j in ring.revolute for x in "sc"] + list(ring.names[ring.angles :]))
+def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
+    """A polynomial of either ring modulo the prime of a point; variables that have no value there are not in it."""
+    tick(3 + 0.12 * len(f))
+    residues, names = residues_of(ring).of(f, modulus(point))
+    return int(residues(*(point.get(name, 0) for name in names)))
+
+
+def in_one(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+    """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
+    put, names = _put(ring, f, (name,), point)
+    return dense(put, names.index(name))
+
+
+def in_two(ring: Ring, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+    """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
+    put, names = _put(ring, f, (one, two), point)
+    a, b = names.index(one), names.index(two)
+    module = flint()
+    context = module.nmod_mpoly_ctx.get(["x", "y"], modulus(point), module.Ordering.lex)
+    return context.from_dict({(int(e[a]), int(e[b])): int(value) for e, value in put.to_dict().items()})
+
+
+def _put(
+    ring: Ring, f: Polynomial, left: Sequence[str], point: Mapping[str, int]
+) -> tuple[Polynomial, tuple[str, ...]]:
+    """f modulo the prime with every variable but those left at a point, and the names of its variables."""
+    tick(10 + len(f))
+    residues, names = residues_of(ring).of(f, modulus(point))
+    return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
 def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
     far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
-    return half_evaluator(ring)(ring.half_at(f, far) if far else f, point)
+    return value_at(ring, ring.form(f).at(far).f if far else f, point)
 
 
 def stands(point: Point, joint: int, value: str) -> bool:
@@ -153,7 +149,7 @@ def stands(point: Point, joint: int, value: str) -> bool:
 def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
-        return trig_evaluator(ring)(f, point) == 0
+        return value_at(ring, f, point) == 0
     return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
 
 
@@ -171,7 +167,7 @@ def roots(values: Sequence[int], prime: int = P) -> list[int]:
 
 
 def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
-    """All common zeros (x, y) of two polynomials from `Evaluator.in_two`; none where they have a common factor."""
+    """All common zeros (x, y) of two polynomials from `in_two`; none where they have a common factor."""
     if f == 0 or g == 0:
         return
     eliminated = f.resultant(g, "x")
@@ -186,15 +182,10 @@ def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
 
 
 def put_common_zero(
-    evaluate: Evaluator,
-    f: Polynomial,
-    g: Polynomial,
-    names: tuple[str, str],
-    values: dict[str, int],
-    rng: random.Random,
+    ring: Ring, f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zeros = list(common_zeros(evaluate.in_two(f, *names, values), evaluate.in_two(g, *names, values)))
+    zeros = list(common_zeros(in_two(ring, f, *names, values), in_two(ring, g, *names, values)))
     if zeros:
         values.update(zip(names, rng.choice(zeros), strict=True))
     return bool(zeros)

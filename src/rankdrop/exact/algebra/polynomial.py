@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import gcd, lcm
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from rankdrop.errors import MissingExtraError
 
@@ -98,9 +98,8 @@ class Atom:
         return 1 if self.f is None else 2 + len(self.f)
 
 
-@dataclass(frozen=True)
-class Factors:
-    """A trigonometric polynomial on the torus, taken apart.
+class Factors(NamedTuple):
+    """A polynomial on the torus, taken apart.
 
     Attributes:
         content: rational factor.
@@ -111,6 +110,26 @@ class Factors:
     content: Any
     letters: tuple[tuple[Polynomial, int], ...]
     atoms: tuple[tuple[Atom, int], ...]
+
+
+@dataclass(frozen=True)
+class Equality:
+    """One polynomial that vanishes, or, in a list of what does not, one that does not.
+
+    Attributes:
+        atoms: its irreducible factors: it vanishes where one of them does; empty where it was not factored.
+        whole: the trigonometric polynomial itself; None where the atoms say it.
+    """
+
+    atoms: tuple[Atom, ...]
+    whole: Polynomial | None = None
+
+    @property
+    def terms(self) -> int:
+        """Number of terms: of `whole`, or of all atoms together."""
+        if self.whole is not None:
+            return len(self.whole)
+        return sum(1 if atom.f is None else len(atom.f) for atom in self.atoms)
 
 
 def order(atom: Atom) -> tuple[Any, ...]:

@@ -6,13 +6,14 @@ factors are not unique. With t_j = tan(θ_j / 2),
     s_j = 2 t_j / (1 + t_j²),    c_j = (1 − t_j²) / (1 + t_j²),
 
 a trigonometric polynomial of degree m_j in joint j becomes a polynomial of degree at most 2 m_j in t_j once it is
-multiplied by (1 + t_j²)^m_j, which has no real zero. Factors of that polynomial are unique. A degree lower than 2 m_j
-is a zero at t_j = ∞, that is at θ_j = π.
+multiplied by (1 + t_j²)^m_j, which has no real zero. Factors of that polynomial are unique. θ_j = π is the point at
+infinity of t_j: such a polynomial is a `Form` on a product of projective lines, one for each revolute joint.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -112,13 +113,13 @@ class Ring:
                 p = p % circle
         return p
 
-    def to_half(self, p: Polynomial) -> tuple[Polynomial, tuple[int, ...]]:
-        """p · Π (1 + t_j²)^m_j in half-angle tangents, and the m_j (one per revolute joint): the degrees of p."""
+    def to_half(self, p: Polynomial) -> Form:
+        """p · Π (1 + t_j²)^m_j in half-angle tangents, which counts for the degrees 2 m_j; m_j is the degree of p."""
         p = self.reduce(p)
         terms = list(p.terms())
         tick(20 + 20 * len(terms))
         n = self.angles
-        degree = tuple(max((e[2 * k] + e[2 * k + 1] for e, _ in terms), default=0) for k in range(n))
+        degree = tuple(int(max((e[2 * k] + e[2 * k + 1] for e, _ in terms), default=0)) for k in range(n))
         powers: dict[tuple[int, int, int], Polynomial] = {}
 
         def power(k: int, sines: int, cosines: int) -> Polynomial:
@@ -140,10 +141,14 @@ class Ring:
                 total += power(k, sines, cosines) * nested(group, k + 1)
             return total
 
-        return nested(terms, 0), degree
+        return Form(self, nested(terms, 0), tuple(2 * m for m in degree))
+
+    def form(self, f: Polynomial) -> Form:
+        """A half-angle polynomial that counts for its own degrees: without a zero at θ = π for that."""
+        return Form(self, f, tuple(int(d) for d in f.degrees()[: self.angles]))
 
     def factor(self, p: Polynomial) -> Factors:
-        """The conditions under which a trigonometric polynomial vanishes.
+        """The conditions under which a trigonometric polynomial vanishes, pinned joints first, short ones first.
 
         Args:
             p: not zero, of `trig`.
@@ -151,35 +156,8 @@ class Ring:
         Returns:
             Factors; p vanishes where one of the atoms holds, or, for special lengths, one of the letters' factors.
         """
-        f, degree = self.to_half(p)
-        content, letters, atoms = self.split(f)
-        deficient = []
-        degrees = f.degrees()
-        for k, j in enumerate(self.revolute):
-            missing = 2 * degree[k] - degrees[k]
-            if missing:
-                deficient.append((self.pin(j, "pi"), missing))
-        return Factors(content, letters, tuple(sorted([*deficient, *atoms], key=lambda pair: order(pair[0]))))
-
-    def split(self, f: Polynomial) -> tuple[Any, tuple[tuple[Polynomial, int], ...], tuple[tuple[Atom, int], ...]]:
-        """Content, factors in lengths alone, and atoms of a half-angle polynomial; θ_j = π is not seen here.
-
-        Raises:
-            OutOfTime: it has more than `MANY` terms; factoring cannot be interrupted.
-        """
-        if len(f) > MANY:
-            raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
-        digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
-        tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
-        content, found = f.factor()
-        letters, atoms = [], []
-        for factor, multiplicity in found:
-            places = used(factor)
-            if all(place >= self.moving for place in places):
-                letters.append((primitive(factor), multiplicity))
-            elif not self.is_unit(factor):
-                atoms.append((self.atom(factor), multiplicity))
-        return content, tuple(letters), tuple(atoms)
+        content, letters, atoms = self.to_half(p).factors()
+        return Factors(content, letters, tuple(sorted(atoms, key=lambda pair: order(pair[0]))))
 
     def is_unit(self, f: Polynomial) -> bool:
         """Whether f is 1 + t_j² up to a number: without a real zero."""
@@ -204,6 +182,10 @@ class Ring:
         """The atom θ_joint = value, a value out of `SIMPLE`."""
         return Atom(joint, value, None, f"θ{joint}={value}")
 
+    def half_of(self, atom: Atom) -> Polynomial:
+        """The half-angle polynomial that vanishes where an atom other than θ = π holds."""
+        return self.t[atom.joint] - TANGENT[atom.value] if atom.pinned else atom.f
+
     def at(self, p: Polynomial, pins: Mapping[int, str]) -> Polynomial:
         """A trigonometric polynomial with some joints at simple angles, reduced."""
         if p == 0:
@@ -213,24 +195,6 @@ class Ring:
             cosine, sine = COS_SIN[value]
             values[f"c{joint}"], values[f"s{joint}"] = cosine, sine
         return self.reduce(p.subs(values)) if values else self.reduce(p)
-
-    def half_at(self, f: Polynomial, pins: Mapping[int, str], degrees: Sequence[int] | None = None) -> Polynomial:
-        """A half-angle polynomial with some joints at simple angles; at π the coefficient of the highest power.
-
-        Args:
-            f: of `half`.
-            pins: simple angles by joint.
-            degrees: that f counts for in each t_j; None for its own. A lower one means a zero at π.
-        """
-        degrees = f.degrees() if degrees is None else degrees
-        for joint, value in pins.items():
-            place = self.index[f"t{joint}"]
-            if value == "pi":  # of the degree that f has before any joint is pinned: a lower one means a zero there
-                parts = coefficients(f, place)
-                f = parts[-1] if len(parts) > degrees[place] else f * 0
-            else:
-                f = f.subs({f"t{joint}": TANGENT[value]})
-        return f
 
     def to_trig(self, f: Polynomial) -> Polynomial | None:
         """The primitive trigonometric polynomial with the zeros of f; None where some t_j has odd degree.
@@ -303,6 +267,76 @@ class Ring:
 
         found = minor(tuple(range(n)))
         return -found if swaps % 2 else found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Form:
+    """A polynomial on a product of projective lines, homogeneous of degree D_j in sin(θ_j/2) and cos(θ_j/2).
+
+    t_j^e stands for sin^e(θ_j/2) cos^(D_j − e)(θ_j/2). So θ_j = π is a point like any other, and cos(θ_j/2) a factor
+    like any other: it is one as often as f is of a lower degree in t_j than the D_j it counts for. Nothing else in the
+    package compares degrees to find zeros at π.
+
+    Attributes:
+        ring: of f.
+        f: of `ring.half`; where it is 0 the condition f = 0 holds everywhere.
+        degrees: D_j of each revolute joint, at least the degree of f in t_j.
+
+    Example:
+        >>> ring = Ring([1, 2])
+        >>> form = ring.to_half(1 + ring.c[2])
+        >>> form.f, form.degrees, form.at_pi
+        (2, (0, 2), ((2, 2),))
+    """
+
+    ring: Ring
+    f: Polynomial
+    degrees: tuple[int, ...]
+
+    @property
+    def at_pi(self) -> tuple[tuple[int, int], ...]:
+        """(joint, multiplicity) of the factors cos(θ_j/2)."""
+        own = zip(self.ring.revolute, self.degrees, self.f.degrees(), strict=False)
+        return tuple((j, most - int(degree)) for j, most, degree in own if most > degree)
+
+    def at(self, pins: Mapping[int, str]) -> Form:
+        """The form with some joints at simple angles; at π that is the coefficient of t^D."""
+        f, degrees = self.f, list(self.degrees)
+        for joint, value in pins.items():
+            place = self.ring.index[f"t{joint}"]
+            if value == "pi":
+                parts = coefficients(f, place)
+                f = parts[-1] if len(parts) > degrees[place] else f * 0
+            else:
+                f = f.subs({f"t{joint}": TANGENT[value]})
+            degrees[place] = 0
+        return Form(self.ring, f, tuple(degrees))
+
+    def coefficients(self, place: int) -> list[Form]:
+        """Those by one variable that are not 0: where all vanish the form does, whatever that variable is."""
+        left = tuple(0 if k == place else degree for k, degree in enumerate(self.degrees))
+        return [Form(self.ring, part, left) for part in coefficients(self.f, place) if part != 0]
+
+    def factors(self) -> Factors:
+        """Content, factors in lengths alone, and atoms, those at π first; f is not 0.
+
+        Raises:
+            OutOfTime: f has more than `MANY` terms; factoring cannot be interrupted.
+        """
+        ring, f = self.ring, self.f
+        if len(f) > MANY:
+            raise OutOfTime(f"a condition of {len(f):,} terms is too long to be factored")
+        digits = int(f.coeffs()[0].p).bit_length() if f != 0 else 0
+        tick(100 + 15 * len(f) * (1 + (digits / _BITS) ** 2))
+        content, found = f.factor()
+        letters = list[tuple[Polynomial, int]]()
+        atoms = [(ring.pin(joint, "pi"), multiplicity) for joint, multiplicity in self.at_pi]
+        for factor, multiplicity in found:
+            if all(place >= ring.moving for place in used(factor)):
+                letters.append((primitive(factor), multiplicity))
+            elif not ring.is_unit(factor):
+                atoms.append((ring.atom(factor), multiplicity))
+        return Factors(content, tuple(letters), tuple(atoms))
 
 
 def polynomial_of(ring: Ring, atom: Atom) -> Polynomial:

@@ -1,6 +1,6 @@
 """Systems solved for one variable: one condition, two combined, and slices of what binds too much.
 
-One condition on half-angle tangents: the degrees it counts for, its factors, and solved for a variable.
+One condition on half-angle tangents: its factors, and solved for a variable.
 
 Two conditions combined: into one of a lower degree, or into one with a variable less.
 
@@ -22,15 +22,11 @@ from itertools import combinations, permutations
 from math import prod
 
 from rankdrop.exact.algebra.field import PRIMES, dense, reduced, residue, roots
-from rankdrop.exact.algebra.polynomial import TANGENT, Polynomial, coefficients, flint, used
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.polynomial import Atom, Polynomial, coefficients, flint, used
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work, tick
 
 _HUGE = 20_000_000  # products of terms: a second or two
-
-Form = tuple[Polynomial, tuple[int, ...]]
-"""A polynomial and the degree it counts for in each half-angle tangent: a lower one means a zero at θ_j = π."""
-
 
 @dataclass(frozen=True)
 class Solved:
@@ -46,44 +42,17 @@ class Solved:
     denominator: Polynomial
 
 
-def form(f: Polynomial, ring: Ring) -> Form:
-    """A polynomial that counts for its own degrees."""
-    return f, tuple(int(d) for d in f.degrees()[: ring.angles])
-
-
-def free_in(h: Polynomial, place: int, ring: Ring) -> list[Form]:
-    """The coefficients of a condition by one of its variables: where all vanish it holds for every value of that one.
-
-    Each counts for the degrees that the condition has in the other variables: a coefficient of a lower one is zero
-    where that joint stands at π.
-
-    Args:
-        h: half-angle polynomial.
-        place: of the variable.
-        ring: of h.
-    """
-    degree = tuple(0 if k == place else int(d) for k, d in enumerate(h.degrees()[: ring.angles]))
-    return [(part, degree) for part in coefficients(h, place) if part != 0]
-
-
-def at(ring: Ring, one: Form, pins: Mapping[int, str]) -> Form:
-    """A form with some joints at simple angles; at π the coefficient of the power it counts for."""
-    f, degree = one
-    pinned = {ring.index[f"t{joint}"] for joint in pins}
-    return ring.half_at(f, pins, degree), tuple(0 if place in pinned else d for place, d in enumerate(degree))
-
-
-def put(ring: Ring, one: Form, solved: Solved) -> Form:
+def put(form: Form, solved: Solved) -> Form:
     """A form with a solved variable put in."""
-    f, degree = one
+    ring, f = form.ring, form.f
     turning = solved.place < ring.angles
-    power = degree[solved.place] if turning else int(f.degrees()[solved.place])
+    power = form.degrees[solved.place] if turning else int(f.degrees()[solved.place])
     tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
-    left = [d + power * max(int(t), int(b)) for d, t, b in zip(degree, tops, bottoms, strict=False)]
+    left = [d + power * max(int(t), int(b)) for d, t, b in zip(form.degrees, tops, bottoms, strict=False)]
     if turning:
         left[solved.place] = 0
     missing = power - int(f.degrees()[solved.place])
-    return substituted(f, solved) * solved.denominator**missing, tuple(left)
+    return Form(ring, substituted(f, solved) * solved.denominator**missing, tuple(left))
 
 
 def substituted(f: Polynomial, solved: Solved) -> Polynomial:
@@ -126,19 +95,19 @@ def unit(ring: Ring, f: Polynomial) -> bool:
     return all(place >= ring.moving for place in used(f)) or ring.is_unit(f)
 
 
-def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
-    """Irreducible factors that have real zeros, as far as that is plain; empty where there is none."""
-    _, letters, atoms = ring.split(f)
+def atoms(form: Form, work: Work) -> list[Atom]:
+    """The irreducible conditions under one of which a form vanishes, those at π first, less those that have no real
+    zero for a plain reason; empty where it never does. Lengths are assumed not to vanish.
+    """
+    _, letters, every = form.factors()
     for one, _ in letters:
         work.assume(one)
-    found = []
-    for atom, _ in atoms:
-        factor = atom.f
-        if factor is None:
-            factor = ring.t[atom.joint] - TANGENT[atom.value]
-        if not plainly_positive(ring, factor):
-            found.append(factor)
-    return found
+    return [atom for atom, _ in every if atom.pinned or not plainly_positive(form.ring, atom.f)]
+
+
+def factors(ring: Ring, f: Polynomial, work: Work) -> list[Polynomial]:
+    """`atoms` of a polynomial that counts for its own degrees, as polynomials."""
+    return [ring.half_of(atom) for atom in atoms(ring.form(f), work)]
 
 
 def plainly_positive(ring: Ring, f: Polynomial) -> bool:
@@ -182,7 +151,7 @@ def divisions(ring: Ring, system: list[Polynomial]) -> Iterator[tuple[Polynomial
 
 def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
     """The pseudo-remainder of g divided by f in one variable; it counts for the degrees of g in the others."""
-    degree = list(form(g, ring)[1])
+    degree = list(ring.form(g).degrees)
     divisor = coefficients(f, k)
     t = f.context().gens()[k]
     while g != 0 and g.degrees()[k] >= len(divisor) - 1:
@@ -191,7 +160,7 @@ def remainder(ring: Ring, g: Polynomial, f: Polynomial, k: int) -> Form:
         g = g * divisor[-1] - f * top * t ** (g.degrees()[k] - len(divisor) + 1)
     if k < ring.angles:
         degree[k] = int(g.degrees()[k]) if g != 0 else 0
-    return g, tuple(degree)
+    return Form(ring, g, tuple(degree))
 
 
 def eliminable(f: Polynomial, g: Polynomial, k: int) -> bool:

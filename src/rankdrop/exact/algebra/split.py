@@ -2,7 +2,7 @@
 
 Where the condition does not hold on all of it, an irreducible set loses exactly one dimension, everywhere (Krull):
 pieces of another dimension are dropped. Of several sets given by the same two conditions those on which it holds are
-first told from the others (`Variety.parted`), for which the same is true.
+first told from the others (`ZeroSet.parted`), for which the same is true.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from dataclasses import replace
 
 from rankdrop.exact.algebra.decompose import decompose
 from rankdrop.exact.algebra.polynomial import COS_SIN, Atom, Polynomial, coefficients, flint, primitive, used
-from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved, at, divides, factors, form, free_in, linear, substituted
-from rankdrop.exact.algebra.variety import Variety, independent
+from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.solving import Solved, divides, factors, linear, put
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 
 
-def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
+def cut(one: ZeroSet, p: Polynomial, work: Work) -> list[ZeroSet]:
     """The irreducible components of the points of a set at which a trigonometric polynomial vanishes.
 
     Where two conditions hold on several sets, those on which it vanishes are told from those that it cuts.
@@ -42,7 +42,7 @@ def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
     found = ring.factor(p)
     for letters, _ in found.letters:
         work.assume(letters)
-    pieces: list[Variety] = []
+    pieces: list[ZeroSet] = []
     for atom, _ in found.atoms:
         inside, outside = one.parted(zero_where(ring, atom), atom.f) if one.several else (None, one)
         if inside is not None:
@@ -56,7 +56,7 @@ def cut(one: Variety, p: Polynomial, work: Work) -> list[Variety]:
     return independent(pieces)
 
 
-def meet(one: Variety, polynomials: Sequence[Polynomial], work: Work) -> list[Variety]:
+def meet(one: ZeroSet, polynomials: Sequence[Polynomial], work: Work) -> list[ZeroSet]:
     """The components, of one dimension less, of the points of a set at which several trigonometric polynomials vanish.
 
     Args:
@@ -68,9 +68,8 @@ def meet(one: Variety, polynomials: Sequence[Polynomial], work: Work) -> list[Va
         Components of all points that satisfy its conditions, in the closure of the set or not.
     """
     ring = one.ring
-    halves = (ring.to_half(ring.at(p, one.pins)) for p in polynomials)
-    conditions = [form(f, ring) for f in (*one.equations, *one.known)]
-    conditions += [(f, tuple(2 * d for d in degree)) for f, degree in halves]
+    conditions = [ring.form(f) for f in (*one.equations, *one.known)]
+    conditions += [ring.to_half(ring.at(p, one.pins)) for p in polynomials]
     found = decompose(ring, one.pins, conditions, one.codimension + 1 - len(one.pins), work)
     return [piece for piece in found if piece.codimension == one.codimension + 1]
 
@@ -83,7 +82,7 @@ def zero_where(ring: Ring, atom: Atom) -> Polynomial:
     return ring.one - ring.c[atom.joint] * cosine - ring.s[atom.joint] * sine
 
 
-def pinned(one: Variety, joint: int, value: str, work: Work, codimension: int = 0) -> list[Variety]:
+def pinned(one: ZeroSet, joint: int, value: str, work: Work, codimension: int = 0) -> list[ZeroSet]:
     """The components of a set on which a joint stands at a simple angle.
 
     Args:
@@ -97,24 +96,26 @@ def pinned(one: Variety, joint: int, value: str, work: Work, codimension: int = 
         return [one] if one.pins[joint] == value else []
     if one.stands(joint, value):
         return [one]
-    conditions = [at(ring, form(f, ring), {joint: value}) for f in (*one.equations, *one.known)]
+    conditions = [ring.form(f).at({joint: value}) for f in (*one.equations, *one.known)]
     codimension = codimension or one.codimension + 1
     most = codimension - len(one.pins) - 1
     found = decompose(ring, {**one.pins, joint: value}, conditions, most, work)
     return [piece for piece in found if piece.codimension == codimension]
 
 
-def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
+def cut_half(one: ZeroSet, f: Polynomial, work: Work) -> list[ZeroSet]:
     """As `cut`, for a half-angle polynomial that does not contain pinned joints."""
     ring = one.ring
-    value, deficient = _normal(one, f)
-    if value == 0 or one.half_vanishes(f):
+    form = _normal(one, f)
+    if form.f == 0 or one.half_vanishes(f):
         return [one]
-    pieces: list[Variety] = []
-    for joint in deficient:
-        pieces += pinned(one, joint, "pi", work)
-    for atom in factors(ring, value, work):
-        pieces += _with(one, atom, work)
+    pieces: list[ZeroSet] = []
+    taken = {solved.place for solved in one.solved}
+    for joint, _ in form.at_pi:
+        if joint not in one.pins and ring.index[f"t{joint}"] not in taken:
+            pieces += pinned(one, joint, "pi", work)
+    for factor in factors(ring, form.f, work):
+        pieces += _with(one, factor, work)
     for edge in with_points(_edges(one, work), work):
         inside, _ = edge.parted(ring.trig_zero_set(f), f) if edge.several else (edge, None)
         if inside is not None and inside.half_vanishes(f):
@@ -123,7 +124,7 @@ def cut_half(one: Variety, f: Polynomial, work: Work) -> list[Variety]:
     return independent([piece for piece in pieces if piece.half_vanishes(f)])
 
 
-def with_points(pieces: Sequence[Variety], work: Work) -> list[Variety]:
+def with_points(pieces: Sequence[ZeroSet], work: Work) -> list[ZeroSet]:
     """The sets that have points modulo a prime. Those that may be real all the same are noted.
 
     With numbers for lengths √53 may be real without being a number modulo any of the primes that are tried; with
@@ -147,7 +148,7 @@ def _without_real_root(f: Polynomial) -> bool:
     return not any(root.imag.contains(0) for root, _ in flint().fmpz_poly(whole).complex_roots())
 
 
-def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
+def _with(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet]:
     """An irreducible set cut by an irreducible polynomial in variables that are still free on it."""
     ring = one.ring
     atom = ring.atom(h)
@@ -166,11 +167,11 @@ def _with(one: Variety, h: Polynomial, work: Work) -> list[Variety]:
         found = _on_top(one, h, work)
         if found is not None:
             return found
-    system = [form(f, ring) for f in (*one.equations, *one.known, h)]
+    system = [ring.form(f) for f in (*one.equations, *one.known, h)]
     return decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
 
 
-def _on_top(one: Variety, h: Polynomial, work: Work) -> list[Variety] | None:
+def _on_top(one: ZeroSet, h: Polynomial, work: Work) -> list[ZeroSet] | None:
     """A set held by unsolved conditions cut by a condition on a variable that they are not in; None for another one.
 
     It is solved for that variable. Where all of its coefficients vanish the variable is free: looked at apart.
@@ -182,7 +183,7 @@ def _on_top(one: Variety, h: Polynomial, work: Work) -> list[Variety] | None:
         return None
     place = min(own, key=lambda k: int(h.degrees()[k]))
     parts = coefficients(h, place)
-    system = [*(form(f, ring) for f in (*one.equations, *one.known)), *free_in(h, place, ring)]
+    system = [*(ring.form(f) for f in (*one.equations, *one.known)), *ring.form(h).coefficients(place)]
     flat = decompose(ring, one.pins, system, one.codimension + 1 - len(one.pins), work)
     kept = [piece for piece in flat if piece.codimension == one.codimension + 1]
     if len(parts) == 2:
@@ -192,48 +193,36 @@ def _on_top(one: Variety, h: Polynomial, work: Work) -> list[Variety] | None:
     return [*kept, replace(one, rest=(*one.rest, h), equations=(*one.equations, h))]
 
 
-def _normal(one: Variety, f: Polynomial) -> tuple[Polynomial, list[int]]:
-    """f in the free variables of a set (times denominators), and the joints at whose π it vanishes there."""
-    ring = one.ring
-    angles = range(ring.angles)
-    degree = list(map(int, f.degrees()))
+def _normal(one: ZeroSet, f: Polynomial) -> Form:
+    """f in the free variables of a set, times denominators; the solved variables do not occur, not even at π."""
+    form = one.ring.form(f)
     for solved in one.solved:
-        power = degree[solved.place]
-        if power:
-            tops, bottoms = solved.numerator.degrees(), solved.denominator.degrees()
-            for k in angles:
-                degree[k] += power * max(int(tops[k]), int(bottoms[k]))
-            degree[solved.place] = 0
-            f = substituted(f, solved)
-    if f == 0:
-        return f, []
-    actual = f.degrees()
-    joints = [ring.revolute[k] for k in angles if degree[k] > actual[k] and ring.revolute[k] not in one.pins]
-    taken = {solved.place for solved in one.solved}
-    return f, [j for j in joints if ring.index[f"t{j}"] not in taken]
+        counted = form.degrees if solved.place < one.ring.angles else form.f.degrees()
+        if counted[solved.place]:
+            form = put(form, solved)
+    return form
 
 
-def _edges(one: Variety, work: Work) -> list[Variety]:
+def _edges(one: ZeroSet, work: Work) -> list[ZeroSet]:
     """Components of an irreducible set at which one of its solutions has no denominator: there t_k is ∞, or free."""
     kept = one.__dict__.get("edges")
     if kept is not None:
         return list(kept)
-    ring, found = one.ring, list[Variety]()
+    ring, found = one.ring, list[ZeroSet]()
     most = one.codimension + 1 - len(one.pins)
     for place, solved in enumerate(one.solved):
         later = replace(one, solved=one.solved[place + 1 :])
-        bottom, _ = _normal(later, solved.denominator)
-        top, _ = _normal(later, solved.numerator)
+        bottom, top = _normal(later, solved.denominator).f, _normal(later, solved.numerator).f
         for factor in factors(ring, bottom, work) if bottom != 0 else []:
             work.check()
             if solved.place < ring.angles:
                 joint = ring.revolute[solved.place]
-                there = [at(ring, form(f, ring), {joint: "pi"}) for f in (*one.equations, *one.known, factor)]
+                there = [ring.form(f).at({joint: "pi"}) for f in (*one.equations, *one.known, factor)]
                 found += decompose(ring, {**one.pins, joint: "pi"}, there, most - 1, work)
             if top == 0:
                 continue
             system = (*one.equations, *one.known, factor, solved.numerator, solved.denominator)
-            found += decompose(ring, one.pins, [form(f, ring) for f in system], most, work)
+            found += decompose(ring, one.pins, [ring.form(f) for f in system], most, work)
     edges = [piece for piece in independent(found) if piece.codimension == one.codimension + 1]
     one.__dict__["edges"] = edges  # remembered: a set is cut many times
     return edges

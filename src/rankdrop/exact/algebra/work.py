@@ -67,7 +67,7 @@ class Work:
         rng: source of random numbers.
         interrupted: the user has asked to stop; only what was found is put in order.
         unresolved: systems of conditions that could not be taken apart; what they hold is missing from the answer.
-        without_points: sets (`Variety`, by their key) without a point modulo the prime, though they may be real.
+        without_points: sets (`ZeroSet`, by their key) without a point modulo the prime, though they may be real.
         assumed: factors in lengths alone that were divided by, by their text: the answer holds where none vanishes.
         lengths: of the arm at hand, for letters: what is said not to be there is shown for these.
         special: conditions are dependent for these lengths that are not for general ones: what holds for general

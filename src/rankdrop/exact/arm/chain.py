@@ -36,6 +36,7 @@ def times(ring: Ring, one: Matrix, two: Matrix) -> Matrix:
 
 
 def _inner(ring: Ring, row: list[Polynomial], column: list[Polynomial]) -> Polynomial:
+    """Σ a_k b_k, not reduced."""
     return sum((ring.product(a, b) for a, b in zip(row, column, strict=True) if a != 0 and b != 0), ring.zero)
 
 
@@ -61,6 +62,7 @@ def moved(ring: Ring, screw: list[Polynomial], point: list[Polynomial]) -> list[
 
 
 def _cross(ring: Ring, a: list[Polynomial], b: list[Polynomial]) -> list[Polynomial]:
+    """a × b."""
     return [ring.reduce(ring.product(a[i - 2], b[i - 1]) - ring.product(a[i - 1], b[i - 2])) for i in range(3)]
 
 

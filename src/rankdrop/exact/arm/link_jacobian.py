@@ -83,6 +83,7 @@ def block_form(chain: Chain, structure: ExactStructure) -> BlockForm | None:
 
 
 def _candidates(chain: Chain, structure: ExactStructure) -> Iterator[BlockForm]:
+    """Every frame and reference point, with every kind of group, in which the Jacobian is block triangular."""
     rows = chain.task.rows
     for link, origin, columns in _views(chain):
         for kind, moved in KINDS.items():

@@ -7,10 +7,12 @@ when its direction is (0, 0, ±1); both as polynomials, hence at every configura
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import acos, degrees
 
+from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Section
 from rankdrop.reach import reach
@@ -116,16 +118,40 @@ def structure_of(chain: Chain) -> ExactStructure:
     )
 
 
+def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
+    """Three successive joints that are equivalent to a spherical or a planar joint.
+
+    In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0.
+    """
+    found = []
+    for first in range(1, chain.n - 1):
+        three = chain.screws(first + 1)[first - 1 : first + 2]
+        for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
+            if all(column[r] == 0 for column in three for r in rows):
+                found.append(((first, first + 1, first + 2), name))
+    return found
+
+
+def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
+    """Raises OptionError unless `basic` is None or six different joints of the chain."""
+    if basic is not None and (len(set(basic)) != 6 or len(basic) != 6 or not set(basic) <= set(range(1, chain.n + 1))):
+        raise OptionError(
+            "the basic screws are six different joints", where="basic", got=str(list(basic)), allowed=f"1 … {chain.n}"
+        )
+
+
 def listed(joints: tuple[int, ...]) -> str:
     """ "4, 5, 6"."""
     return ", ".join(str(joint) for joint in joints)
 
 
 def _meet(chain: Chain, i: int) -> bool:
+    """Whether axes i and i + 1 meet in one point."""
     return _twisted(chain.sections[i - 1]) and chain.length(i - 1, "a") == 0
 
 
 def _twisted(section: Section) -> bool:
+    """Whether the axes before and after a link are not parallel."""
     return section.twist.sin != 0
 
 
@@ -137,6 +163,7 @@ def _meet_in_one(chain: Chain, triple: tuple[int, int, int]) -> bool:
 
 
 def _parallel(chain: Chain, revolute: list[bool]) -> tuple[tuple[int, ...], ...]:
+    """Groups of axes that are parallel at every configuration."""
     groups: list[list[int]] = []
     for j in (j for j in range(1, chain.n + 1) if revolute[j - 1]):
         # a joint between that is not parallel to two others turns one about itself: those in a row are enough
@@ -165,6 +192,7 @@ def _nearly_in_one(chain: Chain, triples: list[tuple[int, int, int]]) -> list[Ne
 
 
 def _nearly_parallel(chain: Chain, neighbours: list[int]) -> list[NearStructure]:
+    """Neighbouring axes at a small angle that is not zero."""
     found = []
     for i in neighbours:
         twist = chain.sections[i - 1].twist

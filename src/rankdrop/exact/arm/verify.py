@@ -10,7 +10,7 @@ import random
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, trig_evaluator
+from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, value_at
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.robot.model import JointKind
 
@@ -54,7 +54,7 @@ def rank_modulo(chain: Chain, point: Point) -> int:
 
     Args:
         chain: the arm.
-        point: sines, cosines, slides and letters modulo P, as from `Variety.point` or `random_points`.
+        point: sines, cosines, slides and letters modulo P, as from `ZeroSet.point` or `random_points`.
 
     Example:
         >>> from rankdrop.exact.arm.chain import exact_chain
@@ -65,8 +65,8 @@ def rank_modulo(chain: Chain, point: Point) -> int:
     """
     if chain.task.m == 6:
         return rank(_twists(chain, point), modulus(point))
-    evaluate = trig_evaluator(chain.ring)
-    return rank([[evaluate(entry, point) for entry in column] for column in chain.columns], modulus(point))
+    values = [[value_at(chain.ring, entry, point) for entry in column] for column in chain.columns]
+    return rank(values, modulus(point))
 
 
 def rank_check(chain: Chain, points: Iterable[Point]) -> tuple[int, ...]:
@@ -107,6 +107,7 @@ def _twists(chain: Chain, point: Point) -> list[list[int]]:
 
 
 def _length(chain: Chain, place: int, which: str, point: Point) -> int:
+    """Length "a" or "d" of a section as a residue: its letter's value at the point, or its own."""
     if (place, which) in chain.written:
         sign, letter = chain.written[place, which]
         return sign * point[letter]
@@ -114,4 +115,5 @@ def _length(chain: Chain, place: int, which: str, point: Point) -> int:
 
 
 def _times(one: list[list[int]], two: list[list[int]], prime: int) -> list[list[int]]:
+    """Product of two rotations of residues."""
     return [[sum(one[i][k] * two[k][j] for k in range(3)) % prime for j in range(3)] for i in range(3)]

@@ -22,13 +22,13 @@ from collections.abc import Callable
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.methods.by_minors import cofactors, decomposition, determinant
-from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
+from rankdrop.exact.methods.derivation import Conjunction, Derivation
 from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity, singular_vector
-from rankdrop.exact.suppression.factors import check_basic
 
-__all__ = ["METHODS", "Conjunction", "Derivation", "Equality", "derive"]
+__all__ = ["METHODS", "Conjunction", "Derivation", "derive"]
 
 _METHODS: dict[str, Callable[[Draft], None]] = {
     "determinant": determinant,

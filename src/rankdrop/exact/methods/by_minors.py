@@ -23,10 +23,10 @@ from __future__ import annotations
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.methods.derivation import Conjunction, Equality
+from rankdrop.exact.methods.derivation import Conjunction
 from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.robot.model import JointKind
 
@@ -210,6 +210,7 @@ def _null_space(draft: Draft, arm: Columns) -> list[list[Polynomial]]:
 
 
 def _combined(draft: Draft, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+    """Σ w_j column_j, the rotations only."""
     return [
         draft.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), draft.ring.zero))
         for i in range(3)

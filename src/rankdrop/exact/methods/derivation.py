@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.exact.algebra.field import Point, holds
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.writing.condition import RADIANS, Condition, pin_text
@@ -60,6 +60,7 @@ class Distances:
         return self._known[key]
 
     def _computed(self, f: Polynomial | Atom) -> Array:
+        """|f|/|∇f| by central differences, or the smaller of that and √|f| where the slope may be rounding."""
         chain, theta = self._chain, self._theta
         if isinstance(f, Atom) and f.f is None:
             return np.asarray(2 * np.abs(np.sin((theta[:, f.joint - 1] - RADIANS[f.value]) / 2)))
@@ -122,34 +123,16 @@ CLEAR = 1e-8
 """… and what must not vanish does not where this far off; less than `ZERO`, so that cases overlap and leave no gap."""
 
 
-@dataclass(frozen=True)
-class Equality:
-    """One polynomial that vanishes.
+def _distance(equality: Equality, distances: Distances) -> Array:
+    """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
+    parts = equality.atoms if equality.whole is None else (equality.whole,)
+    return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
 
-    Attributes:
-        atoms: its irreducible factors: it vanishes where one of them does; empty where it was not factored.
-        whole: the trigonometric polynomial itself, where it was not factored or is shorter so; else None.
-    """
 
-    atoms: tuple[Atom, ...]
-    whole: Polynomial | None = None
-
-    @property
-    def terms(self) -> int:
-        """Number of terms: of `whole`, or of all atoms together."""
-        if self.whole is not None:
-            return len(self.whole)
-        return sum(1 if atom.f is None else len(atom.f) for atom in self.atoms)
-
-    def distance(self, distances: Distances) -> Array:
-        """First-order distance of configurations from where it holds: (N,) [rad, m]; of atoms the nearest."""
-        parts = self.atoms if self.whole is None else (self.whole,)
-        return np.asarray(np.min([distances.of(part) for part in parts], axis=0, initial=np.inf))
-
-    def vanishes(self, ring: Ring, point: Point) -> bool:
-        """Whether it holds at a point modulo P, exactly."""
-        parts = self.atoms if self.whole is None else (self.whole,)
-        return any(holds(ring, part, point) for part in parts)
+def _vanishes(equality: Equality, ring: Ring, point: Point) -> bool:
+    """Whether it holds at a point modulo a prime, exactly."""
+    parts = equality.atoms if equality.whole is None else (equality.whole,)
+    return any(holds(ring, part, point) for part in parts)
 
 
 @dataclass(frozen=True)
@@ -168,17 +151,17 @@ class Conjunction:
         """Whether it holds at configurations, within `ZERO`: (N,)."""
         met = np.ones(len(distances), dtype=np.bool_)
         for equality in self.equal:
-            met &= equality.distance(distances) <= ZERO
+            met &= _distance(equality, distances) <= ZERO
             if not met.any():
                 return met
         for group in self.unequal:
-            met &= np.max([equality.distance(distances) for equality in group], axis=0) > CLEAR
+            met &= np.max([_distance(equality, distances) for equality in group], axis=0) > CLEAR
         return met
 
     def holds_modulo(self, ring: Ring, point: Point) -> bool:
         """Whether it holds at a point modulo P, exactly."""
-        return all(equality.vanishes(ring, point) for equality in self.equal) and all(
-            any(not equality.vanishes(ring, point) for equality in group) for group in self.unequal
+        return all(_vanishes(equality, ring, point) for equality in self.equal) and all(
+            any(not _vanishes(equality, ring, point) for equality in group) for group in self.unequal
         )
 
 
@@ -284,8 +267,7 @@ class Words:
         p = self._ring.to_trig(f)
         if p is not None:
             return f"{Text().zero(single_angles(self._ring, p))} = 0"
-        degrees = [int(d) for d in f.degrees()[: self._ring.angles]]
-        return f"{Text().zero(fourier(f, degrees, self._ring))} = 0"
+        return f"{Text().zero(fourier(self._ring.form(f)))} = 0"
 
     def _unequal(self, group: Sequence[Equality]) -> str:
         texts = [self.equality(equality) for equality in group]

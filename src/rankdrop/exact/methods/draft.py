@@ -12,12 +12,12 @@ from itertools import combinations
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import random_points, rank_check
-from rankdrop.exact.methods.derivation import Conjunction, Derivation, Equality
+from rankdrop.exact.methods.derivation import Conjunction, Derivation
 
 Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
@@ -153,6 +153,7 @@ class Draft:
         return Equality(atoms)
 
     def _assume(self, factor: Polynomial) -> None:
+        """Take a factor in lengths alone for ≠ 0; where it is 0 for this arm that is said among what is left."""
         key = str(factor)
         if key in self._work.assumed:
             return
@@ -196,22 +197,16 @@ def pieces(
 
 
 def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
-    """As `Draft.pinned`. A degree that falls is a zero at θ = π."""
+    """As `Draft.pinned`."""
     if atom.f is None:
         if atom.joint != pin.joint:
             return frozenset({atom})
         return None if atom.value == pin.value else frozenset()
-    f = ring.half_at(atom.f, {pin.joint: pin.value})
-    if f == 0:
-        return None
-    degrees, before = f.degrees(), atom.f.degrees()
-    fallen = {
-        ring.pin(j, "pi") for place, j in enumerate(ring.revolute) if j != pin.joint and degrees[place] < before[place]
-    }
-    return frozenset(fallen | {found for found, _ in ring.split(f)[2]})
+    form = ring.form(atom.f).at({pin.joint: pin.value})
+    return None if form.f == 0 else frozenset(found for found, _ in form.factors().atoms)
 
 
-Factors = frozenset[Atom]
+Atoms = frozenset[Atom]
 """The atoms of one polynomial, which vanishes where one of them does."""
 
 
@@ -227,16 +222,16 @@ class Case:
     """
 
     pins: tuple[tuple[int, str], ...] = ()
-    zero: Factors = frozenset()
-    product: frozenset[Factors] = frozenset()
-    nonzero: Factors = frozenset()
+    zero: Atoms = frozenset()
+    product: frozenset[Atoms] = frozenset()
+    nonzero: Atoms = frozenset()
 
     def columns(self, ring: Ring, columns: Columns) -> Columns:
         """A matrix with the pinned joints put in."""
         pins = dict(self.pins)
         return [[ring.at(x, pins) for x in column] for column in columns] if pins else columns
 
-    def factors(self, draft: Draft, p: Polynomial) -> Factors | None:
+    def factors(self, draft: Draft, p: Polynomial) -> Atoms | None:
         """Atoms of p that may vanish here, the pins put in; empty where p never does, None where it always does.
 
         p may vanish in the whole case without a factor that tells of it: then some of the atoms do, and following them
@@ -259,7 +254,7 @@ class Case:
         if atom in self.nonzero:
             return None
         if not atom.pinned:
-            return replace(self, zero=self.zero | {atom}).settled()
+            return replace(self, zero=self.zero | {atom}).simplified()
         if any(joint == atom.joint for joint, _ in self.pins):
             return self if (atom.joint, atom.value) in self.pins else None
         case = Case(pins=tuple(sorted((*self.pins, (atom.joint, atom.value)))))
@@ -274,13 +269,13 @@ class Case:
             if None not in parts:
                 found = frozenset[Atom]().union(*(part for part in parts if part is not None))
                 case = replace(case, product=case.product | {found})
-        return case.settled()
+        return case.simplified()
 
     def with_nonzero(self, *atoms: Atom) -> Case:
         """The part where none of the atoms vanishes."""
         return replace(self, nonzero=self.nonzero.union(atoms))
 
-    def settled(self) -> Case | None:
+    def simplified(self) -> Case | None:
         """Products without the factors that do not vanish; None where one of them never vanishes."""
         products = {product - self.nonzero for product in self.product}
         single = frozenset(next(iter(product)) for product in products if len(product) == 1)
@@ -306,7 +301,7 @@ class Case:
         return Conjunction((*self.equalities(ring), *piece.equal), (*nonzero, *others))
 
 
-def branches(draft: Draft, case: Case, atoms: Factors) -> list[Case]:
+def branches(draft: Draft, case: Case, atoms: Atoms) -> list[Case]:
     """The disjoint parts of a case where a product vanishes: each factor in turn, those before it not."""
     found, before = [], case
     for atom in sorted(atoms, key=order):
@@ -317,6 +312,6 @@ def branches(draft: Draft, case: Case, atoms: Factors) -> list[Case]:
     return found
 
 
-def size(polynomials: list[Polynomial]) -> int:
+def size(polynomials: Iterable[Polynomial]) -> int:
     """Terms of several polynomials together."""
     return sum(len(p) for p in polynomials)

@@ -18,14 +18,13 @@ columns, and J is singular where the equations that are left hold, too: where al
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial, order
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.work import OutOfTime
-from rankdrop.exact.methods.derivation import Conjunction, Equality, Words
-from rankdrop.exact.methods.draft import Case, Columns, Draft, Factors, branches, pieces, size
+from rankdrop.exact.methods.derivation import Conjunction, Words
+from rankdrop.exact.methods.draft import Atoms, Case, Columns, Draft, branches, pieces, size
 from rankdrop.exact.writing.value import text_of
 
 DEEPEST = 3
@@ -74,7 +73,7 @@ def _sets(draft: Draft, case: Case, screw: Sequence[Polynomial], deepest: int) -
 def _follows(draft: Draft, atom: Atom, more: Sequence[Equality]) -> bool:
     """Whether an atom vanishes once the joints that are pinned after it stand where they do."""
     pins = {one.atoms[0].joint: one.atoms[0].value for one in more if len(one.atoms) == 1 and one.atoms[0].pinned}
-    return not atom.pinned and bool(draft.ring.half_at(atom.f, pins) == 0)
+    return not atom.pinned and bool(draft.ring.form(atom.f).at(pins).f == 0)
 
 
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
@@ -116,10 +115,8 @@ Pins = tuple[tuple[int, str], ...]
 """Pinned joints of a case: its columns depend on nothing else."""
 
 
-@dataclass(frozen=True)
-class _Choice:
-    joints: tuple[int, ...]  # from 0
-    screw: tuple[Polynomial, ...]  # reciprocal to them: one component per row of the task
+_Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
+"""Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
 
 
 def reciprocity(draft: Draft) -> None:
@@ -171,18 +168,19 @@ def _one_case(
     if case.pins not in choices:
         choices[case.pins] = _choices(draft, columns)
     for choice in choices[case.pins]:
-        components = [case.factors(draft, w) for w in choice.screw if w != 0]
+        joints, screw = choice
+        components = [case.factors(draft, w) for w in screw if w != 0]
         known = [found for found in components if found is not None]
         if not known:  # the screw vanishes in all of this case
             continue
-        made.add(choice.joints)
+        made.add(joints)
         draft.sizes["choices"] += 1
-        draft.sizes["terms"] = max(draft.sizes["terms"], size(list(choice.screw)))
+        draft.sizes["terms"] = max(draft.sizes["terms"], size(screw))
         if len(case.pins) <= TOLD and not case.zero and not case.product:
             _note(draft, case, choice)
         redundant = len(columns) > len(columns[0])
         nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
-        products = [_product(draft, columns, choice, j) for j in range(len(columns)) if j not in choice.joints]
+        products = [_product(draft, columns[j], screw) for j in range(len(columns)) if j not in joints]
         factors = [case.factors(draft, p) for p in products]
         met = pieces([_equality(found) for found in factors if found is not None])
         always = frozenset.intersection(*known)  # where one of these vanishes, w does
@@ -213,50 +211,44 @@ def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
             minor = draft.minor(chosen, [i for i in range(m) if i != row])
             screw.append(-minor if row % 2 else minor)
         if any(w != 0 for w in screw):
-            found.append(_Choice(joints, tuple(screw)))
+            found.append((joints, tuple(screw)))
     wished = {j - 1 for j in draft.basic} if draft.basic is not None else set(range(len(columns)))
     return sorted(
-        found, key=lambda choice: (not wished.issuperset(choice.joints), size(list(choice.screw)), choice.joints)
+        found, key=lambda choice: (not wished.issuperset(choice[0]), size(choice[1]), choice[0])
     )
 
 
-def _product(draft: Draft, columns: Columns, choice: _Choice, j: int) -> Polynomial:
-    """Reciprocal product of the screw with joint screw j."""
-    return draft.ring.reduce(
-        sum((w * x for w, x in zip(choice.screw, columns[j], strict=True)), draft.ring.zero)
-    )
+def _product(draft: Draft, column: Sequence[Polynomial], screw: Sequence[Polynomial]) -> Polynomial:
+    """Reciprocal product of a screw with a joint's."""
+    return draft.ring.reduce(sum((w * x for w, x in zip(screw, column, strict=True)), draft.ring.zero))
 
 
 def _note(draft: Draft, case: Case, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
     words, ring = Words(draft.ring), draft.ring
     there = words.conjunction(Conjunction(case.equalities(ring))) if case.pins else "in general"
-    joints = ", ".join(str(j + 1) for j in choice.joints)
-    terms = size(list(choice.screw))
-    written = [text_of(ring, x) for x in choice.screw] if terms <= WRITTEN else []
+    chosen, elements = choice
+    joints = ", ".join(str(j + 1) for j in chosen)
+    terms = size(elements)
+    written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
     screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
     draft.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
-    known = vanishing(draft, case, choice.screw, words)
+    known = vanishing(draft, case, elements, words)
     if draft.sizes["choices"] == 1:
         draft.sizes["exceptional"] = len(known)
-    elements = {6: "six", 3: "three"}.get(len(choice.screw), str(len(choice.screw)))
+    count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     if not known:
         draft.notes.append("  it never vanishes there")
         return
-    draft.notes.append(f"  all {elements} elements vanish, and it says nothing, where " + ", or where ".join(known))
+    draft.notes.append(f"  all {count} elements vanish, and it says nothing, where " + ", or where ".join(known))
 
 
-def _equality(found: Factors) -> Equality:
+def _equality(found: Atoms) -> Equality:
     return Equality(tuple(sorted(found, key=order)))
 
 
-@dataclass(frozen=True)
-class _Step:
-    """A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
-
-    case: Case
-    rows: tuple[int, ...] = ()
-    columns: tuple[int, ...] = ()
+_Pivots = tuple[Case, tuple[int, ...], tuple[int, ...]]
+"""A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
 def singular_vector(draft: Draft) -> None:
@@ -271,7 +263,7 @@ def singular_vector(draft: Draft) -> None:
     """
     draft.full_rank()
     draft.sizes |= {"cases": 0, "longest": 0}
-    waiting = [_Step(Case())]
+    waiting: list[_Pivots] = [(Case(), (), ())]
     while waiting:
         step = waiting.pop(0)
         try:
@@ -285,42 +277,44 @@ def singular_vector(draft: Draft) -> None:
     )
 
 
-def _eliminated(draft: Draft, step: _Step) -> list[_Step]:
+def _eliminated(draft: Draft, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
     draft.check("elimination")
-    ring, case = draft.ring, step.case
-    columns = case.columns(ring, draft.chain.columns)
+    case, rows, chosen = step
+    ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
     size = min(len(columns), len(columns[0]))
-    while len(step.rows) < size:
-        left = _bordering(draft, columns, step)
-        if len(step.rows) == size - 1:
+    left: list[tuple[int, int, Polynomial]] = []
+    while len(rows) < size:
+        left = _bordering(draft, columns, rows, chosen)
+        if len(rows) == size - 1:
             break
         pivot = _pivot(draft, case, left)
         if pivot is None:  # everything that is left vanishes: the rank is lower still
             left = []
             break
         row, column, factors = pivot
-        following = _Step(case.with_nonzero(*factors), (*step.rows, row), (*step.columns, column))
+        following = (case.with_nonzero(*factors), (*rows, row), (*chosen, column))
         if factors:
-            parts = [_Step(part, step.rows, step.columns) for part in branches(draft, case, factors)]
-            return [following, *parts]
-        step = following
+            return [following, *((part, rows, chosen) for part in branches(draft, case, factors))]
+        case, rows, chosen = following
     draft.sizes["cases"] += 1
-    found = [case.factors(draft, entry) for _, _, entry in left]
-    met = pieces([Equality(tuple(sorted(factors, key=order))) for factors in found if factors is not None])
+    entries = [case.factors(draft, entry) for _, _, entry in left]
+    met = pieces([Equality(tuple(sorted(factors, key=order))) for factors in entries if factors is not None])
     draft.conditions += [case.conjunction(ring, piece) for piece in met]
     longest = max((equality.terms for piece in met for equality in piece.equal), default=0)
     draft.sizes["longest"] = max(draft.sizes["longest"], longest)
     return []
 
 
-def _bordering(draft: Draft, columns: Columns, step: _Step) -> list[tuple[int, int, Polynomial]]:
+def _bordering(
+    draft: Draft, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
+) -> list[tuple[int, int, Polynomial]]:
     """(row, column, minor) for each row and column besides the pivots', minors that are not zero."""
     found = []
     for column in range(len(columns)):
         for row in range(len(columns[0])):
-            if row not in step.rows and column not in step.columns:
-                minor = draft.minor([columns[c] for c in (*step.columns, column)], (*step.rows, row))
+            if row not in rows and column not in chosen:
+                minor = draft.minor([columns[c] for c in (*chosen, column)], (*rows, row))
                 if minor != 0:
                     found.append((row, column, minor))
     return found
@@ -328,7 +322,7 @@ def _bordering(draft: Draft, columns: Columns, step: _Step) -> list[tuple[int, i
 
 def _pivot(
     draft: Draft, case: Case, left: list[tuple[int, int, Polynomial]]
-) -> tuple[int, int, Factors] | None:
+) -> tuple[int, int, Atoms] | None:
     """The entry with the fewest and shortest atoms that may vanish; None where all entries vanish in the case."""
     best = None
     for row, column, entry in sorted(left, key=lambda item: len(item[2])):

@@ -9,7 +9,7 @@ where the set leaves them free.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import degrees, radians
 from typing import Any
 
@@ -17,8 +17,8 @@ import numpy as np
 
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.split import cut_half, pinned
-from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import Work
+from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.merge import merge
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
@@ -131,13 +131,13 @@ _ARRIVED = 1e-13  # of residuals whose largest coefficient is 1
 _ROUND = radians(5.0)  # free angles are multiples of this
 
 
-def words(piece: Variety) -> str:
+def words(piece: ZeroSet) -> str:
     """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
     pins = [pin_text(joint, (value,)) for joint, value in sorted(piece.pins.items())]
     return " and ".join([*pins, *(Condition(piece.ring, f).text() for f in piece.equations)]) or "every configuration"
 
 
-def real_points(piece: Variety, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
+def real_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
     """Real points of a set at the arm's own lengths, one per start that arrives.
 
     Args:
@@ -190,7 +190,7 @@ CLEAR = 1e-6
 _LOOKED = 12  # real points of a set among which the clearest counter-example is chosen
 
 
-def lint(text: str, pieces: Sequence[Variety], chain: Chain, *, work: Work | None = None) -> LintResult:
+def lint(text: str, pieces: Sequence[ZeroSet], chain: Chain, *, work: Work | None = None) -> LintResult:
     """Compare a user's condition with the singular set of an arm.
 
     Args:
@@ -236,13 +236,13 @@ class _Comparison:
     """
 
     def __init__(
-        self, chain: Chain, parsed: Sequence[Parsed], pieces: Sequence[Variety], lengths: Mapping[str, Any], work: Work
+        self, chain: Chain, parsed: Sequence[Parsed], pieces: Sequence[ZeroSet], lengths: Mapping[str, Any], work: Work
     ) -> None:
         self.chain, self.work, self.ring = chain, work, chain.ring
         self.values = {name: flint().fmpq(x.numerator, x.denominator) for name, x in lengths.items()}
         self.columns = [[p.subs(self.values) if self.values else p for p in column] for column in chain.columns]
-        self.full = self.rank(Variety.whole(self.ring))
-        self.parsed = [Parsed(one.text, one.ring, self.special(one.f), one.degrees, one.root) for one in parsed]
+        self.full = self.rank(ZeroSet.whole(self.ring))
+        self.parsed = [replace(one, form=replace(one.form, f=self.special(one.form.f))) for one in parsed]
         self.singular = independent([part for piece in independent(pieces) for part in self.specialised(piece)])
         self.users = self.zeros()
         self.unknown = [piece for piece in self.users if len(piece.rest) > 2 and not piece.samples]
@@ -268,61 +268,54 @@ class _Comparison:
         """A half-angle polynomial at the given lengths."""
         return f.subs(self.values) if self.values else f
 
-    def specialised(self, piece: Variety) -> list[Variety]:
+    def specialised(self, piece: ZeroSet) -> list[ZeroSet]:
         """The components of a singular set at the given lengths."""
         if not self.values:
             return [piece]
-        found = [Variety(self.ring, {})]
+        found = [ZeroSet(self.ring, {})]
         for joint, value in piece.pins.items():
             found = [part for one in found for part in pinned(one, joint, value, self.work)]
         for f in piece.equations:
-            g = self.special(f)
-            degrees = tuple(int(d) for d in f.degrees()[: self.ring.angles])
-            found = [part for one in found for part in self.cut(one, Parsed("", self.ring, g, degrees))]
+            own = replace(self.ring.form(f), f=self.special(f))
+            found = [part for one in found for part in self.cut(one, Parsed("", own))]
         return [one for one in independent(found) if one.samples and self.rank(one) < self.full]
 
-    def zeros(self) -> list[Variety]:
+    def zeros(self) -> list[ZeroSet]:
         """The components of the set where every condition holds."""
-        found = [Variety.whole(self.ring)]
+        found = [ZeroSet.whole(self.ring)]
         for one in self.parsed:
             self.work.check()
             found = independent([part for piece in found for part in self.cut(piece, one)])
         return found
 
-    def cut(self, piece: Variety, one: Parsed) -> list[Variety]:
+    def cut(self, piece: ZeroSet, one: Parsed) -> list[ZeroSet]:
         """The components of a set where a condition holds."""
-        f, ring = one.f, self.ring
-        left = list(one.degrees)
-        for joint, value in piece.pins.items():
-            place = ring.revolute.index(joint)
-            if value == "pi" and int(f.degrees()[place]) < left[place]:
-                return [piece]
-            f, left[place] = ring.half_at(f, {joint: value}), 0
-        if f == 0:
+        form = one.form.at(piece.pins)
+        if form.f == 0:
             return [piece]
-        found: list[Variety] = []
-        for atom in Parsed(one.text, ring, f, tuple(left), one.root).atoms:
+        found: list[ZeroSet] = []
+        for atom in Parsed(one.text, form, one.root).atoms:
             if atom.pinned:
                 found += pinned(piece, atom.joint, atom.value, self.work)
             else:
                 found += cut_half(piece, atom.f, self.work)
         return independent(found)
 
-    def holds(self, piece: Variety) -> bool:
+    def holds(self, piece: ZeroSet) -> bool:
         """Whether every condition holds on all of a set."""
         for one in self.parsed:
-            if one.f != 0 and not any(
+            if one.form.f != 0 and not any(
                 piece.stands(atom.joint, atom.value) if atom.pinned else piece.half_vanishes(atom.f)
                 for atom in one.atoms
             ):
                 return False
         return True
 
-    def rank(self, piece: Variety) -> int:
+    def rank(self, piece: ZeroSet) -> int:
         """Rank of the Jacobian almost everywhere on a set."""
         return rank_on(self.columns, piece)
 
-    def shown(self, pieces: Sequence[Variety], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
+    def shown(self, pieces: Sequence[ZeroSet], *, singular: bool) -> tuple[tuple[Difference, ...], list[str]]:
         """Differences with an example each, and the sets without one, in words."""
         examples, unreal = {}, []
         for piece in pieces:
@@ -337,7 +330,7 @@ class _Comparison:
             Difference(", ".join(row.texts) or "every configuration", examples[id(row.pieces[0])]) for row in rows
         ), unreal
 
-    def example(self, piece: Variety, *, singular: bool) -> Example | None:
+    def example(self, piece: ZeroSet, *, singular: bool) -> Example | None:
         """A real configuration of a set, singular where the condition does not hold, or regular where it does."""
         best: tuple[float, Example] | None = None
         for looked, theta in enumerate(real_points(piece, self.chain)):

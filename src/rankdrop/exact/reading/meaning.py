@@ -7,17 +7,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Atom, Polynomial
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.reading.grammar import Node, Statement, mistake, read
 from rankdrop.exact.writing.form import Product, Wave, added, half_of, number_of, wave
 from rankdrop.robot.model import Array
@@ -30,12 +31,10 @@ HIGH = 80
 """Degree in the half-angle tangent of a joint while a condition is read."""
 
 
-@dataclass(frozen=True)
-class Value:
-    """A function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2)."""
+class Value(NamedTuple):
+    """A function on the torus: f · √2^root / Π (1 + t_j²)^(D_j / 2), f and the D_j as a form."""
 
-    f: Polynomial
-    degrees: tuple[int, ...]
+    form: Form
     root: int = 0
 
 
@@ -79,7 +78,7 @@ class Meaning:
 
     def relation(self, one: Statement) -> Value:
         """Σ m_j θ_j = value, modulo 2π."""
-        value = Value(self.ring.half.constant(1), (0,) * self.ring.angles)
+        value = self.number(self.ring.half.constant(1))
         rights = [signed for right in one.rights for signed in _both(right)] or [Node("number", one.left.place)]
         for right in rights:
             left = self.angle(one.left)
@@ -163,7 +162,7 @@ class Meaning:
         found = self.turned(kind, whole, int(eighths) // 2)
         if int(eighths) % 2:  # f(φ + π/4) = (f(φ) + f(φ + π/2)) / √2
             found = self.sum([found, self.turned(kind, whole, int(eighths) // 2 + 1)], node)
-            found = Value(found.f / 2, found.degrees, 1)
+            found = Value(replace(found.form, f=found.form.f / 2), 1)
         return found
 
     def not_exact(self, angle: Angle, node: Node) -> OptionError:
@@ -186,15 +185,14 @@ class Meaning:
         sign, one = wave(kinds[steps % 2], turns)
         sign = -sign if steps in (1, 2) else sign
         form = Product(Fraction(sign), () if one is None else ((one, 1),))
-        return Value(*half_of(form, self.ring))
+        return Value(half_of(form, self.ring))
 
     # values
 
     def value(self, node: Node) -> Value:
         """The tree as a function on the torus."""
-        none = (0,) * self.ring.angles
         if node.kind == "number":
-            return Value(number_of(node.number, self.ring), none)
+            return self.number(number_of(node.number, self.ring))
         if node.kind == "name":
             return self.named(node)
         if node.kind in ("sin", "cos"):
@@ -204,12 +202,12 @@ class Meaning:
         if node.kind == "+":
             return self.sum([self.value(part) for part in node.parts], node)
         if node.kind == "**":
-            base, total = self.value(node.parts[0]), Value(self.ring.half.constant(1), none)
+            base, total = self.value(node.parts[0]), self.number(self.ring.half.constant(1))
             for _ in range(int(node.number)):
                 total = self.product(total, base, node)
             return total
         if node.kind == "*":
-            total = Value(self.ring.half.constant(1), none)
+            total = self.number(self.ring.half.constant(1))
             for part in node.parts:
                 total = self.product(total, self.inverse(part) if part.kind == "/" else self.value(part), part)
             return total
@@ -217,27 +215,26 @@ class Meaning:
 
     def inverse(self, node: Node) -> Value:
         """1 / a number."""
-        below = self.value(node.parts[0])
-        if below.root or any(below.degrees) or below.f == 0 or below.f.total_degree() > 0:
+        form, root = self.value(node.parts[0])
+        if root or any(form.degrees) or form.f == 0 or form.f.total_degree() > 0:
             raise mistake(self.text, node.place, "a condition is divided by numbers only, not by 0")
-        return Value(1 / below.f.coeffs()[0] * self.ring.half.constant(1), below.degrees)
+        return self.number(1 / form.f.coeffs()[0] * self.ring.half.constant(1))
 
     def named(self, node: Node) -> Value:
         """A length, the variable of a slide, or s23."""
         ring, name = self.ring, node.name
-        none = (0,) * ring.angles
         if name in ring.letters:
-            return Value(ring.letter_half[name], none)
+            return self.number(ring.letter_half[name])
         joint = self.joint(node)
         if joint is not None and joint in ring.prismatic:
-            return Value(ring.q_half[joint], none)
+            return self.number(ring.q_half[joint])
         match = re.fullmatch(r"([sc])([1-9]+)", name)
         if match is not None:
             joints = [int(digit) for digit in match[2]]
             if len(set(joints)) == len(joints) and set(joints) <= set(ring.revolute):
                 kind = "sin" if match[1] == "s" else "cos"
                 one = Wave(kind, tuple((j, 2) for j in sorted(joints)))
-                return Value(*half_of(Product(Fraction(1), ((one, 1),)), ring))
+                return Value(half_of(Product(Fraction(1), ((one, 1),)), ring))
         if joint is not None:
             raise mistake(self.text, node.place, "an angle stands inside sin or cos, or alone in an equation of angles")
         allowed = [*ring.letters, *(f"q{j}" for j in ring.prismatic)]
@@ -260,32 +257,36 @@ class Meaning:
 
     def negative(self, value: Value) -> Value:
         """−f."""
-        return Value(-value.f, value.degrees, value.root)
+        return Value(replace(value.form, f=-value.form.f), value.root)
+
+    def number(self, f: Polynomial) -> Value:
+        """What does not depend on an angle."""
+        return Value(Form(self.ring, f, (0,) * self.ring.angles))
 
     def product(self, one: Value, two: Value, node: Node) -> Value:
         """f · g; √2 · √2 is 2."""
-        if len(one.f) * len(two.f) > LARGEST:
+        f, g = one.form.f, two.form.f
+        if len(f) * len(g) > LARGEST:
             what = "multiplied out the condition has too many terms"
             raise mistake(self.text, node.place, what, allowed=f"up to {LARGEST}")
-        degrees = tuple(a + b for a, b in zip(one.degrees, two.degrees, strict=True))
+        degrees = tuple(a + b for a, b in zip(one.form.degrees, two.form.degrees, strict=True))
         if max(degrees, default=0) > HIGH:
             what = "the condition has too high powers of one angle's sine and cosine"
             raise mistake(self.text, node.place, what, allowed=f"up to {HIGH // 2}")
         root = one.root + two.root
-        f = one.f * two.f * (2 if root == 2 else 1)
-        return Value(f, degrees, root % 2)
+        return Value(Form(self.ring, f * g * (2 if root == 2 else 1), degrees), root % 2)
 
     def sum(self, values: list[Value], node: Node) -> Value:
         """Σ f, over common degrees."""
-        kept = [value for value in values if value.f != 0] or values[:1]
+        kept = [value for value in values if value.form.f != 0] or values[:1]
         if len({value.root for value in kept}) > 1:
             what = "terms with an eighth turn (pi/4) and terms without do not add up exactly"
             raise mistake(self.text, node.place, what)
         try:
-            f, degrees = added([(value.f, value.degrees) for value in kept], self.ring)
+            form = added([value.form for value in kept])
         except ValueError as error:
             raise mistake(self.text, node.place, f"{error}: the sign would depend on full turns") from error
-        return Value(f, degrees, kept[0].root)
+        return Value(form, kept[0].root)
 
 
 def _scaled(angle: Angle, number: Fraction) -> Angle:
@@ -309,16 +310,12 @@ class Parsed:
 
     Attributes:
         text: as written.
-        ring: of f.
-        f: of the half-angle ring; not factored.
-        degrees: D_j of each revolute joint; f may have a lower degree in t_j: a zero at θ_j = π.
+        form: f, not factored, and the D_j.
         root: 0 or 1.
     """
 
     text: str
-    ring: Ring
-    f: Polynomial
-    degrees: tuple[int, ...]
+    form: Form
     root: int = 0
 
     @cached_property
@@ -328,19 +325,14 @@ class Parsed:
         Raises:
             ZeroDivisionError: f is zero everywhere.
         """
-        if self.f == 0:
+        if self.form.f == 0:
             raise ZeroDivisionError("a condition that always holds has no irreducible parts")
-        _, _, found = self.ring.split(self.f)
-        own = self.f.degrees()
-        missing = [
-            self.ring.pin(j, "pi") for k, j in enumerate(self.ring.revolute) if int(own[k]) < self.degrees[k]
-        ]
-        return (*missing, *(atom for atom, _ in found))
+        return tuple(atom for atom, _ in self.form.factors().atoms)
 
     @cached_property
     def letters(self) -> tuple[Polynomial, ...]:
         """Factors in lengths alone: for special lengths the condition always holds."""
-        return () if self.f == 0 else tuple(factor for factor, _ in self.ring.split(self.f)[1])
+        return () if self.form.f == 0 else tuple(factor for factor, _ in self.form.factors().letters)
 
     def __call__(self, theta: ArrayLike, letters: dict[str, float]) -> Array:
         """The value at angles.
@@ -353,14 +345,14 @@ class Parsed:
             (...,) values.
         """
         theta = np.asarray(theta, dtype=np.float64)
-        ring = self.ring
+        ring = self.form.ring
         sines = {k: np.sin(theta[..., j - 1] / 2) for k, j in enumerate(ring.revolute)}
         cosines = {k: np.cos(theta[..., j - 1] / 2) for k, j in enumerate(ring.revolute)}
         rest = [theta[..., j - 1] for j in ring.prismatic] + [np.float64(letters[name]) for name in ring.letters]
         total = np.zeros(theta.shape[:-1])
-        for powers, number in self.f.terms():
+        for powers, number in self.form.f.terms():
             value = np.full(theta.shape[:-1], float(Fraction(int(number.p), int(number.q))))
-            for k, degree in enumerate(self.degrees):
+            for k, degree in enumerate(self.form.degrees):
                 value = value * sines[k] ** int(powers[k]) * cosines[k] ** (degree - int(powers[k]))
             for x, power in zip(rest, powers[ring.angles :], strict=True):
                 value = value * x ** int(power)
@@ -396,5 +388,5 @@ def parse_conditions(text: str, ring: Ring, *, shifts: Sequence[float] | None = 
     found = []
     for one in read(text, frozenset(ring.letters)):
         value = meaning.statement(one)
-        found.append(Parsed(one.text, ring, value.f, value.degrees, value.root))
+        found.append(Parsed(one.text, value.form, value.root))
     return tuple(found)

@@ -12,12 +12,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
-from rankdrop.exact.algebra.field import rank, trig_evaluator
-from rankdrop.exact.algebra.polynomial import Atom, Polynomial
+from rankdrop.exact.algebra.field import rank, value_at
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.piece import Factor
-from rankdrop.exact.suppression.stratum import Stratum
+from rankdrop.exact.suppression.stratum import Stratum, atoms_on, vanishes
 
 Columns = Sequence[Sequence[Polynomial]]
 GRAM = 3
@@ -99,16 +98,15 @@ class Sampled:
         rng: source of the points.
 
     Attributes:
-        points: per piece, the screws at each point; a piece without points has none.
+        points: per piece, the screws at each point and the prime that they are modulo; a piece without points has none.
     """
 
     def __init__(self, columns: Columns, stratum: Stratum, rng: random.Random) -> None:
-        evaluate = trig_evaluator(stratum.ring)
-        self.points: list[list[list[list[int]]]] = []
+        self.points: list[list[tuple[list[list[int]], int]]] = []
         for piece in stratum.pieces:
-            count = SAMPLES if piece.irreducible else MORE_SAMPLES
-            drawn = [point for point in (piece.point(rng) for _ in range(count)) if point is not None]
-            self.points.append([[[evaluate(x, point) for x in column] for column in columns] for point in drawn])
+            drawn = piece.points(rng, MORE_SAMPLES if piece.several else SAMPLES)
+            screws = ([[value_at(stratum.ring, x, point) for x in column] for column in columns] for point in drawn)
+            self.points.append([(here, point.prime) for here, point in zip(screws, drawn, strict=True)])
 
         self._ranks: dict[tuple[int, ...], set[int]] = {}
 
@@ -116,10 +114,9 @@ class Sampled:
         """Every rank that these joints' screws have at the points."""
         key = tuple(sorted(joints))
         if key not in self._ranks:
-            matrices = ([point[j - 1] for j in key] for piece in self.points for point in piece)
-            self._ranks[key] = {rank(matrix) for matrix in matrices}
+            every = (point for piece in self.points for point in piece)
+            self._ranks[key] = {rank([screws[j - 1] for j in key], prime) for screws, prime in every}
         return self._ranks[key]
-
 
     def mixed(self, joints: Sequence[int]) -> tuple[int, ...] | None:
         """The smallest set of joints whose rank differs from point to point of one piece: it has several components."""
@@ -128,7 +125,7 @@ class Sampled:
         for size in range(1, len(joints) + 1):
             for chosen in combinations(joints, size):
                 for piece in self.points:
-                    if len({rank([point[j - 1] for j in chosen]) for point in piece}) > 1:
+                    if len({rank([screws[j - 1] for j in chosen], prime) for screws, prime in piece}) > 1:
                         return chosen
         return None
 
@@ -228,8 +225,8 @@ def _zeros(stratum: Stratum, p: Polynomial, work: Work) -> list[tuple[Atom, ...]
     """Per piece the atoms under which p may vanish; None where it vanishes on a whole piece."""
     found = []
     for piece in stratum.pieces:
-        atoms = piece.factors(Factor(p), False)
-        if atoms is None or (not piece.irreducible and piece.vanishes(p, work.rng)):
+        atoms = atoms_on(piece, Equality((), p))
+        if atoms is None or (piece.several and vanishes(piece, p, work.rng)):
             return None
         found.append(atoms)
     return found

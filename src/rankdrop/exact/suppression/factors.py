@@ -12,17 +12,17 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 from rankdrop.errors import OptionError
-from rankdrop.exact.algebra.field import P, Point, complete, trig_evaluator
-from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, primitive
+from rankdrop.exact.algebra.field import P, Point, complete, value_at
+from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, primitive
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial, polynomial_of
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.suppression.piece import Factor
-from rankdrop.exact.suppression.stratum import TOGETHER, Stratum
+from rankdrop.exact.arm.structure import triples
+from rankdrop.exact.suppression.stratum import TOGETHER, Stratum, atoms_on, vanishes
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Product:
     """
 
     polynomial: Polynomial
-    factors: tuple[Factor, ...]
+    factors: tuple[Equality, ...]
     letters: tuple[tuple[Polynomial, int], ...]
     written: tuple[tuple[Polynomial, int], ...]
     outer: Polynomial | None
@@ -65,7 +65,7 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     open_atoms: list[list[Atom]] = []
     for atoms, there in zip(every, stratum.combinations, strict=True):
         pieces = [piece for piece in stratum.pieces if piece.pins == there]
-        lists = [{atom: piece.factors(Factor(None, (atom,)), False) for atom in atoms} for piece in pieces]
+        lists = [{atom: atoms_on(piece, Equality((atom,))) for atom in atoms} for piece in pieces]
         if any(found is None for one in lists for found in one.values()):
             return None
         open_atoms.append([atom for atom in atoms if any(one[atom] for one in lists)])
@@ -78,15 +78,16 @@ def taken_apart(stratum: Stratum, p: Polynomial) -> Product | None:
     written = _with_powers(ring, common)
     if any(rests):
         rest = _rest(stratum, without_letters(p, powers), shared, rests)
-        factors.append(Factor(rest, tuple(rests[0]) if len(rests) == 1 else None))
+        factors.append(Equality(tuple(rests[0]) if len(rests) == 1 else (), rest))
         written.append((rest, 1))
-    factors.sort(key=lambda f: _length(f.polynomial))
+    factors.sort(key=lambda f: _length(f.whole))
     written.sort(key=lambda pair: _length(pair[0]))
     named = tuple(letters[key] for key in sorted(letters))
     return Product(p, tuple(factors), named, tuple(written), _outer(stratum, p, [*powers, *written]))
 
 
 def _length(f: Polynomial) -> tuple[int, int, str]:
+    """Sort key of polynomials: terms, degree, text."""
     return len(f), f.total_degree(), str(f)
 
 
@@ -120,12 +121,12 @@ def _half_angles(ring: Ring, atoms: Sequence[Atom]) -> Polynomial:
         if atom.value == "pi":
             at_pi.append(atom.joint)
         else:
-            f = f * _half_of(ring, atom)
+            f = f * ring.half_of(atom)
     p = ring.trig_zero_set(f)
     return ring.reduce(_times(ring, [p, *(1 + ring.c[j] for j in at_pi)]))
 
 
-def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
+def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Equality]:
     """Conditions, one per atom or per pair of angles that one sine or cosine pins."""
     left = list(atoms)
     found = []
@@ -133,9 +134,9 @@ def joined(ring: Ring, atoms: Sequence[Atom]) -> list[Factor]:
         for pair, generator in zip(TOGETHER, (ring.s[j], ring.c[j]), strict=True):
             both = tuple(ring.pin(j, value) for value in pair)
             if all(one in left for one in both):
-                found.append(Factor(generator, both))
+                found.append(Equality(both, generator))
                 left = [atom for atom in left if atom not in both]
-    return found + [Factor(polynomial_of(ring, atom), (atom,)) for atom in left]
+    return found + [Equality((atom,), polynomial_of(ring, atom)) for atom in left]
 
 
 def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequence[Sequence[Atom]]) -> Polynomial:
@@ -144,7 +145,7 @@ def _rest(stratum: Stratum, p: Polynomial, shared: Sequence[Atom], rests: Sequen
     if not shared or not stratum.regular:
         return primitive(p)  # the shared factors, if any, come before it and are ≠ 0
     point = _random_point(ring)
-    common = _times(ring, [f.polynomial for f in joined(ring, shared)])
+    common = _times(ring, [f.whole for f in joined(ring, shared)])
     total, first = ring.zero, 0
     for pins, atoms in zip(stratum.combinations, rests, strict=True):
         part = _unsquared(ring, atoms, shared)
@@ -170,24 +171,19 @@ def _unsquared(ring: Ring, atoms: Sequence[Atom], spare: Sequence[Atom]) -> Poly
                 continue
             f = ring.half.constant(1)
             for atom in every:
-                f = f * _half_of(ring, atom)
+                f = f * ring.half_of(atom)
             found = ring.to_trig(f)
             if found is not None:
                 return found
-    return _times(ring, [f.polynomial for f in joined(ring, atoms)])
+    return _times(ring, [f.whole for f in joined(ring, atoms)])
 
 
-def _shorter(ring: Ring, factor: Factor, pins: Sequence[Atom]) -> Factor:
+def _shorter(ring: Ring, factor: Equality, pins: Sequence[Atom]) -> Equality:
     """A condition in half angles times the half angle of a pin, where that is shorter than its square."""
-    if factor.atoms is None or len(factor.atoms) != 1 or factor.atoms[0].pinned:
+    if len(factor.atoms) != 1 or factor.atoms[0].pinned:
         return factor
     other = _unsquared(ring, factor.atoms, pins)
-    return Factor(other, factor.atoms) if 2 < len(other) < len(factor.polynomial) else factor
-
-
-def _half_of(ring: Ring, atom: Atom) -> Polynomial:
-    """The half-angle polynomial of an atom other than θ = π."""
-    return atom.f if atom.f is not None else ring.t[atom.joint] - TANGENT[atom.value]
+    return replace(factor, whole=other) if 2 < len(other) < factor.terms else factor
 
 
 def without_letters(p: Polynomial, letters: Sequence[tuple[Polynomial, int]]) -> Polynomial:
@@ -220,6 +216,7 @@ def _outer(stratum: Stratum, p: Polynomial, factors: Sequence[tuple[Polynomial, 
 
 
 def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
+    """The product, reduced."""
     found = ring.one
     for f in factors:
         found = ring.reduce(found * f)
@@ -227,6 +224,7 @@ def _times(ring: Ring, factors: Sequence[Polynomial]) -> Polynomial:
 
 
 def _random_point(ring: Ring) -> Point:
+    """A point of the whole joint space modulo P, always the same."""
     rng = random.Random(0)
     point = complete(ring, {name: rng.randrange(2, P) for name in ring.names}, {})
     assert point is not None  # −1 is not a square modulo P
@@ -234,7 +232,7 @@ def _random_point(ring: Ring) -> Point:
 
 
 def _value(ring: Ring, p: Polynomial, point: Point) -> int:
-    return trig_evaluator(ring)(p, point)
+    return value_at(ring, p, point)
 
 
 Columns = Sequence[Sequence[Polynomial]]
@@ -253,14 +251,6 @@ class Basic:
     joints: tuple[int, ...]
     product: Product
     reason: str = ""
-
-
-def check_basic(chain: Chain, basic: Sequence[int] | None) -> None:
-    """Raises OptionError unless `basic` is None or six different joints of the chain."""
-    if basic is not None and (len(set(basic)) != 6 or len(basic) != 6 or not set(basic) <= set(range(1, chain.n + 1))):
-        raise OptionError(
-            "the basic screws are six different joints", where="basic", got=str(list(basic)), allowed=f"1 … {chain.n}"
-        )
 
 
 def determinants(
@@ -292,7 +282,7 @@ def choose(
     found = None
     for six, p in sorted(options, key=place):
         work.check()
-        if p == 0 or any(piece.vanishes(p, work.rng) for piece in stratum.pieces):
+        if p == 0 or any(vanishes(piece, p, work.rng) for piece in stratum.pieces):
             continue
         product = taken_apart(stratum, p)
         if product is not None:
@@ -311,7 +301,7 @@ def why(
     """KG's conditions (a), (b), (c) in words, with how many sixes each leaves."""
     known = triples(chain)
     free = [
-        (six, p) for six, p in options if p != 0 and not any(one.vanishes(p, work.rng) for one in stratum.pieces)
+        (six, p) for six, p in options if p != 0 and not any(vanishes(one, p, work.rng) for one in stratum.pieces)
     ]
     with_triple = [(six, p) for six, p in free if _with_triple(known, six)]
     left = with_triple or free
@@ -355,17 +345,3 @@ def parse_joints(text: str) -> tuple[int, ...]:
             raise OptionError("these are no joints", got=repr(word), allowed="numbers and runs, such as 2-7 or 1,2,4-7")
         found += range(int(first), int(last or first) + 1)
     return tuple(found)
-
-
-def triples(chain: Chain) -> list[tuple[tuple[int, int, int], str]]:
-    """Three successive joints that are equivalent to a spherical or a planar joint.
-
-    In the frame of the middle one (z along its axis) their screws have v = 0, or v_z = ω_x = ω_y = 0.
-    """
-    found = []
-    for first in range(1, chain.n - 1):
-        three = chain.screws(first + 1)[first - 1 : first + 2]
-        for name, rows in (("spherical", (0, 1, 2)), ("planar", (2, 3, 4))):
-            if all(column[r] == 0 for column in three for r in rows):
-                found.append(((first, first + 1, first + 2), name))
-    return found

@@ -11,10 +11,11 @@ from itertools import combinations, product
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.ring import Ring, letters_polynomial
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import triples
 from rankdrop.exact.suppression.dependence import Dependence, Proof
-from rankdrop.exact.suppression.factors import Basic, Product, triples
+from rankdrop.exact.suppression.factors import Basic, Product
 from rankdrop.exact.suppression.stratum import Stratum
-from rankdrop.exact.writing.notation import SUPERSCRIPT
+from rankdrop.exact.writing.notation import SUPERSCRIPT, Step
 from rankdrop.exact.writing.value import condition_text, text_of
 
 
@@ -76,19 +77,6 @@ LONG = 60
 
 
 @dataclass(frozen=True)
-class Step:
-    """A heading and the lines under it.
-
-    Attributes:
-        title: heading.
-        lines: sentences and formulas.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Suppression:
     """What dependent-screw suppression found.
 
@@ -130,7 +118,7 @@ class Suppression:
     @property
     def factors(self) -> tuple[Polynomial, ...]:
         """The factors of that determinant which depend on the configuration."""
-        return tuple(f.polynomial for f in self.start.basic.product.factors) if self.start.basic is not None else ()
+        return tuple(f.whole for f in self.start.basic.product.factors) if self.start.basic is not None else ()
 
     def steps(self) -> tuple[Step, ...]:
         """The derivation step by step, as it is done by hand."""

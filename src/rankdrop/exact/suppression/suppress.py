@@ -13,25 +13,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.polynomial import Equality, Polynomial
 from rankdrop.exact.algebra.ring import letters_polynomial
 from rankdrop.exact.algebra.solving import plainly_positive
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.arm.structure import check_basic
 from rankdrop.exact.suppression.dependence import Obstacle, Sampled, find, lightest
 from rankdrop.exact.suppression.factors import (
     Basic,
     Product,
-    check_basic,
     choose,
     determinants,
     joined,
     taken_apart,
     why,
 )
-from rankdrop.exact.suppression.piece import Factor
 from rankdrop.exact.suppression.steps import Case, SuppressedFamily, Suppression, conditions_text
-from rankdrop.exact.suppression.stratum import Stratum
+from rankdrop.exact.suppression.stratum import Stratum, atoms_on
 
 Progress = Callable[[str, int, int], None]
 """Called with (what is done, cases done, cases known so far)."""
@@ -154,7 +153,7 @@ class _Derivation:
         return why(self.chain, case.stratum, options, basic.joints, self.work)
 
     def branch(
-        self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor], first: tuple[Case, ...] = ()
+        self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality], first: tuple[Case, ...] = ()
     ) -> Case:
         """After some first cases, a case for each factor = 0 with the earlier ones ≠ 0."""
         rest, cases = case.stratum, list(first)
@@ -212,16 +211,16 @@ class _Derivation:
         atoms = [self.ring.pin(j, value) for one in stratum.pieces for j, value in one.pins.items()]
         atoms += [self.ring.atom(f) for one in stratum.pieces for f in one.equations]
         for condition in joined(self.ring, list(dict.fromkeys(atoms))):
-            holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
+            holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
                 return self.split(case, above, [condition])
-        for condition in (Factor(p.polynomial, (atom,)) for p in joined(self.ring, atoms) for atom in p.atoms or ()):
-            holds = [piece.factors(condition, False) is None for piece in stratum.pieces]
+        for condition in (Equality((atom,), p.whole) for p in joined(self.ring, atoms) for atom in p.atoms):
+            holds = [atoms_on(piece, condition) is None for piece in stratum.pieces]
             if any(holds) and not all(holds):
-                return self.split(case, above, joined(self.ring, condition.atoms or ()))
+                return self.split(case, above, joined(self.ring, condition.atoms))
         raise OutOfTime  # one piece, no proof and nothing to split at: named among what is left
 
-    def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Factor]) -> Case:
+    def split(self, case: Case, above: tuple[Case, ...], factors: Sequence[Equality]) -> Case:
         """A case with all factors ≠ 0, and one for each factor = 0 with the earlier ones ≠ 0."""
         case = replace(case, split=True)
         rest = case.stratum
@@ -255,7 +254,7 @@ class _Derivation:
         for piece in stratum.pieces:
             if piece.point(self.work.rng) is not None:
                 kept.append(piece)
-            elif replace(piece, excluded=frozenset()).point(self.work.rng) is None:
+            elif replace(piece, nonzero=()).point(self.work.rng) is None:
                 alone = replace(stratum, pieces=(piece,))
                 self.left.append(f"no point modulo p was found on: {conditions_text(alone, SHORT)}")
         return replace(stratum, pieces=tuple(kept))

@@ -196,8 +196,7 @@ class Condition:
     @cached_property
     def waves(self) -> tuple[Product, ...]:
         """The terms of the Fourier form: each a number, lengths, slides, and at most one sine or cosine."""
-        degrees = [int(d) for d in self.polynomial.degrees()[: self.ring.angles]]
-        return tuple(parts_of(fourier(self.polynomial, degrees, self.ring)))
+        return tuple(parts_of(fourier(self.ring.form(self.polynomial))))
 
     @property
     def joints(self) -> tuple[int, ...]:

@@ -22,7 +22,7 @@ from math import comb, gcd, lcm
 from typing import Any, TypeAlias
 
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +137,7 @@ def derivative(form: Product, joint: int) -> Product:
 
 
 def _slope(factor: Factor, joint: int) -> Product:
+    """The derivative of one factor by a joint variable."""
     if isinstance(factor, Symbol):
         return Product(Fraction(int(factor.slide == joint)))
     if isinstance(factor, Sum):
@@ -148,6 +149,7 @@ def _slope(factor: Factor, joint: int) -> Product:
 
 
 def _rank(factor: Factor) -> tuple[Any, ...]:
+    """Sort key of factors in a product: lengths, slides, single waves, combined ones, sums."""
     if isinstance(factor, Symbol):
         return (factor.slide > 0, factor.slide, factor.name, ())
     if isinstance(factor, Wave):
@@ -164,30 +166,28 @@ def _place(part: Product) -> tuple[Any, ...]:
     return (not lengths, lengths, not slides, [-j for j in slides], not waves and not sums, waves, sums)
 
 
-def half_of(form: Product, ring: Ring) -> tuple[Polynomial, tuple[int, ...]]:
+def half_of(form: Product, ring: Ring) -> Form:
     """A form in half-angle tangents: (f, D) with form = f / Π (1 + t_j²)^(D_j / 2), exactly.
 
     Args:
         form: of the ring's joints and lengths.
         ring: of the result.
 
-    Returns:
-        f of `ring.half` and one D_j per revolute joint.
-
     Raises:
         ValueError: parts of a sum differ in the parity of a half angle: the form has no sign on the torus.
 
     Example:
         >>> ring = Ring([1, 2])
-        >>> half_of(Product(Fraction(2), ((Wave("cos", ((1, 1), (2, 1))), 1),)), ring)
+        >>> found = half_of(Product(Fraction(2), ((Wave("cos", ((1, 1), (2, 1))), 1),)), ring)
+        >>> found.f, found.degrees
         (-2*t1*t2 + 2, (1, 1))
     """
     f, degrees = number_of(form.number, ring), (0,) * ring.angles
     for factor, power in form.factors:
-        one, more = _half_of_factor(factor, ring)
-        f = f * one**power
-        degrees = tuple(d + power * m for d, m in zip(degrees, more, strict=True))
-    return f, degrees
+        one = _half_of_factor(factor, ring)
+        f = f * one.f**power
+        degrees = tuple(d + power * m for d, m in zip(degrees, one.degrees, strict=True))
+    return Form(ring, f, degrees)
 
 
 def number_of(value: Fraction, ring: Ring) -> Polynomial:
@@ -195,10 +195,11 @@ def number_of(value: Fraction, ring: Ring) -> Polynomial:
     return ring.half.constant(flint().fmpq(value.numerator, value.denominator))
 
 
-def _half_of_factor(factor: Factor, ring: Ring) -> tuple[Polynomial, tuple[int, ...]]:
-    none = (0,) * ring.angles
+def _half_of_factor(factor: Factor, ring: Ring) -> Form:
+    """`half_of` for a length, a slide, a sine or cosine, or a sum."""
     if isinstance(factor, Symbol):
-        return (ring.q_half[factor.slide] if factor.slide else ring.letter_half[factor.name]), none
+        f = ring.q_half[factor.slide] if factor.slide else ring.letter_half[factor.name]
+        return Form(ring, f, (0,) * ring.angles)
     if isinstance(factor, Wave):
         turns = dict(factor.turns)
         real, imaginary = ring.half.constant(1), ring.half.constant(0)
@@ -206,45 +207,42 @@ def _half_of_factor(factor: Factor, ring: Ring) -> tuple[Polynomial, tuple[int, 
             t = ring.t[j] if multiple > 0 else -ring.t[j]
             for _ in range(abs(multiple)):
                 real, imaginary = real - t * imaginary, imaginary + t * real
-        return (real if factor.kind == "cos" else imaginary), tuple(abs(turns.get(j, 0)) for j in ring.revolute)
-    return added([half_of(part, ring) for part in factor.parts], ring)
+        f = real if factor.kind == "cos" else imaginary
+        return Form(ring, f, tuple(abs(turns.get(j, 0)) for j in ring.revolute))
+    return added([half_of(part, ring) for part in factor.parts])
 
 
-def added(
-    parts: Sequence[tuple[Polynomial, tuple[int, ...]]], ring: Ring
-) -> tuple[Polynomial, tuple[int, ...]]:
-    """The sum of forms that are given as polynomials with degrees, over their common degrees.
+def added(parts: Sequence[Form]) -> Form:
+    """The sum of forms, at least one, over their common degrees.
 
     Raises:
         ValueError: parts differ in the parity of a half angle.
     """
-    degrees = tuple(max(column) for column in zip(*(d for _, d in parts), strict=True)) if ring.angles else ()
-    f = ring.half.constant(0)
-    for one, own in parts:
-        for j, most, d in zip(ring.revolute, degrees, own, strict=True):
+    ring = parts[0].ring
+    degrees = tuple(max(column) for column in zip(*(part.degrees for part in parts), strict=True))
+    total = ring.half.constant(0)
+    for part in parts:
+        f = part.f
+        for j, most, d in zip(ring.revolute, degrees, part.degrees, strict=True):
             if (most - d) % 2:
                 raise ValueError(f"terms with θ{j}/2 and terms without it do not add up")
             if most > d:
-                one = one * (1 + ring.t[j] ** 2) ** ((most - d) // 2)
-        f = f + one
-    return f, degrees
+                f = f * (1 + ring.t[j] ** 2) ** ((most - d) // 2)
+        total = total + f
+    return Form(ring, total, degrees)
 
 
 Pair = tuple[int, int]
 """Real and imaginary part, times a number that all have in common: whole numbers are faster than fractions."""
 
 
-def fourier(f: Polynomial, degrees: Sequence[int], ring: Ring) -> Product:
+def fourier(form: Form) -> Product:
     """f / Π (1 + t_j²)^(D_j / 2) as a sum of waves times monomials in lengths and slides.
-
-    Args:
-        f: of `ring.half`.
-        degrees: D_j of each revolute joint, at least the degree of f in t_j.
-        ring: of f.
 
     Returns:
         number · (sum of terms), equal to it exactly.
     """
+    ring, f, degrees = form.ring, form.f, form.degrees
     n = ring.angles
     terms = [(tuple(int(e) for e in powers), int(value.p), int(value.q)) for powers, value in f.terms()]
     bottom = lcm(*(q for _, _, q in terms))

@@ -1,5 +1,6 @@
 """Writing a form: text and LaTeX for people, Python and C in the joint variables q = θ − shift for machines.
 
+And a step of a derivation as it is written down.
 """
 
 from __future__ import annotations
@@ -341,3 +342,18 @@ class C(Python):
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A call of pow."""
         return f"pow({text}, {power}.0)"
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of a derivation done by hand.
+
+    Attributes:
+        title: heading.
+        lines: under it; long polynomials are told by their number of terms, and of many conditions the first ones.
+        whole: the same with everything written out; empty where `lines` leave nothing out.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+    whole: tuple[str, ...] = ()

@@ -14,7 +14,7 @@ from fractions import Fraction
 from weakref import WeakKeyDictionary
 
 from rankdrop.exact.algebra.polynomial import Atom, Factors, Polynomial, coefficients, primitive, used
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.writing.form import Factor, Product, Sum, Wave, fourier, half_of, number_of, product, symbols, total
 from rankdrop.exact.writing.notation import Text
 
@@ -39,14 +39,14 @@ def shortest(f: Polynomial, ring: Ring) -> Product:
     Example:
         >>> ring = Ring([2, 3], letters=["a2", "a3"])
         >>> c23 = ring.c[2] * ring.c[3] - ring.s[2] * ring.s[3]
-        >>> f, _ = ring.to_half(ring.letter["a2"] * ring.c[2] + ring.letter["a3"] * c23)
-        >>> Text().zero(shortest(f, ring))
+        >>> form = ring.to_half(ring.letter["a2"] * ring.c[2] + ring.letter["a3"] * c23)
+        >>> Text().zero(shortest(form.f, ring))
         'a2 c2 + a3 c23'
     """
     known = _KNOWN.setdefault(ring, {})
     key = str(f)
     if key not in known:
-        known[key] = _Search(ring).best(f, tuple(int(d) for d in f.degrees()[: ring.angles]))
+        known[key] = _Search(ring).best(ring.form(f))
     return known[key]
 
 
@@ -66,9 +66,7 @@ def multiplied(ring: Ring, p: Polynomial, factors: Factors) -> Product:
         >>> Text().value(multiplied(ring, p, ring.factor(p)))
         '−4 a1 s2 cos((θ1 − θ2)/2) cos((θ1 + θ2)/2)'
     """
-    f, multiples = ring.to_half(p)
-    forms = factor_forms(ring, factors.atoms, factors.letters)
-    return _Search(ring).scaled(f, tuple(2 * m for m in multiples), forms)
+    return _Search(ring).scaled(ring.to_half(p).f, factor_forms(ring, factors.atoms, factors.letters))
 
 
 def factor_forms(
@@ -129,26 +127,27 @@ class _Search:
         self.ring = ring
         self.known: dict[tuple[str, tuple[int, ...]], Product] = {}
 
-    def best(self, f: Polynomial, degrees: tuple[int, ...]) -> Product:
+    def best(self, form: Form) -> Product:
         """The shortest form found of f over Π (1 + t_j²)^(D_j / 2)."""
-        key = (str(f), degrees)
+        key = (str(form.f), form.degrees)
         if key not in self.known:
-            plain = fourier(f, degrees, self.ring)
+            plain = fourier(form)
             self.known[key] = plain  # for those who come back here while candidates are made
-            if len(f) > 1 or any(degrees):
-                self.known[key] = min(self.candidates(f, degrees, plain), key=length)
+            if len(form.f) > 1 or any(form.degrees):
+                self.known[key] = min(self.candidates(form, plain), key=length)
         return self.known[key]
 
-    def candidates(self, f: Polynomial, degrees: tuple[int, ...], plain: Product) -> Iterator[Product]:
-        """Forms of f, the first ones being preferred among equally long ones."""
+    def candidates(self, form: Form, plain: Product) -> Iterator[Product]:
+        """Ways to write a form, the first ones being preferred among equally long ones."""
+        f, degrees = form.f, form.degrees
         yield plain
         if len(f) > MANY or len(self.known) > LOOKS:
             return
         yield gathered(plain)
         if len(parts_of(plain)) <= FEW:
             return
-        yield from self.factors(f, degrees)
-        if all(d == own for d, own in zip(degrees, f.degrees()[: self.ring.angles], strict=True)):
+        yield from self.factors(form)
+        if not form.at_pi:
             found = self.sines_and_cosines(f)
             if found is not None:
                 yield found
@@ -158,7 +157,7 @@ class _Search:
         if len(f) > FINE:
             places = sorted(places, key=lambda place: self.spread(f, place))[: 2 if len(f) <= COARSE else 1]
         for place in places:
-            yield self.by_joint(f, degrees, place) if place < self.ring.angles else self.by_symbol(f, degrees, place)
+            yield self.by_joint(form, place) if place < self.ring.angles else self.by_symbol(form, place)
 
     def spread(self, f: Polynomial, place: int) -> int:
         """Terms of the factors of all coefficients of f in one variable: what is left to be written."""
@@ -181,18 +180,15 @@ class _Search:
             number = Fraction(int(value.p), int(value.q))
             parts.append(product(number, angles + symbols(powers[len(waves) :], ring)))
         found = total(parts)
-        back, _ = ring.to_half(p)
-        return Product(found.number * _ratio(f, back), found.factors)
+        return Product(found.number * _ratio(f, ring.to_half(p).f), found.factors)
 
-    def factors(self, f: Polynomial, degrees: tuple[int, ...]) -> Iterator[Product]:
-        """f as a product: of all its factors, and with those that hold half angles kept in one bracket."""
-        ring = self.ring
+    def factors(self, form: Form) -> Iterator[Product]:
+        """A form as a product: of all its factors, and with those that hold half angles kept in one bracket."""
+        ring, f, at_pi = self.ring, form.f, dict(form.at_pi)
         _, found = f.factor()
-        missing = [d - int(own) for d, own in zip(degrees, f.degrees(), strict=False)]
-        single = len(found) + sum(1 for m in missing if m)
-        if single < 2:
+        if len(found) + len(at_pi) < 2:
             return
-        powers = {j: [m, 0, 0, 0] for j, m in zip(ring.revolute, missing, strict=True)}  # π, 0, π/2, −π/2
+        powers = {j: [at_pi.get(j, 0), 0, 0, 0] for j in ring.revolute}  # π, 0, π/2, −π/2
         rest: list[tuple[Polynomial, int]] = []
         for factor, power in found:
             place = used(factor)[0]
@@ -202,36 +198,35 @@ class _Search:
             elif not ring.is_unit(factor):
                 rest.append((primitive(factor), power))
         pins = [pair for j, counts in powers.items() for pair in _pins(j, counts)]
-        yield self.scaled(f, degrees, pins + [(self.bracket(g), power) for g, power in rest])
+        yield self.scaled(f, pins + [(self.bracket(g), power) for g, power in rest])
         odd = [(g, p) for g, p in rest if any(d % 2 for d in g.degrees()[: ring.angles])]
         loose = [(factor, p) for factor, p in pins if not (isinstance(factor, Wave) and not factor.halved)]
         if odd and (len(odd) + len(loose)) > 1 and len(odd) + len(loose) < len(rest) + len(pins):
             kept = [(factor, p) for factor, p in pins if isinstance(factor, Wave) and not factor.halved]
-            one, own = number_of(Fraction(1), ring), (0,) * ring.angles
+            one = number_of(Fraction(1), ring)
             for g, p in odd:
                 one = one * g**p
-            own = tuple(int(d) for d in one.degrees()[: ring.angles])
-            more, extra = half_of(Product(Fraction(1), tuple(loose)), ring)
-            together = self.best(one * more, tuple(a + b for a, b in zip(own, extra, strict=True)))
+            more = half_of(Product(Fraction(1), tuple(loose)), ring)
+            counted = tuple(a + b for a, b in zip(ring.form(one).degrees, more.degrees, strict=True))
+            together = self.best(Form(ring, one * more.f, counted))
             even = [(self.bracket(g), p) for g, p in rest if not any(d % 2 for d in g.degrees()[: ring.angles])]
-            yield self.scaled(f, degrees, kept + even + list(together.factors))
+            yield self.scaled(f, kept + even + list(together.factors))
 
     def bracket(self, g: Polynomial) -> Factor:
         """A polynomial as one factor."""
-        degrees = tuple(int(d) for d in g.degrees()[: self.ring.angles])
-        form = self.best(g, degrees)
-        return form.factors[0][0] if len(form.factors) == 1 and form.factors[0][1] == 1 else Sum((form,))
+        written = self.best(self.ring.form(g))
+        return written.factors[0][0] if len(written.factors) == 1 and written.factors[0][1] == 1 else Sum((written,))
 
-    def scaled(self, f: Polynomial, degrees: tuple[int, ...], factors: Sequence[tuple[Factor, int]]) -> Product:
+    def scaled(self, f: Polynomial, factors: Sequence[tuple[Factor, int]]) -> Product:
         """The product with the number that makes it equal to f."""
-        form = product(1, factors)
-        back, _ = half_of(form, self.ring)
-        return Product(_ratio(f, back) * form.number, form.factors)
+        written = product(1, factors)
+        return Product(_ratio(f, half_of(written, self.ring).f) * written.number, written.factors)
 
-    def by_joint(self, f: Polynomial, degrees: tuple[int, ...], place: int) -> Product:
+    def by_joint(self, form: Form, place: int) -> Product:
         """f = A cos + B sin + C in one joint (half its angle where the degree is 1)."""
+        degrees = form.degrees
         j, degree = self.ring.revolute[place], degrees[place]
-        powers = coefficients(f, place) + [self.ring.half.constant(0)] * 2
+        powers = coefficients(form.f, place) + [self.ring.half.constant(0)] * 2
         if degree == 2:
             # t² stands for (1 − c) / 2, t for s / 2, 1 for (1 + c) / 2
             whole = {"cos": (powers[0] - powers[2]) / 2, "sin": powers[1] / 2, "": (powers[0] + powers[2]) / 2}
@@ -241,20 +236,19 @@ class _Search:
         parts = []
         for kind, coefficient in whole.items():
             if coefficient != 0:
-                form = self.best(coefficient, left)
                 own: list[tuple[Factor, int]] = [(Wave(kind, ((j, degree),)), 1)] if kind else []
-                parts += _spread(form, own)
+                parts += _spread(self.best(Form(self.ring, coefficient, left)), own)
         return total(parts)
 
-    def by_symbol(self, f: Polynomial, degrees: tuple[int, ...], place: int) -> Product:
+    def by_symbol(self, form: Form, place: int) -> Product:
         """f by powers of a length or a slide's variable."""
         ring = self.ring
         parts = []
-        for power, coefficient in enumerate(coefficients(f, place)):
+        for power, coefficient in enumerate(coefficients(form.f, place)):
             if coefficient != 0:
                 exponents = [0] * (len(ring.names) - ring.angles)
                 exponents[place - ring.angles] = power
-                parts += _spread(self.best(coefficient, degrees), symbols(exponents, ring))
+                parts += _spread(self.best(Form(ring, coefficient, form.degrees)), symbols(exponents, ring))
         return total(parts)
 
 

@@ -17,7 +17,6 @@ from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial,
 from rankdrop.exact.algebra.ring import Ring, polynomial_of
 from rankdrop.exact.writing.condition import WORDS
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave, fourier, half_of, product, symbols, total
-from rankdrop.exact.writing.form import Product as Form
 from rankdrop.exact.writing.notation import C, Latex, Notation, Python, Text
 from rankdrop.exact.writing.shortest import factor_forms, gathered, length, multiplied, parts_of, shortest
 from rankdrop.robot.model import Array
@@ -47,18 +46,17 @@ def _written(ring: Ring, p: Polynomial) -> str:
     return "0" if p == 0 else Text().sum(parts_of(form_of(ring, p)))
 
 
-def form_of(ring: Ring, p: Polynomial) -> Form:
+def form_of(ring: Ring, p: Polynomial) -> Product:
     """The shortest form of a trigonometric polynomial that is not zero, equal to it."""
-    f, multiples = ring.to_half(p)
-    degrees = [2 * m for m in multiples]
-    single, combined = single_angles(ring, p), fourier(f, degrees, ring)
+    half = ring.to_half(p)
+    single, combined = single_angles(ring, p), fourier(half)
     forms = [single, combined, gathered(single), gathered(combined)]
-    if [int(d) for d in f.degrees()[: ring.angles]] == degrees:  # else zero at θ = π, which its degrees do not tell
-        forms.append(shortest(f, ring))
+    if not half.at_pi:  # else `shortest` would write it without these factors
+        forms.append(shortest(half.f, ring))
     return min(forms, key=length)
 
 
-def single_angles(ring: Ring, p: Polynomial) -> Form:
+def single_angles(ring: Ring, p: Polynomial) -> Product:
     """p as it stands, in sines and cosines of single angles."""
     waves = [Wave(kind, ((j, 2),)) for j in ring.revolute for kind in ("sin", "cos")]
     parts = []
@@ -325,13 +323,11 @@ def _form(
     """(product of the factors, its number left out; the leading coefficient of that product)."""
     made = product(1, factor_forms(ring, atoms, lengths))
     bare = Product(Fraction(1), made.factors)
-    back, _ = half_of(bare, ring)
-    value = back.coeffs()[0]
+    value = half_of(bare, ring).f.coeffs()[0]
     return bare, Fraction(int(value.p), int(value.q))
 
 
 def _leading(value: Value) -> Fraction:
     """The leading coefficient of a polynomial in half-angle tangents: factors 1 + t² have 1, so that they count not."""
-    f, _ = value.ring.to_half(value.polynomial)
-    found = f.coeffs()[0]
+    found = value.ring.to_half(value.polynomial).f.coeffs()[0]
     return Fraction(int(found.p), int(found.q))

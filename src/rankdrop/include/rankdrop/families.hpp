@@ -37,9 +37,11 @@ struct Families {
     std::vector<double> phase_m{};                  // multiple of the joint, or the constant
     std::vector<int> node_before{}, node_phase{};   // a product: another one, or -1, times a phase
     std::vector<int> node{};                        // of every term: e^(i angle)
-    // of every family: may Newton walk to it (its coupled equations are short enough), and what its equations are made of
-    std::vector<char> walked{};
-    std::vector<int> first_phase{}, own_phase{}, first_node{}, own_node{};
+    // of every family: may Newton walk to it by its coupled equations, or are they so long that kinematics are quicker
+    std::vector<char> walked{}, lengthy{};
+    // what is walked by: these equations' phases and products; of a lengthy family those of `witness`, its shortest one
+    std::vector<int> first_phase{}, own_phase{}, first_node{}, own_node{}, witness{};
+    std::vector<int> plain_phase{}, plain_node{};   // of all families that are not lengthy
     int widest = 0;                                 // coupled equations of a family that is walked to, at most
 
     int angles() const { return static_cast<int>(shift.size()); }
@@ -73,28 +75,52 @@ struct Families {
 
     void prepare_walks() {
         constexpr int kLong = 100;  // terms: eight steps of a walk take some microseconds
-        walked.clear(), first_phase.assign(1, 0), first_node.assign(1, 0), own_phase.clear(), own_node.clear();
+        walked.clear(), lengthy.clear(), witness.clear(), first_phase.assign(1, 0), first_node.assign(1, 0);
+        own_phase.clear(), own_node.clear(), plain_phase.clear(), plain_node.clear();
+        Met plain(*this);
         for (std::size_t family = 0; family < corank.size(); ++family) {
-            std::vector<char> nodes_met(node_phase.size(), 0), phases_met(phase_m.size(), 0);
-            int rows = 0, count = 0;
-            for (std::size_t e = (std::size_t)equations[family]; e < (std::size_t)equations[family + 1]; ++e) {
-                if (!coupled[e]) continue;
-                ++rows, count += terms[e + 1] - terms[e];
-                for (int t = terms[e]; t < terms[e + 1]; ++t)
-                    for (int k = node[(std::size_t)t]; k >= 0 && !nodes_met[(std::size_t)k]; k = node_before[(std::size_t)k])
-                        nodes_met[(std::size_t)k] = 1, phases_met[(std::size_t)node_phase[(std::size_t)k]] = 1;
+            Met own(*this);
+            int rows = 0, count = 0, shortest = -1;
+            const auto length = [this](int e) { return terms[(std::size_t)e + 1] - terms[(std::size_t)e]; };
+            for (int e = equations[family]; e < equations[family + 1]; ++e) {
+                if (!coupled[(std::size_t)e]) continue;
+                ++rows, count += length(e);
+                if (shortest < 0 || length(e) < length(shortest)) shortest = e;
             }
-            walked.push_back(rows > 0 && count <= kLong);
-            if (walked.back()) {
-                widest = std::max(widest, rows);
-                for (std::size_t k = 0; k < nodes_met.size(); ++k)
-                    if (nodes_met[k]) own_node.push_back((int)k);
-                for (std::size_t k = 0; k < phases_met.size(); ++k)
-                    if (phases_met[k]) own_phase.push_back((int)k);
+            walked.push_back(rows > 0 && count <= kLong), lengthy.push_back(rows > 0 && count > kLong);
+            witness.push_back(shortest);
+            if (walked.back()) widest = std::max(widest, rows);
+            for (int e = equations[family]; e < equations[family + 1]; ++e) {
+                if (!lengthy.back()) plain.add(e);
+                if (walked.back() ? coupled[(std::size_t)e] : lengthy.back() && e == shortest) own.add(e);
             }
+            own.append_to(own_phase, own_node);
             first_node.push_back((int)own_node.size()), first_phase.push_back((int)own_phase.size());
         }
+        plain.append_to(plain_phase, plain_node);
     }
+
+    // Phases and products that some equations are made of.
+    struct Met {
+        const Families& table;
+        std::vector<char> nodes, phases;
+
+        explicit Met(const Families& families)
+            : table(families), nodes(families.node_phase.size(), 0), phases(families.phase_m.size(), 0) {}
+
+        void add(int equation) {
+            for (int t = table.terms[(std::size_t)equation]; t < table.terms[(std::size_t)equation + 1]; ++t)
+                for (int k = table.node[(std::size_t)t]; k >= 0 && !nodes[(std::size_t)k]; k = table.node_before[(std::size_t)k])
+                    nodes[(std::size_t)k] = 1, phases[(std::size_t)table.node_phase[(std::size_t)k]] = 1;
+        }
+
+        void append_to(std::vector<int>& own_phase, std::vector<int>& own_node) const {
+            for (std::size_t k = 0; k < nodes.size(); ++k)
+                if (nodes[k]) own_node.push_back((int)k);
+            for (std::size_t k = 0; k < phases.size(); ++k)
+                if (phases[k]) own_phase.push_back((int)k);
+        }
+    };
 
     void multiply_out() {
         std::map<std::pair<int, double>, int> phases_met;

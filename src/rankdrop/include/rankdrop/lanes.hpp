@@ -16,7 +16,9 @@
 #define RANKDROP_ISA baseline
 #endif
 #ifndef RANKDROP_WIDTH
-#if defined(__GNUC__)
+#if defined(__GNUC__) && defined(__AVX2__)
+#define RANKDROP_WIDTH 4
+#elif defined(__GNUC__)
 #define RANKDROP_WIDTH 2
 #else
 #define RANKDROP_WIDTH 1

@@ -1,6 +1,6 @@
 /* Watches one arm in a control loop: C interface. The arm comes from `rankdrop monitor ROBOT --header arm.h`, the
  * functions from `monitor_c.cpp` beside this file (CMake: rankdrop::monitor_c). No function throws, and after
- * rankdrop_monitor_new none allocates. One monitor serves one thread at a time. */
+ * rankdrop_monitor_new none but rankdrop_monitor_at_least allocates. One monitor serves one thread at a time. */
 #ifndef RANKDROP_MONITOR_H
 #define RANKDROP_MONITOR_H
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-#define RANKDROP_ARM_FORMAT 1
+#define RANKDROP_ARM_FORMAT 2
 
 /* An arm, its task and its families, as Python wrote them. Angles in rad, lengths in the arm's unit. Where one thing has
  * several others, `first_x` holds where those of each begin, and the end. */
@@ -51,6 +51,13 @@ typedef struct rankdrop_arm {
     double start, stop;       /* motion towards a family is slowed nearer than the first, stopped nearer than the second */
     int beyond;               /* 1: not every family has conditions, the slope of sigma counts as well */
     const double* rates;      /* (variables) largest joint rates, HUGE_VAL for none */
+    /* ways to look at the arm for rankdrop_monitor_at_least; none where nothing can be proven */
+    int bounds, bound_rows;
+    const int *bound_row, *bound_link; /* (bound_rows) of (v; w); (bounds) joints before the link */
+    const double* bound_point; /* (bounds, 3) in the frame of that link */
+    const double* bound_length; /* (bounds) translation rows are divided by it */
+    const double* bound_reach; /* (bounds, joints) from each axis to the point */
+    double bound_repeats;     /* root of the largest number of joints that one variable drives */
 } rankdrop_arm;
 
 /* What is seen at one configuration. Pointers stay valid until the monitor's next step. Numbers of families: -1 none. */
@@ -77,6 +84,9 @@ void rankdrop_monitor_free(rankdrop_monitor* monitor);
 /* q and velocity have as many entries as the arm has variables; velocity may be NULL for none. Returns 1, or 0 where one
  * of them is not finite: then `out` says rank -1 and scaling 0. */
 int rankdrop_monitor_step(rankdrop_monitor* monitor, const double* q, const double* velocity, rankdrop_step* out);
+/* A radius around q within which no configuration is singular, of a known family or not [rad]: proven, by enclosures that
+ * take some hundred times as long as a step, and memory. 0 where nothing is proven, q is not finite, or memory is short. */
+double rankdrop_monitor_at_least(const rankdrop_monitor* monitor, const double* q);
 /* Of one family at the last step: its distance and residual [rad], and `away` (variables), the gradient of the distance by q.
  * Returns 1, or 0 for a number that is no family's. */
 int rankdrop_monitor_family(const rankdrop_monitor* monitor, int family, double* distance, double* residual, double* away);

@@ -33,10 +33,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "enclosure.hpp"
 #include "monitor.h"
 #include "sightings.hpp"
 
 namespace rankdrop {
+namespace RANKDROP_ISA {
 
 class Monitor {
   public:
@@ -50,6 +52,7 @@ class Monitor {
     explicit Monitor(const rankdrop_arm& arm) : Monitor(chain_of(arm), view_of(arm), families_of(arm), settings_of(arm)) {
         name_ = arm.name;
         for (int f = 0; f < arm.families; ++f) ids_.emplace_back(arm.ids[f]), names_.emplace_back(arm.names[f]);
+        for (int b = 0; b < arm.bounds; ++b) bounds_.push_back(bound_of(arm, b));
     }
 
     Monitor(Chain chain, const View& view, Families families, MonitorSettings settings)
@@ -102,8 +105,32 @@ class Monitor {
         return {each_[f].distance, each_[f].residual, slope_.data() + f * size()};
     }
 
+    // A radius around q within which no configuration is singular, of a known family or not [rad]: proven, by an enclosure
+    // of each kind the arm came with; some hundred times the time of a step. 0 where nothing is proven or q is not finite.
+    // Allocates: throws std::bad_alloc.
+    double at_least(const double* q) const {
+        double most = 0.0;
+        for (int j = 0; j < chain_.variables; ++j)
+            if (!std::isfinite(q[j])) return 0.0;
+        for (const Bound& one : bounds_) {
+            Arena arena;
+            double radius = 0.0;
+            EnclosureOutput out;
+            out.radius = &radius;
+            RANKDROP_ISA::Enclosure(chain_, one.view, one.settings, arena).run(q, nullptr, 0, 1, out);
+            most = std::max(most, radius);
+        }
+        return kBelow * most;
+    }
+
   private:
     using Pack = RANKDROP_ISA::Pack;
+
+    // One way to look at the arm for a proof.
+    struct Bound {
+        View view;
+        EnclosureSettings settings;
+    };
 
     // Scratch of the kernels, and the arena it lies in.
     struct Work {
@@ -111,13 +138,17 @@ class Monitor {
         RANKDROP_ISA::Workspace ws;
         Pack *x, *scratch, *gradient;
         RANKDROP_ISA::WalkRoom<double> walks;
+        RANKDROP_ISA::FarRoom far;
 
         Work(const Chain& chain, int m, const Families& families)
             : ws(chain, m, arena), x(arena.take<Pack>(static_cast<std::size_t>(chain.variables))),
               scratch(arena.take<Pack>(static_cast<std::size_t>(chain.variables) * static_cast<std::size_t>(m))),
-              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))), walks(families, arena) {}
+              gradient(arena.take<Pack>(static_cast<std::size_t>(chain.variables))), walks(families, arena),
+              far(chain, m, families, arena) {}
     };
 
+    static constexpr double kBelow = 1.0 - 1e-9;   // of a proven radius: what bisection and rounding leave open
+    static constexpr double kLargest = 3.141592653589793;  // no larger ball is asked for
     static constexpr double kAlong = 1e-9;  // a share of motion that rounding makes [1]
 
     std::size_t size() const { return static_cast<std::size_t>(chain_.variables); }
@@ -134,10 +165,17 @@ class Monitor {
         out.rank = 0;
         for (int i = 0; i < settings_.generic; ++i) out.rank += sigma_[i] > settings_.singular;
         out.corank = settings_.generic - out.rank;
-        RANKDROP_ISA::waves_of_one(families_, q, phase_.data(), sine_.data(), cosine_.data());
+        RANKDROP_ISA::waves_of_one(families_, out.corank > 0, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
         for (int f = 0; f < families(); ++f)
-            each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
+            if (families_.lengthy[f] && out.corank == 0) {
+                const int lanes[RANKDROP_ISA::kGroup] = {};
+                RANKDROP_ISA::Apart<double> found[RANKDROP_ISA::kGroup];
+                RANKDROP_ISA::apart_by_set(chain_, view_, families_, settings_, f, work_->x, ws, lanes, work_->far, found,
+                                           away_.data() + f * n);
+                each_[f] = found[0];
+            } else
+                each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
         RANKDROP_ISA::walk_all<double>(families_, settings_.start, q, work_->walks, each_.data(), away_.data());
         const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, each_.data());
         out.family = static_cast<int>(met.family), out.nearest = static_cast<int>(met.nearest), out.residual = met.residual;
@@ -396,6 +434,26 @@ class Monitor {
         return out;
     }
 
+    static Bound bound_of(const rankdrop_arm& arm, int number) {
+        check(arm.joints <= kMostJoints && arm.bound_rows >= 1 && arm.bound_rows <= 6, "it has too many joints or rows for a proof");
+        check(arm.bound_link[number] >= 0 && arm.bound_link[number] <= arm.joints, "no such link");
+        check(arm.generic_rank <= std::min(arm.bound_rows, arm.variables), "a proof keeps the generic rank");
+        Bound out;
+        View& view = out.view;
+        view.links = arm.joints + 2, view.axes = view.origin = arm.bound_link[number], view.m = arm.bound_rows;
+        for (int i = 0; i < 3; ++i) view.point[i] = arm.bound_point[3 * number + i];
+        for (int a = 0; a < view.m; ++a) {
+            check(arm.bound_row[a] >= 0 && arm.bound_row[a] < 6, "a row is out of range");
+            view.row[a] = arm.bound_row[a];
+            view.factor[a] = view.row[a] < 3 ? 1.0 / arm.bound_length[number] : 1.0;
+        }
+        out.settings.rank = arm.generic_rank, out.settings.length = arm.bound_length[number];
+        out.settings.radius = kLargest, out.settings.repeats = arm.bound_repeats;
+        out.settings.scale = taken(arm.scale, arm.variables);
+        out.settings.arm = taken(arm.bound_reach + number * arm.joints, arm.joints);
+        return out;
+    }
+
     static MonitorSettings settings_of(const rankdrop_arm& arm) {
         MonitorSettings out;
         out.generic = arm.generic_rank, out.singular = arm.singular, out.on = arm.on, out.loose = arm.loose;
@@ -410,6 +468,7 @@ class Monitor {
     MonitorSettings settings_;
     std::string name_;
     std::vector<std::string> ids_, names_;
+    std::vector<Bound> bounds_;
     std::unique_ptr<Work> work_;
     std::vector<double> sigma_, u_, phase_, sine_, cosine_;
     std::vector<RANKDROP_ISA::Apart<double>> each_;  // of families, and sigma over its slope
@@ -418,5 +477,9 @@ class Monitor {
     std::vector<int> bound_;
     std::vector<char> active_;
 };
+
+}  // namespace RANKDROP_ISA
+
+using RANKDROP_ISA::Monitor;
 
 }  // namespace rankdrop

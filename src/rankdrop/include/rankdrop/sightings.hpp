@@ -6,6 +6,7 @@
 
 #include "block.hpp"
 #include "families.hpp"
+#include "onto_set.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 
@@ -45,10 +46,16 @@ inline T phase_at(const Families& table, int k, const T* q) {
     return table.phase_joint[k] < 0 ? T{} + table.phase_m[k] : q[table.phase_joint[k]] * table.phase_m[k];
 }
 
-// One configuration in each lane.
-inline void waves_at(const Families& table, const Pack* q, Pack* phase, Pack* sine, Pack* cosine) {
-    for (int k = 0; k < table.phases(); ++k) sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]);
-    multiply(table, phase, sine, cosine);
+// One configuration in each lane. `all`: lengthy families too.
+inline void waves_at(const Families& table, bool all, const Pack* q, Pack* phase, Pack* sine, Pack* cosine) {
+    const auto turn = [&](int k) { sincos(phase_at(table, k, q), phase[k], phase[table.phases() + k]); };
+    if (all) {
+        for (int k = 0; k < table.phases(); ++k) turn(k);
+        multiply(table, phase, sine, cosine);
+        return;
+    }
+    for (const int k : table.plain_phase) turn(k);
+    for (const int k : table.plain_node) multiply_one(table, k, phase, sine, cosine);
 }
 
 // One configuration, one phase in each lane: the same bits. `number` gives the phases, `count` of them.
@@ -66,9 +73,15 @@ inline void phases_of_one(const Families& table, int count, Number number, const
     }
 }
 
-inline void waves_of_one(const Families& table, const double* q, double* phase, double* sine, double* cosine) {
-    phases_of_one(table, table.phases(), [](int i) { return i; }, q, phase);
-    multiply(table, phase, sine, cosine);
+inline void waves_of_one(const Families& table, bool all, const double* q, double* phase, double* sine, double* cosine) {
+    if (all) {
+        phases_of_one(table, table.phases(), [](int i) { return i; }, q, phase);
+        multiply(table, phase, sine, cosine);
+        return;
+    }
+    const int* plain = table.plain_phase.data();
+    phases_of_one(table, (int)table.plain_phase.size(), [plain](int i) { return plain[i]; }, q, phase);
+    for (const int k : table.plain_node) multiply_one(table, k, phase, sine, cosine);
 }
 
 // One equation and its gradient at q.
@@ -195,10 +208,6 @@ inline void own_phases(const Families& table, int family, const double* q, doubl
 }
 #endif
 
-inline constexpr int kWalk = 8;          // Newton steps of a walk at most
-inline constexpr double kStill = 0.05;   // a step this much shorter than the distance changes that by a thousandth of it
-inline constexpr double kStride = 0.7;   // of a step at most [rad]
-
 // step <- step - A^+ (f + A step), by Gram and Schmidt; a row that depends on those before it is left out.
 template <class T>
 inline void onto_tangent_plane(const Families& table, int family, const WalkRoom<T>& room) {
@@ -288,6 +297,59 @@ inline void walk_all(const Families& table, double start, const T* q, const Walk
         const T found = walk(table, family, q, each[family].distance, room, away ? away + family * table.variables : nullptr);
         each[family].distance = select(may, found, each[family].distance);
     }
+}
+
+// Scratch of walks by the kinematics: the set, and one condition of a family at the end.
+struct FarRoom {
+    SetRoom set;
+    Pack *phase, *sine, *cosine, *gradient;
+
+    FarRoom(const Chain& chain, int m, const Families& table, Arena& arena) : set(chain, m, arena) {
+        const std::size_t nodes = (std::size_t)table.nodes();
+        phase = arena.take<Pack>(2 * (std::size_t)table.phases()), sine = arena.take<Pack>(nodes);
+        cosine = arena.take<Pack>(nodes), gradient = arena.take<Pack>((std::size_t)table.variables);
+    }
+};
+
+// |f|/|grad f| of a lengthy family's shortest condition at x.
+inline Pack beside(const Families& table, int family, const Pack* x, FarRoom& room) {
+    own_phases(table, family, x, room.phase);
+    for (int i = table.first_node[family]; i < table.first_node[family + 1]; ++i)
+        multiply_one(table, table.own_node[i], room.phase, room.sine, room.cosine);
+    const Waves<Pack> waves{room.sine, room.cosine};
+    const Pack f = equation_at(table, table.witness[family], x, waves, room.gradient);
+    Pack slope = fill(0.0);
+    for (int j = 0; j < table.variables; ++j) {
+        const Pack g = room.gradient[j] * table.scale[j];
+        slope = slope + g * g;
+    }
+    return abs(f) / max(sqrt(slope), fill(1e-300));
+}
+
+// Whether other singular configurations of this corank are known, or may be.
+inline bool shared(const Families& table, const MonitorSettings& set, int family) {
+    if (set.beyond) return true;
+    for (std::size_t other = 0; other < table.corank.size(); ++other)
+        if ((int)other != family && table.corank[other] <= table.corank[family]) return true;
+    return false;
+}
+
+// Residuals and distances of a lengthy family at kGroup regular configurations, in these lanes of q and `start`: by the
+// kinematics. They are of the singular set; walks that end beside the family's condition were to another family. Where none
+// counts, distances are to first order. `away`, (n) or null, of the first: the gradient of the distance by scaled variables.
+inline void apart_by_set(const Chain& chain, const View& view, const Families& table, const MonitorSettings& set, int family,
+                         const Pack* q, const Workspace& start, const int* lanes, FarRoom& room, Apart<double>* out, double* away) {
+    const int n = table.variables;
+    const bool all = !shared(table, set, family);
+    const auto off = [&](const Pack* x) { return all ? fill(0.0) : beside(table, family, x, room); };
+    OntoSet found[kGroup];
+    walk_onto_set(chain, view, table.scale.data(), set.generic - table.corank[family], q, start, lanes, room.set, found, off);
+    for (int group = 0; group < kGroup; ++group)
+        out[group] = {found[group].first, std::isfinite(found[group].distance) ? found[group].distance : found[group].first};
+    if (!away) return;
+    const double* end = std::isfinite(found[0].distance) ? room.set.end : room.set.first;
+    for (int j = 0; j < n; ++j)
+        away[j] = out[0].distance > 0.0 ? (get(q[j], lanes[0]) - end[j]) / table.scale[j] / out[0].distance : 0.0;
 }
 
 template <class T>

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import degrees
 
-from rankdrop.exact.postures.decide import Decision
+from rankdrop.exact.posture_changes import Decision
 from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.explanation.words import minus

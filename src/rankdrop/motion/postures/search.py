@@ -17,7 +17,7 @@ from rankdrop._handles import check_robot
 from rankdrop.errors import ConfigurationError, MissingExtraError, OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
-from rankdrop.exact.postures.decide import CUSPS, OPEN, SIGNS, Decision, decide_postures
+from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.verdict import one_configuration

@@ -55,7 +55,9 @@ class Arm {
     this.ground(unitSize);
     const link = ink("--link"), joint = ink("--joint"), slide = ink("--slide"), blame = ink("--blame");
     const tip = tipPose(robot, moved), tipPoint = [tip[3], tip[7], tip[11]];
-    robot.chain.forEach((one, i) => {
+    const meshes = robot.meshes && robot.meshes.length && !robot.bare;
+    if (meshes) robot.meshes.forEach((one) => this.mesh(one, linkPose(robot, moved, one.link)));
+    else robot.chain.forEach((one, i) => {
       const from = i === 0 ? [0, 0, 0] : place(moved[i], robot.chain[i - 1].point);
       const held = place(moved[i], one.point), carried = place(moved[i + 1], one.point);
       scene.tube(from, held, 0.026 * unitSize, link, { caps: false });
@@ -70,13 +72,27 @@ class Arm {
       }
     });
     const last = place(moved[moved.length - 1], robot.chain[robot.chain.length - 1].point);
-    scene.tube(last, tipPoint, 0.02 * unitSize, link, { end: 0.012 * unitSize });
+    if (!meshes) scene.tube(last, tipPoint, 0.02 * unitSize, link, { end: 0.012 * unitSize });
     this.axes(moved, unitSize);
     this.triad(tip, tipPoint, 0.085 * unitSize);
     for (const one of this.state.trail) scene.line(one.points, ink(one.colour), one.width);
     for (const one of this.state.dots) scene.ball(one.at, 0.016 * unitSize, ink(one.colour));
     this.arrows(point, unitSize);
     scene.finish();
+  }
+
+  // The shape of a link, both sides of its triangles: makers do not agree on which is the outer one.
+  mesh(one, pose) {
+    const corners = [];
+    for (let i = 0; i < one.points.length; i += 3) {
+      corners.push(place(pose, [0, 1, 2].map((k) => one.low[k] + one.step * one.points[i + k])));
+    }
+    for (let i = 0; i < one.faces.length; i += 3) {
+      const [a, b, c] = [corners[one.faces[i]], corners[one.faces[i + 1]], corners[one.faces[i + 2]]];
+      const normal = unit(cross(plus(b, a, -1), plus(c, a, -1)));
+      const facing = dot(normal, this.scene.toward) < 0 ? normal.map((x) => -x) : normal;
+      this.scene.polygon([a, b, c], this.scene.shade(one.colour, facing));
+    }
   }
 
   ground(size) {

@@ -2,6 +2,7 @@
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const robot = data.robot;
+robot.meshes = data.meshes;
 const byId = (id) => document.getElementById(id);
 const state = { q: [...data.start], family: null, arrows: [], sigma: [], singular: false };
 const arm = new Arm(robot, byId("arm"), data.view);
@@ -171,6 +172,7 @@ byId("home").addEventListener("click", () => {
   move(data.start);
 });
 if (byId("limits")) byId("limits").addEventListener("change", (e) => keepLimits(e.target.checked));
+if (byId("meshes")) byId("meshes").addEventListener("change", (e) => { robot.bare = !e.target.checked; arm.draw(); });
 
 // Downloads: what the page holds, written by the browser; nothing is asked for.
 function save(name, parts, type) {

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
+from rankdrop.exact.code import Code
 from rankdrop.exact.reading.lint import LintResult, lint
-from rankdrop.exact.writing.code import Code
 from rankdrop.exact.writing.mathml import typeset
 from rankdrop.results.codec import Record, save_record
 from rankdrop.results.conditions.data import ConditionsData, conditions_to_dict

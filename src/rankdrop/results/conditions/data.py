@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
-from rankdrop.exact.derivation import Step
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.writing.notation import Step
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot

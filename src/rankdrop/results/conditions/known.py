@@ -30,9 +30,9 @@ from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import Check
-from rankdrop.exact.derivation import Step
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.notation import Step
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Family
 from rankdrop.results.codec import Record, restored

@@ -7,12 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
 from math import pi
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.writing.condition import (
-    Condition,
     pin_c_code,
     pin_c_slope,
     pin_expression,
@@ -21,50 +20,13 @@ from rankdrop.exact.writing.condition import (
     pin_values,
 )
 from rankdrop.exact.writing.notation import latex_angle, latex_name
-from rankdrop.exact.writing.value import Value
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Minor
+    from rankdrop.exact.family import ExactFamily
 
 TAKEN = frozenset({"q", "np", "sin", "cos", "pi", "FAMILIES"})
 """Names that the Python module uses itself."""
-
-
-class Described(Protocol):
-    """What is read of a family."""
-
-    @property
-    def id(self) -> str:
-        """Short mark: "k1.f1"."""
-
-    @property
-    def name(self) -> str:
-        """Name for people."""
-
-    @property
-    def corank(self) -> int:
-        """Freedoms lost."""
-
-    @property
-    def pins(self) -> Sequence[tuple[int, Sequence[str]]]:
-        """(joint, values out of `SIMPLE`)."""
-
-    @property
-    def conditions(self) -> Sequence[Condition]:
-        """The other conditions."""
-
-
-class Valued(Protocol):
-    """What is read of a determinant."""
-
-    @property
-    def mark(self) -> str:
-        """Name in code: "det_J11"."""
-
-    @property
-    def name(self) -> str:
-        """Name for people: "det J11"."""
-
-    @property
-    def value(self) -> Value:
-        """What it is."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +47,10 @@ class Code:
 
     robot: str
     n: int
-    families: Sequence[Described]
+    families: Sequence[ExactFamily]
     letters: Mapping[str, float]
     shifts: Sequence[float] = ()
-    determinants: Sequence[Valued] = ()
+    determinants: Sequence[Minor] = ()
 
     def __post_init__(self) -> None:
         for family in self.families:
@@ -115,7 +77,7 @@ class Code:
             table += f'\nDETERMINANTS = {{\n{entries}}}\n"""The determinant or minors of the Jacobian."""\n'
         return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
 
-    def _python_determinant(self, one: Valued) -> str:
+    def _python_determinant(self, one: Minor) -> str:
         names = self._python_names()
         used = {names.get(name, name): float(self.letters[name]) for name in self._in(one.value.polynomial)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
@@ -132,7 +94,7 @@ class Code:
     def _python_names(self) -> dict[str, str]:
         return {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
 
-    def _python_function(self, family: Described) -> str:
+    def _python_function(self, family: ExactFamily) -> str:
         names, shifts = self._python_names(), self._shifts
         residuals = [pin_expression(joint, values, shifts) for joint, values in family.pins]
         residuals += [condition.expression(shifts=shifts, names=names) for condition in family.conditions]
@@ -180,7 +142,7 @@ class Code:
             lines += [head, "{", *unused, f"    return {text};", "}"]
         return "\n".join([*lines, "", "#endif", ""])
 
-    def _c_function(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
+    def _c_function(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
         residuals = [pin_c_code(joint, values, self._shifts) for joint, values in family.pins]
         residuals += [condition.c_code(names=names, shifts=self._shifts) for condition in family.conditions]
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
@@ -191,7 +153,7 @@ class Code:
         body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
         return [*lines, f"static inline void {head}", "{", *body, "}"]
 
-    def _c_gradient(self, family: Described, prefix: str, names: Mapping[str, str]) -> list[str]:
+    def _c_gradient(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
         rows: list[dict[int, str]] = [{j: pin_c_slope(j, values, self._shifts)} for j, values in family.pins]
         rows += [condition.c_gradient(names=names, shifts=self._shifts) for condition in family.conditions]
         body = [f"    gradient[{i}][{j - 1}] = {text};" for i, row in enumerate(rows) for j, text in row.items()]
@@ -203,7 +165,7 @@ class Code:
             *body, "}",
         ]  # fmt: skip
 
-    def _c_distance(self, family: Described, prefix: str) -> list[str]:
+    def _c_distance(self, family: ExactFamily, prefix: str) -> list[str]:
         """Pinned joints to their nearest values, exactly; of the other conditions the largest |f|/|∇f|."""
         first, count = len(family.pins), len(family.pins) + len(family.conditions)
         name = f"{prefix}_{_mark(family.id)}"
@@ -274,7 +236,7 @@ class Code:
         shifted = [f"θ{j} = q{j} {'−' if s < 0 else '+'} {abs(s):.12g} rad" for j, s in self._shifted()]
         return [*lines, f"In the words on a condition {', '.join(shifted)}."] if shifted else lines
 
-    def _conditions(self, family: Described) -> list[str]:
+    def _conditions(self, family: ExactFamily) -> list[str]:
         """The conditions in words."""
         return [pin_text(joint, values) for joint, values in family.pins] + [c.text() for c in family.conditions]
 
@@ -283,12 +245,12 @@ class Code:
         degrees = dict(zip(f.context().names(), f.degrees(), strict=True))
         return [name for name in self.letters if degrees.get(name, 0) > 0]
 
-    def _used(self, family: Described) -> list[str]:
+    def _used(self, family: ExactFamily) -> list[str]:
         """Lengths that a family's conditions depend on."""
         found = {name for condition in family.conditions for name in self._in(condition.polynomial)}
         return [name for name in self.letters if name in found]
 
-    def _joints(self, family: Described) -> list[int]:
+    def _joints(self, family: ExactFamily) -> list[int]:
         """Joints that a family's conditions depend on."""
         found = {joint for joint, _ in family.pins}
         return sorted(found.union(*(condition.joints for condition in family.conditions)))

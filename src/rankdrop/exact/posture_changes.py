@@ -24,14 +24,15 @@ wrist's, whose two solutions have opposite signs.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import atan, pi, remainder
 
-from rankdrop.exact.algebra.polynomial import Polynomial, coefficients
+from rankdrop.exact.algebra.polynomial import Polynomial
+from rankdrop.exact.algebra.ring import Form
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.postures.regional import Regional, Unbounded, common_zeros, real_zeros, regional
+from rankdrop.exact.regional import Regional, Unbounded, common_zeros, real_zeros, regional
 from rankdrop.robot.model import JointKind
 
 SIGNS, NO_CUSP, CUSPS, OPEN = "signs", "no cusp", "cusps", "open"
@@ -257,10 +258,11 @@ def _cusps_and_nodes(known: Regional) -> tuple[tuple[Pair, ...], tuple[Pair, ...
         if d.gcd(tangents[0]) == d.gcd(tangents[1]) == d.gcd(d):
             points += 1
             continue
-        degrees = d.degrees()
-        wider = (degrees[0] + 2, degrees[1] + 2)
-        cusps += _zeros((d, *tangents), (degrees, wider, wider))
-    nodes = _zeros((whole, *_slopes(known, whole)), (whole.degrees(),) * 3)
+        form = known.ring.form(d)
+        wider = tuple(degree + 2 for degree in form.degrees)
+        cusps += _zeros((form, *(Form(known.ring, one, wider) for one in tangents)))
+    form = known.ring.form(whole)
+    nodes = _zeros((form, *(replace(form, f=slope) for slope in _slopes(known, whole))))
     smooth = [place for place in cusps if not any(abs(place[0] - a) + abs(place[1] - b) < 1e-9 for a, b in nodes)]
     return tuple(sorted(smooth)), nodes, points
 
@@ -271,25 +273,21 @@ def _slopes(known: Regional, d: Polynomial) -> list[Polynomial]:
     return [d.derivative(k) * (1 + t**2) - m * t * d for k, (t, m) in enumerate(generators)]
 
 
-def _zeros(system: tuple[Polynomial, ...], degrees: tuple[tuple[int, int], ...]) -> tuple[Pair, ...]:
-    """Of three forms of the degrees given.
+def _zeros(system: tuple[Form, ...]) -> tuple[Pair, ...]:
+    """Common zeros of three forms.
 
     Raises:
         Unbounded: they may all be zero where one of the angles is π.
     """
-    for place in (0, 1):
-        tops = [_top(f, place, degree[place]) for f, degree in zip(system, degrees, strict=True)]
-        shared = tops[0].gcd(tops[1]).gcd(tops[2])
-        corner = all(_top(top, 1 - place, degree[1 - place]) == 0 for top, degree in zip(tops, degrees, strict=True))
+    joints = system[0].ring.revolute
+    for place, joint in enumerate(joints):
+        tops = [form.at({joint: "pi"}) for form in system]
+        shared = tops[0].f.gcd(tops[1].f).gcd(tops[2].f)
+        corner = all(top.at({joints[1 - place]: "pi"}).f == 0 for top in tops)
         if shared == 0 or corner or real_zeros(shared, 1 - place):
             raise Unbounded
-    return common_zeros(*system)
-
-
-def _top(f: Polynomial, place: int, degree: int) -> Polynomial:
-    """Coefficient of the power `degree` of one variable."""
-    parts = coefficients(f, place)
-    return parts[degree] if degree < len(parts) else f * 0
+    one, two, three = system
+    return common_zeros(one.f, two.f, three.f)
 
 
 def _curves(known: Regional) -> list[Polynomial]:
@@ -298,11 +296,11 @@ def _curves(known: Regional) -> list[Polynomial]:
     Raises:
         Unbounded: a factor is repeated, or one is θ = π.
     """
-    half, degree = known.ring.to_half(known.determinant)
-    if tuple(half.degrees()) != tuple(2 * m for m in degree):
+    form = known.ring.to_half(known.determinant)
+    if form.at_pi:
         raise Unbounded
     found = []
-    for factor, power in half.factor()[1]:
+    for factor, power in form.f.factor()[1]:
         degrees = factor.degrees()
         if 0 in degrees and not real_zeros(factor, 0 if degrees[0] else 1):
             continue
@@ -315,9 +313,10 @@ def _curves(known: Regional) -> list[Polynomial]:
 def _half(known: Regional, p: Polynomial) -> Polynomial:
     """p times (1 + t₂²)(1 + t₃²): p is of first degree in each joint."""
     ring = known.ring
-    half, degree = ring.to_half(p)
-    for t, m in zip(ring.half.gens(), degree, strict=True):
-        half = half * (1 + t**2) ** (1 - m)
+    form = ring.to_half(p)
+    half = form.f
+    for t, degree in zip(ring.half.gens(), form.degrees, strict=True):
+        half = half * (1 + t**2) ** (1 - degree // 2)
     return half
 
 

@@ -10,13 +10,13 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop.exact.algebra.decompose import decompose
-from rankdrop.exact.algebra.field import half_evaluator
+from rankdrop.exact.algebra.field import value_at
 from rankdrop.exact.algebra.polynomial import used
 from rankdrop.exact.algebra.ring import Ring
-from rankdrop.exact.algebra.solving import Solved, form, plainly_positive
+from rankdrop.exact.algebra.solving import Solved, plainly_positive
 from rankdrop.exact.algebra.split import cut, cut_half
-from rankdrop.exact.algebra.variety import Variety, independent
 from rankdrop.exact.algebra.work import GRACE, SLOWER, OutOfTime, Work, spent, tick
+from rankdrop.exact.algebra.zeroset import ZeroSet, independent
 
 
 @pytest.fixture(scope="module")
@@ -24,11 +24,11 @@ def ring() -> Ring:
     return Ring([1, 2, 3, 4])
 
 
-def taken_apart(ring: Ring, polynomials, most: int) -> list[Variety]:
-    return decompose(ring, {}, [form(f, ring) for f in polynomials], most, Work())
+def taken_apart(ring: Ring, polynomials, most: int) -> list[ZeroSet]:
+    return decompose(ring, {}, [ring.form(f) for f in polynomials], most, Work())
 
 
-def is_there(ring: Ring, found: list[Variety], pins: dict[int, str], *conditions) -> bool:
+def is_there(ring: Ring, found: list[ZeroSet], pins: dict[int, str], *conditions) -> bool:
     """Whether exactly this set is among those found: each holds the conditions of the other."""
     codimension = len(pins) + len(conditions)
     for one in found:
@@ -97,7 +97,7 @@ def test_sets_without_a_real_point_for_a_plain_reason_are_left_out(ring: Ring) -
 def test_one_condition_cut_by_another_loses_one_dimension_each_time(ring: Ring) -> None:
     rng, work = random.Random(3), Work()
     for _ in range(4):
-        one = Variety.whole(ring)
+        one = ZeroSet.whole(ring)
         conditions = [random_plane(ring, rng, (1, 2, 3)) + ring.t[2] * ring.t[3], random_plane(ring, rng, (2, 3, 4))]
         for depth, f in enumerate(conditions, 1):
             parts = cut_half(one, f, work)
@@ -109,7 +109,7 @@ def test_one_condition_cut_by_another_loses_one_dimension_each_time(ring: Ring) 
 
 
 def test_a_trigonometric_condition_has_its_angles(ring: Ring) -> None:
-    found = cut(Variety.whole(ring), ring.s[1] * (ring.c[2] + 1), Work())
+    found = cut(ZeroSet.whole(ring), ring.s[1] * (ring.c[2] + 1), Work())
     assert {tuple(piece.pins.items()) for piece in found} == {((1, "0"),), ((1, "pi"),), ((2, "pi"),)}
 
 
@@ -129,17 +129,17 @@ def test_a_set_satisfies_conditions_without_lying_inside(ring: Ring) -> None:
 
 def test_random_points_lie_on_their_set_and_a_sum_of_squares_has_its_points_too(ring: Ring) -> None:
     f = ring.t[1] ** 2 + ring.t[2] ** 2 - ring.t[3] ** 3 * ring.t[4] - 2
-    piece = Variety(ring, {}, rest=(f,), equations=(f,))
+    piece = ZeroSet(ring, {}, rest=(f,), equations=(f,))
     points = piece.points(random.Random(1), 20)
     assert len(points) == 20
-    assert all(half_evaluator(ring)(f, point) == 0 for point in points)
+    assert all(value_at(ring, f, point) == 0 for point in points)
 
 
 def test_a_limit_on_work_ends_it(ring: Ring) -> None:
     work = Work(1.0)
     tick(1.1e6)
     with pytest.raises(OutOfTime, match="limit on work"):
-        decompose(ring, {}, [form(ring.t[1] + ring.t[2], ring)], 1, work)
+        decompose(ring, {}, [ring.form(ring.t[1] + ring.t[2])], 1, work)
 
 
 def test_the_clock_counts_work_and_a_share_of_it_ends_with_its_block() -> None:
@@ -178,7 +178,7 @@ def test_time_is_only_the_outermost_limit(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_set_cut_where_its_solution_has_no_denominator_keeps_both_components(ring: Ring) -> None:
     t = ring.t
     a, b = t[1] + 2 * t[2] + 3, t[2] * t[1] + 7
-    one = Variety(ring, {}, solved=(Solved(ring.index["t3"], -b, a),), equations=(a * t[3] + b,))
+    one = ZeroSet(ring, {}, solved=(Solved(ring.index["t3"], -b, a),), equations=(a * t[3] + b,))
     parts = cut_half(one, a, Work())
     assert is_there(ring, parts, {}, a, b), "A = B = 0 with t3 free"
     assert is_there(ring, parts, {3: "pi"}, a), "A = 0 with θ3 = π"
@@ -188,7 +188,7 @@ def test_a_condition_that_was_solved_with_is_still_known_where_the_solution_does
     """t5 = √2 put into t6 (t4² − 1) + t4 t5 (t6² − 1) = 0, which is solved for t5: at t4 = t6 = 0 it says nothing."""
     ring = Ring([4, 5, 6])
     t4, t5, t6 = (ring.t[j] for j in (4, 5, 6))
-    system = [form(f, ring) for f in (t5**2 - 2, t6 * (t4**2 - 1) + t4 * t5 * (t6**2 - 1))]
+    system = [ring.form(f) for f in (t5**2 - 2, t6 * (t4**2 - 1) + t4 * t5 * (t6**2 - 1))]
     (curve,) = decompose(ring, {}, system, 2, Work())
     met = {(piece.pins[4], piece.pins[6], str(piece.equations)) for piece in cut(curve, ring.s[4] * ring.s[6], Work())}
     wanted = str((t5**2 - 2,))
@@ -199,20 +199,19 @@ def test_a_condition_on_a_variable_of_its_own_is_put_on_top_of_two_unsolved_ones
     """Three unsolved conditions: points solve one after the other, and where a coefficient vanishes is a set, too."""
     t = ring.t
     f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
-    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    base = ZeroSet(ring, {}, rest=(f, g), equations=(f, g))
     h = t[1] * t[3] ** 2 - t[2] * t[3] - 3
     (one,) = cut_half(base, h, Work())
     assert one.rest == (f, g, h)
     assert one.codimension == 3
     assert len(one.samples) > 10
-    evaluate = half_evaluator(ring)
-    assert all(evaluate(p, point) == 0 for p in (f, g, h) for point in one.samples)
+    assert all(value_at(ring, p, point) == 0 for p in (f, g, h) for point in one.samples)
     point = one.point(random.Random(0))
     assert point is not None
-    assert all(evaluate(p, point) == 0 for p in (f, g, h))
+    assert all(value_at(ring, p, point) == 0 for p in (f, g, h))
     (linear,) = cut_half(base, t[1] * t[4] - t[2] - 1, Work())
     assert (linear.rest, len(linear.solved)) == ((f, g), 1)
-    assert all(evaluate(t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
+    assert all(value_at(ring, t[1] * t[4] - t[2] - 1, point) == 0 for point in linear.samples)
     (both,) = cut_half(one, t[4] ** 2 * t[3] - t[1] - 1, Work())
     assert len(both.rest) == 4
     assert both.samples
@@ -222,7 +221,7 @@ def test_where_a_condition_on_top_always_holds_its_variable_is_free(ring: Ring) 
     """On t1² + t2² = 7 the condition (t4² + t2² − 7) t3² + t4 − t1 = 0 holds for every t3 where t4 = t1."""
     t = ring.t
     f, g = t[1] ** 2 + t[2] ** 2 - 7, t[1] ** 2 * t[2] ** 2 - 2 * t[1] - 5
-    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    base = ZeroSet(ring, {}, rest=(f, g), equations=(f, g))
     found = cut_half(base, (t[4] ** 2 + t[2] ** 2 - 7) * t[3] ** 2 + t[4] - t[1], Work())
     assert {one.codimension for one in found} == {3}
     assert [one.half_vanishes(t[4] - t[1]) for one in found].count(True) == 1
@@ -237,7 +236,7 @@ def test_a_condition_on_top_is_free_where_a_joint_of_its_coefficients_stands_at_
     t = ring.t
     f = 165 * (t[1] ** 2 * t[2] ** 2 + t[1] ** 2 - t[2] ** 2 - 1) + 1264 * (t[1] * t[2] ** 2 - t[1])
     g = 7 * t[1] ** 2 * t[4] ** 2 - 3 * t[4] + t[1] + 5
-    base = Variety(ring, {}, rest=(f, g), equations=(f, g))
+    base = ZeroSet(ring, {}, rest=(f, g), equations=(f, g))
     # cos θ3 · (A at θ2 + …) and sin θ3 sin θ2: zero for every θ3 at θ2 = 0 and at θ2 = π
     h = (t[3] ** 2 - 1) * (165 * (t[1] ** 2 * t[2] ** 2 - t[1] ** 2 - t[2] ** 2 + 1)
                            + 1264 * (t[1] * t[2] ** 2 + t[1])) + 660 * t[3] * t[2] * (t[1] ** 2 + 1)  # fmt: skip
@@ -251,7 +250,7 @@ def test_what_is_known_of_a_set_speaks_of_its_free_joints_alone() -> None:
     t, a2, a3, d4 = ring.t, *(ring.letter_half[name] for name in ("a2", "a3", "d4"))
     f = t[3] ** 2 * a3 + 2 * t[3] * d4 - a3
     g = t[2] ** 2 * f - 2 * t[2] * (t[3] ** 2 * (a2 - d4) + 2 * t[3] * a3 + a2 + d4) - f
-    sets = decompose(ring, {}, [form(h, ring) for h in (f, g)], 2, Work())
+    sets = decompose(ring, {}, [ring.form(h) for h in (f, g)], 2, Work())
     assert {one.pins.get(2) for one in sets} == {"0", "pi"}
     assert any(one.known for one in sets)
     for one in sets:

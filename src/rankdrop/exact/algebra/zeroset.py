@@ -1,9 +1,12 @@
-"""An irreducible closed set of configurations, exactly.
+"""A set of configurations over the exact ring: what vanishes on it, and what does not.
 
 Some joints are pinned at simple angles; each further condition is solved, where it can be, for a variable it is linear
 in:  t_k = N / D  with N and D in the variables that are left. What cannot be solved so is kept as an irreducible
 polynomial. Such a set is given by its free variables, so a random point of it is found by filling in, modulo a prime,
 and a polynomial vanishes on the whole set when it vanishes at a random point of it (see `field`).
+
+The rank tree's sets, the pieces of a case of a hand calculation, and what is left of a condition that a person wrote
+are all such sets.
 """
 
 from __future__ import annotations
@@ -16,20 +19,21 @@ from itertools import combinations
 
 from rankdrop.exact.algebra.field import (
     PRIMES,
-    Evaluator,
     P,
     Point,
     common_zeros,
     complete,
-    half_evaluator,
     half_value,
+    holds,
+    in_one,
+    in_two,
     put_common_zero,
     roots,
     stands,
-    trig_evaluator,
+    value_at,
 )
-from rankdrop.exact.algebra.polynomial import TANGENT, Polynomial, used
-from rankdrop.exact.algebra.ring import Ring
+from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, used
+from rankdrop.exact.algebra.ring import Form, Ring
 from rankdrop.exact.algebra.solving import Solved
 
 _TRIES = 80
@@ -39,18 +43,19 @@ _POINTS = 2  # random points on which something has to hold to be believed: one 
 
 
 @dataclass(frozen=True, eq=False)
-class Variety:
-    """An irreducible closed set of configurations.
+class ZeroSet:
+    """A constructible set of configurations: conditions = 0, and conditions ≠ 0.
 
     Attributes:
         ring: of its polynomials.
-        pins: simple angles (out of `atom.SIMPLE`) of pinned joints, by number.
+        pins: simple angles (out of `SIMPLE`) of pinned joints, by number.
         solved: conditions solved for one variable each; a later one may use what an earlier one has left free.
-        rest: irreducible conditions that are not linear in any variable. Two of them may hold on several sets: then
-            `also` and `apart` tell which of these are meant, and everything is asked at points of every one of them.
-            Each further one is in a variable that those before it are not in, for which it is solved.
-        also: trigonometric polynomials that vanish on this set.
-        apart: trigonometric polynomials that vanish nowhere on it: an open part of what the conditions hold on.
+        rest: irreducible conditions that are not linear in any variable. With at most one the set is irreducible. Two
+            of them may hold on several sets: then `zero` and `nonzero` tell which of these are meant, and everything is
+            asked at points of every one of them. In the rank tree each further one is in a variable that those before
+            it are not in, for which it is solved.
+        zero: trigonometric polynomials that vanish on it besides.
+        nonzero: atoms and trigonometric polynomials that vanish nowhere on it: an open part of what the others hold on.
         equations: irreducible half-angle polynomials that vanish on the set; with the pins they are its conditions.
         known: more half-angle polynomials that vanish on it. Where the denominator of a solution vanishes the equations
             may say nothing of a variable, on sets as large as this one; these, which they were made from, still do.
@@ -60,13 +65,13 @@ class Variety:
     pins: Mapping[int, str]
     solved: tuple[Solved, ...] = ()
     rest: tuple[Polynomial, ...] = ()
-    also: tuple[Polynomial, ...] = ()
-    apart: tuple[Polynomial, ...] = ()
+    zero: tuple[Polynomial, ...] = ()
+    nonzero: tuple[Atom | Polynomial, ...] = ()
     equations: tuple[Polynomial, ...] = ()
     known: tuple[Polynomial, ...] = ()
 
     @classmethod
-    def whole(cls, ring: Ring) -> Variety:
+    def whole(cls, ring: Ring) -> ZeroSet:
         """Every configuration."""
         return cls(ring, {})
 
@@ -88,12 +93,11 @@ class Variety:
 
     def point(self, rng: random.Random) -> Point | None:
         """A random point of the set modulo a prime; None where none was met (some sets have none: 1 + t² = 0)."""
-        ring, evaluate = self.ring, half_evaluator(self.ring)
         for number in range(_TRIES):
             values = self._start(rng, P if number < _FIRST else PRIMES[number % len(PRIMES)])
-            if not self._solve_rest(values, rng) or not self._fill_in(values, evaluate):
+            if not self._solve_rest(values, rng) or not self._fill_in(values):
                 continue
-            point = complete(ring, values, self.pins)
+            point = complete(self.ring, values, self.pins)
             if point is not None and self._chosen(point):
                 return point
         return None
@@ -105,44 +109,63 @@ class Variety:
         return values
 
     def _chosen(self, point: Point) -> bool:
-        evaluate = trig_evaluator(self.ring)
-        return all(evaluate(p, point) == 0 for p in self.also) and all(evaluate(p, point) for p in self.apart)
+        """Whether what else vanishes does at a point of the conditions, and what does not does not."""
+        return all(value_at(self.ring, p, point) == 0 for p in self.zero) and not any(
+            holds(self.ring, one, point) for one in self.nonzero
+        )
 
-    def _fill_in(self, values: Point, evaluate: Evaluator) -> bool:
+    def _fill_in(self, values: Point) -> bool:
+        """Give the solved variables their values; whether each has one."""
         prime = values.prime
         for one in reversed(self.solved):
-            bottom = evaluate(one.denominator, values)
+            bottom = value_at(self.ring, one.denominator, values)
             if bottom == 0:
                 return False
-            values[self.ring.names[one.place]] = evaluate(one.numerator, values) * pow(bottom, -1, prime) % prime
+            top = value_at(self.ring, one.numerator, values)
+            values[self.ring.names[one.place]] = top * pow(bottom, -1, prime) % prime
         return True
 
     def _solve_rest(self, values: Point, rng: random.Random) -> bool:
-        """Fill in values of as many variables as there are unsolved conditions."""
-        if not self.rest:
-            return True
-        ring, evaluate = self.ring, half_evaluator(self.ring)
-        taken = {one.place for one in self.solved}
-        places = [[p for p in used(f) if p < ring.moving and p not in taken] for f in self.rest]
-        if len(self.rest) == 1:
-            name = ring.names[rng.choice(places[0])]
-            found = roots(evaluate.in_one(self.rest[0], name, values), values.prime)
-            if found:
-                values[name] = rng.choice(found)
-            return bool(found)
-        f, g = self.rest[:2]
-        pairs = [(a, b) for a in places[0] for b in places[1] if a != b]
-        if not pairs:
-            return False
-        a, b = (ring.names[p] for p in rng.choice(pairs))
-        if not put_common_zero(evaluate, f, g, (a, b), values, rng):
-            return False
-        towers = list(self._towers(values, 2, evaluate))
-        if towers:
-            values.update(rng.choice(towers))
-        return bool(towers)
+        """Change values of as many variables as there are unsolved conditions, so that these hold; whether they do.
 
-    def _towers(self, values: Point, place: int, evaluate: Evaluator) -> Iterator[Point]:
+        Conditions in a variable that no other one is in are solved for it at last; two that are left then are solved
+        together; of more the long ones have to follow from the short ones.
+        """
+        taken = {one.place for one in self.solved}
+        names = {id(f): [self.ring.names[k] for k in used(f) if k < self.ring.moving and k not in taken]
+                 for f in self.rest}  # fmt: skip
+        waiting = sorted(self.rest, key=len)
+        last: list[tuple[Polynomial, str]] = []
+        implied: list[Polynomial] = []
+        while waiting:
+            own = ((f, [x for x in names[id(f)] if all(x not in names[id(g)] for g in waiting if g is not f)])
+                   for f in waiting)  # fmt: skip
+            free = [(f, mine) for f, mine in own if mine]
+            if free:
+                f, mine = rng.choice(free)
+                last.append((f, rng.choice(mine)))
+                waiting = [g for g in waiting if g is not f]
+            elif len(waiting) > 2:
+                implied.append(waiting.pop())
+            else:
+                break
+        if waiting:
+            shared = [x for x in names[id(waiting[0])] if x in names[id(waiting[-1])]]
+            if len(waiting) < 2 or len(shared) < 2:
+                return False
+            x, y = rng.sample(shared, 2)
+            if not put_common_zero(self.ring, waiting[0], waiting[1], (x, y), values, rng):
+                return False
+        for f, name in reversed(last):
+            line = in_one(self.ring, f, name, values)
+            candidates = roots(line, values.prime)
+            if any(line):  # else it follows from the others
+                if not candidates:
+                    return False
+                values[name] = rng.choice(candidates)
+        return all(value_at(self.ring, f, values) == 0 for f in implied)
+
+    def _towers(self, values: Point, place: int) -> Iterator[Point]:
         """All ways to solve the conditions from the third on, one after the other, each for a variable of its own."""
         if place >= len(self.rest):
             yield values
@@ -151,8 +174,8 @@ class Variety:
         if own is None:
             return
         name = self.ring.names[own]
-        for root in roots(evaluate.in_one(self.rest[place], name, values), values.prime):
-            yield from self._towers(values.changed({name: root}), place + 1, evaluate)
+        for root in roots(in_one(self.ring, self.rest[place], name, values), values.prime):
+            yield from self._towers(values.changed({name: root}), place + 1)
 
     def _own(self, place: int) -> int | None:
         """A variable of an unsolved condition that those before it are not in; None where there is none."""
@@ -169,6 +192,10 @@ class Variety:
         """Whether the conditions may hold on several irreducible sets at once."""
         return len(self.rest) > 1
 
+    def without(self, *nonzero: Atom) -> ZeroSet:
+        """The part on which none of some atoms vanishes."""
+        return replace(self, nonzero=tuple(dict.fromkeys((*self.nonzero, *nonzero))))
+
     @cached_property
     def samples(self) -> list[Point]:
         """Random points, always the same: two, or, where there may be several sets, some on every one of them."""
@@ -183,7 +210,7 @@ class Variety:
         over the rationals alone, such as t² = 53, has zeros modulo some primes only: each plane has its own, and
         where the variables have single values every prime is tried.
         """
-        ring, evaluate = self.ring, half_evaluator(self.ring)
+        ring = self.ring
         taken = {one.place for one in self.solved}
         f, g = self.rest[:2]
         one, two = ({p for p in used(h) if p < ring.moving and p not in taken} for h in (f, g))
@@ -195,24 +222,23 @@ class Variety:
             names = ring.names[a], ring.names[b]
             for prime in PRIMES if points else PRIMES[:_PLANES]:
                 values = self._start(rng, prime)
-                two_in = (evaluate.in_two(h, *names, values) for h in (f, g))
+                two_in = (in_two(self.ring, h, *names, values) for h in (f, g))
                 zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
-                for here in (tower for zero in zeros for tower in self._towers(zero, 2, evaluate)):
-                    point = complete(ring, here, self.pins) if self._fill_in(here, evaluate) else None
+                for here in (tower for zero in zeros for tower in self._towers(zero, 2)):
+                    point = complete(ring, here, self.pins) if self._fill_in(here) else None
                     if point is not None and self._chosen(point):
                         yield point
 
-    def parted(self, p: Polynomial, f: Polynomial) -> tuple[Variety | None, Variety | None]:
+    def parted(self, p: Polynomial, f: Polynomial) -> tuple[ZeroSet | None, ZeroSet | None]:
         """The sets among several on which a condition holds, and those on which it does not; None for no such set.
 
         Args:
             p: trigonometric polynomial.
             f: half-angle polynomial with the same zeros, for the equations.
         """
-        evaluate = trig_evaluator(self.ring)
-        values = [evaluate(p, point) for point in self.samples]
-        inside = replace(self, also=(*self.also, p), equations=(*self.equations, f))
-        outside = replace(self, apart=(*self.apart, p))
+        values = [value_at(self.ring, p, point) for point in self.samples]
+        inside = replace(self, zero=(*self.zero, p), equations=(*self.equations, f))
+        outside = replace(self, nonzero=(*self.nonzero, p))
         for part, zero in ((inside, True), (outside, False)):
             kept = [point for point, value in zip(self.samples, values, strict=True) if (value == 0) == zero]
             part.__dict__["samples"] = kept  # what is known already is not looked for again
@@ -222,17 +248,15 @@ class Variety:
 
     def vanishes(self, p: Polynomial) -> bool:
         """Whether a trigonometric polynomial is zero on the whole set."""
-        evaluate = trig_evaluator(self.ring)
-        return bool(self.samples) and all(evaluate(p, point) == 0 for point in self.samples)
+        return bool(self.samples) and all(value_at(self.ring, p, point) == 0 for point in self.samples)
 
     def half_vanishes(self, f: Polynomial) -> bool:
         """Whether a half-angle polynomial is zero on the whole set, the joints at π included."""
         there = {j: "pi" for j, value in self.pins.items() if value == "pi"}
-        f = self.ring.half_at(f, there)
+        f = self.ring.form(f).at(there).f
         if f == 0:
             return True
-        evaluate = half_evaluator(self.ring)
-        return bool(self.samples) and all(evaluate(f, point) == 0 for point in self.samples)
+        return bool(self.samples) and all(value_at(self.ring, f, point) == 0 for point in self.samples)
 
     def stands(self, joint: int, value: str) -> bool:
         """Whether a revolute joint is at a simple angle on the whole set."""
@@ -240,15 +264,14 @@ class Variety:
 
     def holds_at(self, points: Sequence[Point]) -> bool:
         """Whether every condition of this set holds at points modulo primes that give values to all its variables."""
-        trig = trig_evaluator(self.ring)
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
             and not any(half_value(self.ring, f, point) for f in (*self.equations, *self.known))
-            and not any(trig(p, point) for p in self.also)
+            and not any(value_at(self.ring, p, point) for p in self.zero)
             for point in points
         )
 
-    def satisfies(self, other: Variety) -> bool:
+    def satisfies(self, other: ZeroSet) -> bool:
         """Whether every condition of another set holds on this one.
 
         The conditions may hold elsewhere too: with A t + B = 0 and a third condition, also where A = B = 0. So this set
@@ -258,7 +281,7 @@ class Variety:
             return False
         return other.holds_at(self.samples)
 
-    def inside(self, other: Variety) -> bool:
+    def inside(self, other: ZeroSet) -> bool:
         """Whether this set lies inside another one; False, too, where that is open.
 
         It is where the conditions hold and every solution of the other set exists. Where a denominator vanishes on
@@ -268,25 +291,24 @@ class Variety:
 
     def _solves(self, point: Point) -> bool:
         """Whether every solution exists at a point and is the one there, and the point is in the part that is meant."""
-        ring, evaluate = self.ring, half_evaluator(self.ring)
-        trig = trig_evaluator(ring)
-        if not all(trig(p, point) for p in self.apart):
+        ring = self.ring
+        if any(holds(ring, one, point) for one in self.nonzero):
             return False
         far = {j: "pi" for j in ring.revolute if f"t{j}" not in point}
         for one in self.solved:
             if ring.names[one.place] not in point:
                 return False
-            degrees = tuple(map(max, one.numerator.degrees(), one.denominator.degrees()))
-            bottom, top = (ring.half_at(f, far, degrees) for f in (one.denominator, one.numerator))
-            divisor = evaluate(bottom, point)
-            if divisor == 0 or (point[ring.names[one.place]] * divisor - evaluate(top, point)) % point.prime:
+            degrees = tuple(map(max, *(ring.form(f).degrees for f in (one.numerator, one.denominator))))
+            bottom, top = (Form(ring, f, degrees).at(far).f for f in (one.denominator, one.numerator))
+            divisor = value_at(self.ring, bottom, point)
+            if divisor == 0 or (point[ring.names[one.place]] * divisor - value_at(ring, top, point)) % point.prime:
                 return False
         return True
 
 
-def independent(found: Sequence[Variety]) -> list[Variety]:
+def independent(found: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in no other one."""
-    kept: list[Variety] = []
+    kept: list[ZeroSet] = []
     for one in sorted(found, key=lambda v: v.codimension):
         if not any(one.inside(other) for other in kept):
             kept.append(one)

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "block.hpp"
-#include "settings.hpp"
+#include "enclosing.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 

@@ -1,1 +1,0 @@
-"""Whether an arm can change its posture without a singularity, exactly where that can be decided."""

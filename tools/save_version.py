@@ -79,9 +79,9 @@ def main() -> int:
         return 1
     with tempfile.TemporaryDirectory() as made, contextlib.chdir(made):  # names of files in results are without a place
         for name, text in GIVEN.items():
-            Path(name).write_text(text, encoding="utf-8")
+            replace_file(name, text.encode())
         for name, line in COMMANDS.items():
-            Path(f"{name}.json").write_text(said_by(line), encoding="utf-8")
+            replace_file(f"{name}.json", said_by(line).encode())
         for name, kept in FILES.items():
             Path(name).replace(kept)
         folder.mkdir(parents=True)

@@ -8,14 +8,4 @@
 
 import lazy_loader
 
-_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # what there is stands in __init__.pyi
-__all__ += ["__version__"]
-
-
-def __getattr__(name: str) -> object:
-    """What the package gives, imported when it is asked for; the version takes a tenth of a second to find out."""
-    if name == "__version__":
-        from rankdrop.version import VERSION
-
-        return VERSION
-    return _named(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # what there is stands in __init__.pyi

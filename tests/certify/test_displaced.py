@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from reference import arms, region
@@ -9,6 +11,7 @@ from reference.displaced import displaced_arm
 
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
+from rankdrop.certify.proof.reading import sealed
 from rankdrop.certify.proof.verifying import verify
 from rankdrop.certify.proof.writing import ball_certificate, write_certificate
 from rankdrop.certify.setting import settings_for
@@ -16,6 +19,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.motion.certificate import path_certificate, proven_for_near_arms
 from rankdrop.motion.check import check_path
+from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -23,6 +27,8 @@ NEAR = ModelTolerance(3e-4, 1e-3)
 ARMS = {
     **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "puma560", "panda", "pa10")},
     "random 6R": lambda: arms.random_chain(np.random.default_rng(3), "rrrrrr"),
+    "stanford": lambda: open_robot("stanford"),
+    "random slides": lambda: arms.random_chain(np.random.default_rng(4), "prrprp"),
 }
 
 
@@ -43,14 +49,67 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
     rng = np.random.default_rng(1)
     task = resolve_task("pose", robot)
     for setting in settings_for(robot, task)[::4]:
-        bound = displaced_columns(robot, setting, NEAR, task.rows)
-        assert bound.any()
         for _ in range(40):
             count = len(robot.joints)
             other = displaced_arm(robot, directions(rng, count, NEAR.angle), directions(rng, count, NEAR.length))
             q = rng.uniform(-np.pi, np.pi, robot.n)
+            bound = displaced_columns(robot, setting, NEAR, task.rows, q)
+            assert bound.any()
             change = np.linalg.norm(moved_columns(robot, other, q, setting), axis=1)
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()  # rounding of the model
+
+
+@pytest.mark.parametrize("name", ["puma560", "stanford"])
+def test_a_tool_point_is_moved_with_the_joints(name):
+    robot = open_robot(name)
+    rng = np.random.default_rng(2)
+    setting = settings_for(robot, resolve_task("position", robot))[0]
+    count, best = len(robot.joints), 0.0
+    for _ in range(300):
+        tool = directions(rng, 1, NEAR.length)[0]
+        other = displaced_arm(robot, directions(rng, count, NEAR.angle), directions(rng, count, NEAR.length))
+        q = rng.uniform(-np.pi, np.pi, robot.n)
+        there = replace(setting, point=tuple(np.array(setting.point) + tool))
+        change = np.linalg.norm(
+            (region.columns(other, q, there) - region.columns(robot, q, setting))[:, :3], axis=1
+        )  # fmt: skip
+        bound = displaced_columns(robot, setting, NEAR, (0, 1, 2), q)
+        assert (change <= bound * (1 + 1e-9) + 1e-13).all()
+        best = max(best, float((change / np.maximum(bound, 1e-12)).max()))
+    assert best > 0.9  # the last axis: the tool point alone
+
+
+def test_the_bound_of_a_slide_and_of_what_it_carries_is_reached():
+    """A slide along an arm that is stretched out: the farther it is out, the more a turn before it moves the rest."""
+    robot = planar(4)
+    joints = list(robot.joints)
+    joints[1] = replace(joints[1], kind=JointKind.PRISMATIC, screw=np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    robot = replace(robot, joints=tuple(joints))
+    q = np.array([0.0, 3.0, 0.0, 0.0])
+    best = np.zeros(4)
+    near = ModelTolerance(0.0, 1e-3)
+    for axis in ([1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]):
+        other = displaced_arm(robot, np.tile(axis, (4, 1)), np.zeros((4, 3)))
+        for setting in settings_for(robot, resolve_task("pose", robot)):
+            bound = displaced_columns(robot, setting, near, setting.rows, q)
+            change = np.linalg.norm(moved_columns(robot, other, q, setting), axis=1)
+            assert (change <= bound * (1 + 1e-9) + 1e-13).all()
+            best = np.maximum(best, change / np.maximum(bound, 1e-9))
+    assert (best > 0.9).sum() >= 3
+
+
+@pytest.mark.parametrize(("name", "task"), [("stanford", None), ("puma560", "position"), ("scara", "position")])
+def test_balls_for_near_arms_of_other_joints_and_tasks_are_proven_again(name, task, tmp_path):
+    robot = open_robot(name)
+    q = {"stanford": [0.3, 0.9, 0.5, 0.4, 1.2, 0.1], "puma560": [0.3, 0.4, -0.3, 0.4, 1.2, 0.1],
+         "scara": [0.3, 1.2, 0.05, 0.2]}[name]  # fmt: skip
+    whole = certified_radius(robot, q, resolve_task(task, robot), evaluations=5_000).radius
+    record = ball_certificate(robot, q, task, tolerance=NEAR, radius=0.3 * whole, evaluations=5_000)
+    found = verify(write_certificate(record, tmp_path / "b.json"), robot)
+    assert found.holds, found.reason
+    assert "every arm within 0.0003 m" in found.claim
+    record["tolerance"]["angle"] = 0.1
+    assert not verify(write_certificate(sealed(record), tmp_path / "b.json"), enclosures=500).holds
 
 
 def planar(count):
@@ -123,10 +182,8 @@ def test_a_path_for_near_arms_is_proven_or_not(tmp_path):
 
 
 def test_what_a_tolerance_is_not_for_is_refused():
-    with pytest.raises(OptionError, match="joints all turn"):
-        ball_certificate(open_robot("stanford"), [0.3] * 6, tolerance=NEAR)
-    with pytest.raises(OptionError, match="rotation"):
-        ball_certificate(open_robot("puma560"), [0.3] * 6, "position", tolerance=NEAR)
+    with pytest.raises(OptionError, match="turn or slide"):
+        ball_certificate(arms.random_chain(np.random.default_rng(5), "rhrrrr"), [0.3] * 6, tolerance=NEAR)
     with pytest.raises(OptionError, match="whole tasks"):
         ball_certificate(open_robot("planar3r"), [0.3, 1.2, 0.4], tolerance=NEAR)
     with pytest.raises(OptionError, match="small angle"):

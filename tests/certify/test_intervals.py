@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from reference import arms, region
@@ -93,27 +95,47 @@ def test_a_region_without_size_is_a_point():
     np.testing.assert_allclose(middle, values(robot, q, setting, turn, u, v), atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["ur5", "panda"])
-def test_arms_within_a_tolerance_are_in_it(name):
-    robot = open_robot(name)
+@pytest.mark.parametrize(("name", "task"), [
+    ("ur5", "pose"), ("panda", "pose"), ("stanford", "pose"), ("slides", "pose"), ("stanford", "position"),
+])  # fmt: skip
+def test_arms_within_a_tolerance_are_in_it_and_the_worst_of_them_reach_its_ends(name, task):
+    robot = arms.random_chain(np.random.default_rng(4), "prrprr") if name == "slides" else open_robot(name)
     rng = np.random.default_rng(12)
     arb = flint().arb
     near = ModelTolerance(3e-4, 1e-3)
     told = Tolerance(near.length, near.angle, points_of(robot))
-    reached = 0.0
-    count = len(robot.joints)
-    for setting in settings_for(robot, resolve_task(None, robot))[::5]:
+    reached, count = 0.0, len(robot.joints)
+    tool_moves = task == "position"
+    for setting in settings_for(robot, resolve_task(task, robot))[::5]:
         arm, turn = checker(robot, setting)
         q = rng.uniform(-2, 2, robot.n)
         zero = [arb(0)] * robot.n
-        place = Region([arb(float(x)) for x in q], zero)
-        found, u, v = arm.enclosed(place, list(setting.rows), setting.rank, told)
+        found, u, v = arm.enclosed(Region([arb(float(x)) for x in q], zero), list(setting.rows), setting.rank, told)
         middle, width = middles(found)
-        for _ in range(150):
-            turns, moves = rng.standard_normal((count, 3)), rng.standard_normal((count, 3))
-            turns *= near.angle / np.linalg.norm(turns, axis=1, keepdims=True)
-            moves *= near.length / np.linalg.norm(moves, axis=1, keepdims=True)
-            off = np.abs(values(displaced_arm(robot, turns, moves), q, setting, turn, u, v) - middle)
+
+        def value(turns, moves, tool, setting=setting, turn=turn, u=u, v=v, q=q):
+            point = tuple(np.array(setting.point) + turn.T @ tool * tool_moves)
+            return values(displaced_arm(robot, turns, moves), q, replace(setting, point=point), turn, u, v)
+
+        for _ in range(60):
+            parts = [rng.standard_normal((count, 3)) for _ in range(2)] + [rng.standard_normal((1, 3))]
+            parts = [one / np.linalg.norm(one, axis=1, keepdims=True) for one in parts]
+            off = np.abs(value(parts[0] * near.angle, parts[1] * near.length, parts[2][0] * near.length) - middle)
             assert (off <= width + ROUNDED).all()
-            reached = max(reached, float((off / (width + 1e-12)).max()))
-    assert reached > 0.5  # by chance; all joints at once at their worst is rare
+        start, step = value(np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(3)), 1e-5
+        slope = np.empty((2 * count + 1, 3, *start.shape))  # by every turn and move of every joint, and of the tool
+        for k in range(2 * count + 1):
+            for axis in range(3):
+                some = np.zeros((2 * count + 1, 3))
+                some[k, axis] = step
+                slope[k, axis] = (value(some[:count], some[count:-1], some[-1]) - start) / step
+        size = np.array([near.angle] * count + [near.length] * (count + 1))[:, None]
+        for r in range(len(start)):
+            for c in range(len(start)):
+                way = slope[:, :, r, c]
+                worst = size * way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-30)
+                off = np.abs(value(worst[:count], worst[count:-1], worst[-1]) - middle)
+                assert (off <= width + ROUNDED).all()
+                if width[r, c] > 1e-6:
+                    reached = max(reached, off[r, c] / width[r, c])
+    assert reached > 0.9

@@ -16,7 +16,8 @@ from known.arms import structures
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import search
-from rankdrop.family.which import Condition, families_at
+from rankdrop.family.record import Family
+from rankdrop.family.which import families_at
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import JointKind
 from rankdrop.robot.open import open_robot
@@ -41,7 +42,7 @@ ARMS = [
 
 
 @cache
-def met(name: str) -> list[tuple[Search, list[list[Condition]]]]:
+def met(name: str) -> list[tuple[Search, list[list[Family]]]]:
     """For every corank that has families: what is drawn, and the families each lies on."""
     robot, found = open_robot(name), shipped(name)
     task = resolve_task(None, robot)

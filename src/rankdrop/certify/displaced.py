@@ -2,7 +2,8 @@
 
 A measured arm is not the described one. *Within δ_p and δ_a of this arm* means: every joint stands, in the link before
 it, turned by at most δ_a [rad] about a point of its axis and moved by at most δ_p [m]. Zero positions of the joints
-are among these errors, each being a turn about the axis itself. How far it is to the tip does not matter for the rank.
+are among these errors, each being a turn about the axis itself. How far it is to the tip does not matter for the rank,
+unless the task is the translation of a point: this point, too, is moved by at most δ_p in the last link then.
 
 Seen from link c at a point P, column i is carried by the displacements of the joints between, its own included on the
 far side of c: N_i of them. One that turns about p_k carries an axis through a point a with direction z and turns by
@@ -12,8 +13,10 @@ length R_i of the polygon from P over the points of the joints to that of joint 
 longer by at most N_i δ_p. So, lengths divided by ℓ,
 
     ‖ΔJ_i‖ ≤ D_i = N_i √(δ_a² + ((δ_a (R_i + N_i δ_p) + δ_p) / ℓ)²)        turning joints
+    ‖ΔJ_i‖ ≤ D_i = N_i δ_a / ℓ                                             slides
 
-and |(U₁ᵀ ΔJ V₁)_rj| ≤ Σ_i D_i |v_ij|, which is added to the bound of an enclosure.
+R_i grows by how far the slides between are out. A point that is moved itself makes N_i in the inner bracket larger by
+one, and adds δ_p/ℓ. Then |(U₁ᵀ ΔJ V₁)_rj| ≤ Σ_i D_i |v_ij|, which is added to the bound of an enclosure.
 """
 
 from __future__ import annotations
@@ -54,49 +57,59 @@ class ModelTolerance:
 
 
 def points_of(robot: Robot) -> Array:
-    """(N, 3) the point of each axis nearest to the origin of the joint's frame, at q = 0 in base coordinates [m]."""
+    """(N, 3) the point of each axis nearest to the origin of the joint's frame, of slides that origin, at q = 0 [m]."""
     found = []
     for joint in robot.joints:
-        v, w = joint.screw[:3], joint.screw[3:]
-        foot = np.cross(w, v)
-        found.append(foot + w * (w @ (joint.frame[:3, 3] - foot)))
+        origin = joint.frame[:3, 3]
+        if joint.kind is not JointKind.PRISMATIC:
+            v, w = joint.screw[:3], joint.screw[3:]
+            foot = np.cross(w, v)
+            origin = foot + w * (w @ (origin - foot))
+        found.append(origin)
     return np.array(found)
 
 
-def displaced_columns(robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...]) -> Array:
-    """(N,) D_i: how far each column, seen as the setting has it, can change for any arm within the tolerance.
+def displaced_columns(
+    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], far: Array | None = None
+) -> Array:
+    """(..., N) D_i: how far each column, seen as the setting has it, can change for any arm within the tolerance.
 
     Args:
         robot, setting: the arm as a certificate looks at it.
         tolerance: how far a joint may be from where it is described.
         rows: of the task; all that the setting has, for rows that are zero for this arm need not be for those near it.
+        far: (..., n) how far the variables go from zero, at most; of slides it is used. None for zero.
 
     Raises:
-        OptionError: the arm has joints that do not turn or that follow others, or the task takes no rotation, or some
-            rows only.
+        OptionError: the arm has joints that screw or that follow others, or the task takes some rows only.
     """
     if tuple(rows) != setting.rows:
         raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
                           "not for those near it", where="model_tolerance", got=f"rows {rows}",
-                          allowed="pose, orientation")  # fmt: skip
-    if any(joint.kind is not JointKind.REVOLUTE or joint.mimic is not None for joint in robot.joints):
-        raise OptionError("a tolerance of the model is for arms whose joints all turn, each for itself",
+                          allowed="pose, position, orientation")  # fmt: skip
+    if any(joint.kind is JointKind.HELICAL or joint.mimic is not None for joint in robot.joints):
+        raise OptionError("a tolerance of the model is for arms whose joints turn or slide, each for itself",
                           where="model_tolerance", got=robot.name)  # fmt: skip
-    if setting.rows == (0, 1, 2):
-        raise OptionError("a tolerance of the model is for tasks with rotation: where the tool's point is, is another "
-                          "error", where="model_tolerance", got="a task of translation")  # fmt: skip
     points, count = points_of(robot), len(robot.joints)
     frame = robot.home if setting.link == count + 1 else np.eye(4) if not setting.link else (
         robot.joints[setting.link - 1].frame
     )
     start = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
-    found = np.zeros(count)
+    slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.joints])
+    travel = np.where(slides, np.zeros(count) if far is None else np.abs(far), 0.0)
+    found = np.zeros(travel.shape)
     linear, angular = 0 in setting.rows, 3 in setting.rows
+    tool = int(not angular)  # a point that is moved with the others
     for side, own in ((range(setting.link, count), 1), (range(setting.link - 1, -1, -1), 0)):
-        at, reach = start, 0.0
+        at, reach = start, np.zeros(travel.shape[:-1])
         for place, i in enumerate(side):
-            reach += float(np.linalg.norm(points[i] - at))
+            reach = reach + float(np.linalg.norm(points[i] - at)) + (0.0 if own else travel[..., i])
             at, times = points[i], place + own
-            moment = tolerance.angle * (reach + times * tolerance.length) + tolerance.length
-            found[i] = times * np.hypot(tolerance.angle * angular, moment * linear / setting.length)
+            if slides[i]:
+                found[..., i] = times * tolerance.angle * linear / setting.length
+            else:
+                moment = tolerance.angle * (reach + (times + tool) * tolerance.length) + tolerance.length
+                part = (times * moment + tool * tolerance.length) * linear / setting.length
+                found[..., i] = np.hypot(times * tolerance.angle * angular, part)
+            reach = reach + (travel[..., i] if own else 0.0)
     return found * (1 + 1e-12)

@@ -79,7 +79,8 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
     """
     robot = found.robot
     setting = chosen(robot, settings_of(robot, found.task), found.curve)
-    drift = displaced_columns(robot, setting, tolerance, found.task.rows)
+    rows = found.task.rows
+    displaced_columns(robot, setting, tolerance, rows)  # refuses what it is not for
     tree = box_tree(found.curve)
     nodes = np.zeros(1, dtype=np.int64)
     spent = 0
@@ -88,7 +89,7 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
         spent += len(nodes)
         if spent > evaluations:
             return False
-        nodes = nodes[~_kept(robot, setting, drift, low[nodes], high[nodes])]
+        nodes = nodes[~_kept(robot, setting, tolerance, rows, low[nodes], high[nodes])]
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]
     control = found.curve.control[nodes]
@@ -97,19 +98,22 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
         spent += len(control)
         if spent > evaluations:
             return False
-        left = ~_kept(robot, setting, drift, low, high)
+        left = ~_kept(robot, setting, tolerance, rows, low, high)
         if (np.abs(high - low)[left] < _SHORTEST * setting.scale).all(axis=1).any():
             return False
         control = halves(control[left])
     return True
 
 
-def _kept(robot: Robot, setting: Setting, drift: Array, low: Array, high: Array) -> NDArray[np.bool_]:
-    """(P,) which boxes are free for every arm whose columns differ by at most `drift` (N,)."""
+def _kept(
+    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], low: Array, high: Array
+) -> NDArray[np.bool_]:
+    """(P,) which boxes are free for every arm within a tolerance of this one."""
     centre = np.ascontiguousarray((low + high) / 2)
     half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
     found = enclose(robot, setting, centre, half)
-    extra = np.einsum("i,bij->bj", drift, np.abs(found[5]))
+    drift = displaced_columns(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
+    extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
     return regular(found[3], found[2] + extra[:, None, :])
 
 

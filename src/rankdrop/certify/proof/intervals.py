@@ -237,7 +237,8 @@ class Arm:
             else:
                 total += self._second(side, over, weights, region.half, left)
         if tolerance is not None:
-            total += self._shifted(seen, weights, tolerance, left, rank)
+            total += self._shifted(seen, weights, tolerance, left, Region(region.centre, wide), moves=not any(
+                row > 2 for row in rows))
         return total, u[:, :rank], vt[:rank].T
 
     def sign(self, q: list[Interval], rows: list[int]) -> int:
@@ -344,7 +345,7 @@ class Arm:
         return left * slope * (whole * sign) + left * bend * share
 
     def _shifted(
-        self, over: Seen, weights: list[Matrix], tolerance: Tolerance, left: Matrix, rank: int
+        self, over: Seen, weights: list[Matrix], tolerance: Tolerance, left: Matrix, region: Region, *, moves: bool
     ) -> Matrix:
         """What arms within the tolerance add: by the mean value theorem along the way from this arm to that one.
 
@@ -352,14 +353,16 @@ class Arm:
         derivative is the bracket with that motion, linear in θ and t, so that its entries are at most
         |θ| times the length of the three for unit turns, plus |t| times that of the three for unit moves. It is taken
         over all arms on the way: screws and points are widened by how far they can be carried.
+
+        With `moves` the point from which the arm is seen is moved as well, as a tool's point is.
         """
-        f = self._f
+        f, rank = self._f, left.nrows()
         shift, angle = f.arb(tolerance.length) / self._length, f.arb(tolerance.angle)
         points = [[(f.arb(float(x)) - p) / self._length for x, p in zip(row, self._point, strict=True)]
                   for row in tolerance.points]  # fmt: skip
         total = [[f.arb(0)] * rank for _ in range(rank)]
         for side, sign in self._sides:
-            for motions, carried in self._carried(side, sign, points, shift, angle, over, weights):
+            for motions, carried in self._carried(side, sign, points, shift, angle, over, weights, region, int(moves)):
                 for three, size in ((motions[:3], angle), (motions[3:], shift)):
                     parts = [(left * (self._ad(one) * carried)).tolist() for one in three]
                     for r in range(rank):
@@ -370,7 +373,7 @@ class Arm:
 
     def _carried(
         self, side: list[int], sign: int, points: list[list[Interval]], shift: Interval, angle: Interval, over: Seen,
-        weights: list[Matrix],
+        weights: list[Matrix], region: Region, moves: int,
     ) -> Iterator[tuple[list[list[Interval]], Matrix]]:  # fmt: skip
         """For each joint that may be displaced: six unit motions at its point, and Σ of the columns it carries.
 
@@ -379,23 +382,44 @@ class Arm:
         f = self._f
         zero, reach, at, total = f.arb(0), [], [f.arb(0)] * 3, f.arb(0)
         for i in side:
-            total = total + _norm([x - y for x, y in zip(points[i], at, strict=True)])
+            slides = self.links[i].kind == SLIDE
+            out = self._travel(i, region) if slides else zero
+            total = total + _norm([x - y for x, y in zip(points[i], at, strict=True)]) + (out if sign < 0 else zero)
             at = points[i]
             reach.append(total)
+            total = total + (out if sign > 0 else zero)
         grown = []
         for place, i in enumerate(side):
             times = place + 1 if sign > 0 else place
-            linear = times * (shift + angle * (reach[place] + times * shift + self._foot(i, points[i])))
             column = over.columns[i].entries()
-            wide = [linear] * 3 + [times * angle] * 3
+            if self.links[i].kind == SLIDE:
+                wide = [times * angle / self._length] * 3 + [zero] * 3
+            else:
+                around = reach[place] + (times + moves) * shift + self._foot(i, points[i])
+                wide = [times * (shift + angle * around) + moves * shift] * 3 + [times * angle] * 3
             grown.append(f.arb_mat(6, 1, [x + _ball(f.arb, zero, y) for x, y in zip(column, wide, strict=True)]))
         for place, i in enumerate(side):
             beyond = range(place if sign > 0 else place + 1, len(side))
             if not len(beyond):
                 continue
             carried = _sum([grown[k] * weights[side[k]] for k in beyond])
-            slack = place * (shift + angle * (reach[place] + place * shift)) + 2 * self._foot(i, points[i])
-            yield self._motions_at(points[i], over.motions[i], slack), carried
+            slack = place * (shift + angle * (reach[place] + (place + moves) * shift)) + moves * shift
+            motion = over.motions[i]
+            if sign < 0 and self.links[i].kind == SLIDE:  # its point stands before it
+                driver = self.links[i].driver
+                own = self._motion(i, region.centre[driver], region.half[driver], sign)
+                motion = own if motion is None else motion * own
+            yield self._motions_at(points[i], motion, slack + 2 * self._foot(i, points[i])), carried
+        if moves and side:
+            every = _sum([grown[k] * weights[side[k]] for k in range(len(side))])
+            none, one = [zero] * 6, f.arb(1)
+            units = [[one if r == k else zero for r in range(6)] for k in range(3)]
+            yield [none, none, none, *units], every
+
+    def _travel(self, i: int, region: Region) -> Interval:
+        """How far a slide is out, in lengths."""
+        driver = self.links[i].driver
+        return _ball(self._f.arb, region.centre[driver], region.half[driver]).abs_upper() / self._length
 
     def _motions_at(self, point: list[Interval], motion: Matrix | None, slack: Interval) -> list[list[Interval]]:
         """Unit turns about a point that was moved, and unit moves, each six intervals."""
@@ -412,6 +436,8 @@ class Arm:
 
     def _foot(self, i: int, point: list[Interval]) -> Interval:
         """How far the axis of a joint is from its point: 0 but for rounding."""
+        if self.links[i].kind == SLIDE:
+            return self._f.arb(0)
         screw = self._screws[i]
         moment = _cross(point, screw[3:])
         return _norm([x - y for x, y in zip(screw[:3], moment, strict=True)])

@@ -11,7 +11,7 @@ import numpy as np
 
 from rankdrop.certify.proof.covers import verify_covering
 from rankdrop.certify.proof.existence import verify_existence
-from rankdrop.certify.proof.intervals import BITS, Arm, Interval, Region, flint
+from rankdrop.certify.proof.intervals import BITS, SCREW, SLIDE, Arm, Interval, Region, flint
 from rankdrop.certify.proof.reading import (
     BALL,
     COVERING,
@@ -226,8 +226,9 @@ def _arm(told: Told) -> Arm:
             sum((f.arb(float(pose[r, c])) * local[c] for c in range(3)), f.arb(float(pose[r, 3]))) for r in range(3)
         ]
     if told.tolerance is not None:
-        if told.whole_rows == [0, 1, 2] or any(one.kind != "revolute" for one in told.links):
-            raise Unproven("a tolerance of the model is proven for turning joints and tasks with rotation only")
+        alone = len(told.links) == told.variables and all((x.multiplier, x.offset) == (1.0, 0.0) for x in told.links)
+        if not alone or any(one.kind == SCREW for one in told.links):
+            raise Unproven("a tolerance of the model is proven for joints that turn or slide, each for itself")
         if list(told.rows) != told.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _points_on_axes(told)
@@ -237,6 +238,8 @@ def _arm(told: Told) -> Arm:
 def _points_on_axes(told: Told) -> None:
     assert told.tolerance is not None
     for number, (one, point) in enumerate(zip(told.links, told.tolerance.points, strict=True), start=1):
+        if one.kind == SLIDE:
+            continue
         v, w = np.array(one.screw[:3]), np.array(one.screw[3:])
         off = float(np.linalg.norm(v - np.cross(point, w)))
         if not off < 1e-9 * (1.0 + float(np.linalg.norm(point))):

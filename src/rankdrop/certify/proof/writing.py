@@ -175,8 +175,9 @@ class _Test:
         found = enclose(self.robot, self.setting, q, wide)
         if self.tolerance is None:
             return np.asarray(found[0] != 0)
-        drift = displaced_columns(self.robot, self.setting, self.tolerance, self.rows)
-        extra = np.einsum("i,bij->bj", drift, np.abs(found[5]))
+        far = np.abs(q) + wide * scale
+        drift = displaced_columns(self.robot, self.setting, self.tolerance, self.rows, far)
+        extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
         return regular(found[3], found[2] + extra[:, None, :])
 
 

@@ -27,6 +27,10 @@ class Family:
     pins: tuple
     conditions: tuple
 
+    @property
+    def stated(self) -> tuple:
+        return (*self.pins, *self.conditions)
+
 
 def families():
     ring = Ring([1, 2, 3, 5], [4], list(LETTERS))
@@ -49,7 +53,7 @@ def code():
 
 def expected(family, q):
     """Residuals by `Equation`, and by how much each may be scaled."""
-    equations = [one.equation(LETTERS, N, SHIFTS) for one in (*family.pins, *family.conditions)]
+    equations = [one.equation(LETTERS, N, SHIFTS) for one in family.stated]
     return np.stack([equation(q) for equation in equations], axis=-1)
 
 

@@ -17,9 +17,8 @@ ENTRY = {"jacobian": (6, 7), "derivative": (6, 7, 7)}
 
 
 def alternately(repeats: int, first: Callable[[], object], second: Callable[[], object]) -> measure.Row:
-    """Shortest times of both and their ratio, one after the other each time: a busy machine is busy for both."""
-    pairs = [(measure.once(first)[0], measure.once(second)[0]) for _ in range(repeats)]
-    slow, fast = (min(pair[side] for pair in pairs) for side in (0, 1))
+    """Shortest times of both and their ratio."""
+    slow, fast = measure.in_turns(repeats, first, second)
     return {"first us": 1e6 * slow, "second us": 1e6 * fast, "ratio": slow / fast}
 
 

@@ -6,8 +6,10 @@ no part of rankdrop; where it is not installed its columns are empty.
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import resource
+import shutil
 import subprocess
 import sys
 import time
@@ -88,7 +90,23 @@ def _unit(sp: Any, f: Any) -> bool:
     return bool(len(f.free_symbols) == 1 and sp.expand(f - 1 - next(iter(f.free_symbols)) ** 2) == 0)
 
 
-JOBS = {"verb": verb, "method": method, "sympy": sympy}
+def singular(arm: str, _what: Any) -> dict[str, Any]:
+    """`factorize` of Singular on the same half-angle polynomial; its own processor time, start included."""
+    from rankdrop.exact.arm.chain import exact_chain
+    from rankdrop.robot.open import open_robot
+
+    chain = exact_chain(open_robot(arm))
+    polynomial, _ = chain.ring.to_half(chain.ring.determinant(chain.columns))
+    names = [*(f"t{j}" for j in chain.ring.revolute), *(f"q{j}" for j in chain.ring.prismatic)]
+    program = f"ring r = 0,({','.join(names)}),dp; list l = factorize({polynomial}); size(l[1]) - 1; quit;"
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(["Singular", "-q"], input=program, capture_output=True, text=True, check=True, timeout=LIMIT)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {"s": seconds, "families": int(done.stdout.split()[-1]), "done": True}
+
+
+JOBS = {"verb": verb, "method": method, "sympy": sympy, "singular": singular}
 
 
 def alone(job: str, arm: str, what: Any = None) -> dict[str, Any]:
@@ -113,7 +131,7 @@ def import_seconds() -> float:
 
 def row(arm: str, what: str, ours: dict[str, Any], target: float | None, **peers: Any) -> measure.Row:
     """One line of the table; peers are texts."""
-    told = {"sympy trig": "", "sympy half": ""} | peers
+    told = {"sympy trig": "", "sympy half": "", "singular half": ""} | peers
     return {
         "arm": arm, "what": what, "s": ours["s"], "target": target or "", "families": ours["families"],
         "finished": ours["done"], "MB": ours["MB"], **told, "of the target": ours["s"] / target if target else "",
@@ -125,12 +143,20 @@ def _told(found: dict[str, Any]) -> str:
     return "–" if found["s"] is None else f"{found['s']:.2f} s, {found['families']} factors"
 
 
+def _missing() -> dict[str, str]:
+    """What there is nothing to compare with."""
+    absent = {} if importlib.util.find_spec("sympy") else {"SymPy": "pip install sympy"}
+    return absent | ({} if shutil.which("Singular") else {"Singular": "apt-get install singular"})
+
+
 def main() -> None:
     """Corank 1 of six-axis arms, of redundant arms, all coranks, and KG's methods."""
     quick = measure.quick()
     rows = []
     for arm in SIX[:2] if quick else SIX:
         peers = {"sympy trig": _told(alone("sympy", arm, 0)), "sympy half": _told(alone("sympy", arm, 1))}
+        if shutil.which("Singular"):
+            peers["singular half"] = _told(alone("singular", arm))
         rows.append(row(arm, "corank 1", alone("verb", arm, 1), 0.2, **peers))
         rows.append(row(arm, "determinant alone", alone("method", arm, "determinant"), None))
     wanted = [("pa10", 1, 1.0), ("iiwa14", 1, 1.0), ("canadarm2", 1, 3.0), ("panda", 1, 3.0),
@@ -143,7 +169,7 @@ def main() -> None:
         rows += [row(arm, name, alone("method", arm, name), None) for name in METHODS]
     measure.report(
         f"exact conditions, CPU time on one core, imports ({import_seconds():.2f} s) not counted",
-        rows, ratio="of the target", target=1.0, at_most=True,
+        rows, ratio="of the target", target=1.0, at_most=True, missing=_missing(),
     )  # fmt: skip
 
 

@@ -22,6 +22,8 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))  # the NumPy oracle
 
+from rankdrop.version import VERSION  # noqa: E402  # after the threads
+
 Row = dict[str, Any]
 
 
@@ -34,6 +36,13 @@ def best_of(repeats: int, function: Callable[[], object]) -> float:
         function()
         times.append(time.perf_counter() - begin)
     return min(times)
+
+
+def in_turns(repeats: int, first: Callable[[], object], second: Callable[[], object]) -> tuple[float, float]:
+    """Shortest times [s] of both, one after the other each time, after one that is not counted."""
+    first(), second()
+    pairs = [(once(first)[0], once(second)[0]) for _ in range(repeats)]
+    return min(pair[0] for pair in pairs), min(pair[1] for pair in pairs)
 
 
 def least_cpu(repeats: int, function: Callable[[], object]) -> float:
@@ -74,7 +83,10 @@ def quick() -> bool:
     return "--quick" in sys.argv
 
 
-def report(claim: str, rows: list[Row], *, ratio: str, target: float, at_most: bool = False) -> None:
+def report(
+    claim: str, rows: list[Row], *, ratio: str, target: float, at_most: bool = False,
+    missing: dict[str, str] | None = None,
+) -> None:
     """Print the rows as a table, or with `--json` as one object.
 
     Args:
@@ -83,6 +95,7 @@ def report(claim: str, rows: list[Row], *, ratio: str, target: float, at_most: b
         ratio: key of the number that is held against `target`.
         target: at least this, or at most with `at_most`. A row with `claimed` False is for information.
         at_most: the other way round.
+        missing: libraries to compare with that are not installed, each with the command that installs it.
     """
     parser = argparse.ArgumentParser(description=claim)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
@@ -94,18 +107,56 @@ def report(claim: str, rows: list[Row], *, ratio: str, target: float, at_most: b
         else:
             row["holds"] = None
     if arguments.json:
-        machine = {"processor": processor(), "cores": os.cpu_count(), "python": platform.python_version()}
-        versions = {name: version(name) for name in ("rankdrop", "numpy")}
-        print(json.dumps({"claim": claim, "target": target, "machine": machine | versions, "rows": rows}, indent=1))
+        versions = {"rankdrop": VERSION, "numpy": version("numpy")}
+        print(json.dumps({"claim": claim, "target": target, "machine": machine() | versions, "missing": missing or {},
+                          "megabytes": peak_megabytes(), "rows": rows}, indent=1))  # fmt: skip
         return
     print(f"{claim}\n{processor()}, Python {platform.python_version()}, NumPy {version('numpy')}")
-    keys = [key for key in rows[0] if key not in ("claimed", "holds")]
-    cells = [keys] + [[_text(row[key]) for key in keys] for row in rows]
+    print(table(rows))
+    for name, command in (missing or {}).items():
+        print(f"not compared with {name}: {command}")
+
+
+def machine() -> Row:
+    """What figures depend on, and nothing that names the machine."""
+    return {
+        "processor": processor(), "cores": os.cpu_count(), "system": platform.system(),
+        "python": platform.python_version(),
+    }  # fmt: skip
+
+
+def peak_megabytes() -> float | None:
+    """The most memory that this process ever held, 1e6 bytes; None where the system does not say."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most / 1e6 if sys.platform == "darwin" else most * 1024 / 1e6
+
+
+def keys_of(rows: list[Row]) -> list[str]:
+    """The columns that are shown."""
+    return [key for key in rows[0] if key not in ("claimed", "holds")]
+
+
+def verdict(row: Row) -> str:
+    """What the claim says of a row; nothing for one that is there for information."""
+    return "" if row["holds"] is None else "holds" if row["holds"] else "DOES NOT HOLD"
+
+
+def table(rows: list[Row]) -> str:
+    """The rows in columns, with their verdicts."""
+    keys = keys_of(rows)
+    cells = [keys] + [[text(row[key]) for key in keys] for row in rows]
     widths = [max(len(line[column]) for line in cells) for column in range(len(keys))]
-    verdicts = [""] + ["" if row["holds"] is None else "holds" if row["holds"] else "DOES NOT HOLD" for row in rows]
-    for line, verdict in zip(cells, verdicts, strict=True):
-        print("  ".join(text.rjust(width) for text, width in zip(line, widths, strict=True)), verdict)
+    lines = (
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) + f" {said}".rstrip()
+        for line, said in zip(cells, ["", *map(verdict, rows)], strict=True)
+    )
+    return "\n".join(lines)
 
 
-def _text(value: object) -> str:
+def text(value: object) -> str:
+    """A number with four digits."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)

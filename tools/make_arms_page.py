@@ -23,9 +23,10 @@ from pathlib import Path
 from time import process_time
 
 from rankdrop.cli import exits
-from rankdrop.compare.joined import AGREES, NOT_DERIVED
+from rankdrop.compare.comparison import AGREES, NOT_DERIVED
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
+from rankdrop.families.cells import share_text
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.known import conditions_names, shipped_conditions
@@ -34,7 +35,6 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-from rankdrop.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]
 ARMS = ROOT / "tests" / "data" / "arms"
@@ -44,13 +44,14 @@ PROCESSES = 2
 _REASON = 160  # characters of a reason that a cell of a table may have
 HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near", "CPU s")
 
-INTRODUCTION = f"""# Arms
+INTRODUCTION = """# Arms
 
-How every arm of the catalogue fares at default settings, and how {{count}} arms of many makers do that are read from
-their own files. Written by `tools/make_arms_page.py` with rankdrop {VERSION}; the tests hold it true.
+How every arm of the catalogue fares at default settings, and how {count} arms of many makers do that are read from
+their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
 
 - **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3, found numerically.
-- **explained**: the share of fresh singular points that these families explain, the lowest of all coranks.
+- **explained**: the share of fresh singular points that these families explain, the lowest of all coranks; rounded
+  down, so that 100 % means all.
 - **exact**: whether the conditions of every corank were derived exactly, with letters for the lengths or with numbers,
   and agree with what was found; else why not.
 - **near**: structure that the arm misses by little, where there is some.
@@ -121,11 +122,12 @@ def families_per_corank(found: Analysis) -> str:
 
 
 def explained(found: Analysis) -> str:
-    """The lowest share of fresh points explained, cut to three decimals: 1.000 means all."""
+    """The lowest share of fresh points explained, in percent, rounded down as in the tables: 100 % means all."""
     shares = [one.completeness for one in found.coranks if one.completeness.tested]
     if not shares:
         return "–"
-    return f"{min(int(1000 * one.explained / one.tested) for one in shares) / 1000:.3f}"
+    least = min(shares, key=lambda one: one.explained / one.tested)
+    return share_text(least.explained, least.tested)
 
 
 def exactness(found: Analysis, derived: Conditions) -> str:

@@ -70,7 +70,7 @@ def test_files_are_written_though_stdout_is_closed(tmp_path: Path) -> None:
     assert (tmp_path / "a.json").stat().st_size > 1000
 
 
-@pytest.mark.parametrize("module", ["cyclopts", "numpy", "rich.console", "rankdrop.cli.view"])
+@pytest.mark.parametrize("module", ["importlib.metadata", "cyclopts", "numpy", "rich.console", "rankdrop.cli.view"])
 def test_ctrl_c_while_a_module_is_imported(module: str) -> None:
     """The signal comes inside the import, deterministically: once as it is, once where the module swallows it."""
     program = """
@@ -210,14 +210,42 @@ def test_the_terminals_own_colours_are_kept(capsys: pytest.CaptureFixture[str], 
     assert all(line.isprintable() for line in json_text({HOSTILE: HOSTILE}).splitlines())
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name != "completion"])
-def test_every_command_is_quiet_when_asked(name: str) -> None:
-    assert "--quiet" in main._options(name)
+WITHOUT = {
+    "--quiet": {"completion"},
+    "--json": {"view", "completion", "monitor"},  # a page, a script, code in C
+    "--seed": {"robots", "jacobian", "path", "through", "monitor", "cover", "sweep", "verify", "view", "reproduce",
+               "completion"},  # nothing random, or it stands in a file
+    "--threads": {"robots", "conditions", "jacobian", "explain", "escape", "nearest", "tolerant", "path", "aspects",
+                  "through", "monitor", "sweep", "compare", "verify", "view", "reproduce", "completion"},  # one thread
+    "--limits": {"robots", "conditions", "jacobian", "escape", "through", "monitor", "sweep", "verify", "reproduce",
+                 "completion"},  # algebra; ways out are always inside; a path or a file says it
+    "--tip": {"robots", "sweep", "reproduce", "completion", "compare"},  # no arm, several, or one of a file
+}
+"""Option -> the commands that do not have it: every other one has."""
 
 
-def test_every_command_with_a_table_has_json() -> None:
-    without = {name for name in COMMANDS if "--json" not in main._options(name)}
-    assert without == {"view", "report", "completion", "monitor"}
+@pytest.mark.parametrize("option", WITHOUT)
+def test_an_option_is_had_by_every_command_that_it_makes_sense_for(option: str) -> None:
+    assert {name for name in COMMANDS if option not in main._options(name)} == WITHOUT[option]
+
+
+def test_every_command_that_reads_a_configuration_reads_degrees() -> None:
+    reading = {"--q", "--from", "--flags", "--initial"}
+    options = {name: set(main._options(name)) for name in COMMANDS}
+    assert [name for name, here in options.items() if reading & here and "--deg" not in here] == []
+
+
+def test_the_same_words_stand_beside_an_option_in_every_command(run: Any) -> None:
+    """--quiet, --threads and --deg mean the same everywhere, so they are told in the same words."""
+    told: dict[str, set[str]] = {}
+    for name in COMMANDS:
+        text = " ".join(run(name, "--help", width=1000).out.split())
+        for option, words in (("--quiet", "no progress"), ("--deg", "degrees"), ("--threads", "processors")):
+            if option in main._options(name):
+                told.setdefault(option, set())
+                if words not in text.lower():
+                    told[option].add(name)
+    assert told == {option: set() for option in told}
 
 
 @pytest.mark.parametrize("word", ["bash", "zsh", "fish"])

@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.compare.joined import ExactRow, Joined, conditions_of
+from rankdrop.compare.comparison import Comparison, ExactRow, conditions_of
 from rankdrop.compare.match import Match, Wider
 from rankdrop.families.cells import coupled_conditions, joint_cell
 from rankdrop.family.equation import Equation, Term
@@ -89,7 +89,7 @@ def test_an_exact_condition_stands_in_place_of_a_fitted_one(shapes: Analysis) ->
     long = Equation(tuple(Term(1.0 + i, "cos", (0, 2 * i, 2, 0, 0, 0, 0), (0,) * 7) for i in range(26)))
     fitted = replace(row, equations=(long,))
     exact = ExactRow("k1.f9", "shoulder", 1, 6, (), ("a2 c2 + a3 c23 = 0",), ("",), "")
-    joined = Joined("agrees", "on", 60.0, families=(exact,), matches=(Match(row.id, ("k1.f9",)),))
+    joined = Comparison("agrees", "on", 60.0, families=(exact,), matches=(Match(row.id, ("k1.f9",)),))
     assert conditions_of(fitted, joined) == [("exactly", "a2 c2 + a3 c23 = 0")]
     wider = replace(joined, wider=(Wider("k1.f9", 100, 20),))
     (first, text), (second, whole) = conditions_of(fitted, wider)

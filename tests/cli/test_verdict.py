@@ -9,7 +9,7 @@ import pytest
 
 import rankdrop
 from rankdrop.cli import exits
-from rankdrop.compare.joined import DIFFERS, NOT_DERIVED
+from rankdrop.compare.comparison import DIFFERS, NOT_DERIVED
 from rankdrop.exact.arm.verify import Check
 from rankdrop.family.record import Sampled, Share, Soundness
 from rankdrop.results.analysis import Analysis

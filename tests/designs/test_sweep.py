@@ -363,3 +363,51 @@ def test_variants_of_the_ur5_have_the_families_of_an_analysis_from_nothing() -> 
         assert cold.verified
         mine = sorted((row["corank"], row["dimension"], row["coupled"], len(row["pinned"])) for row in one["families"])
         assert mine == sorted((row.corank, row.dimension, list(row.coupled), len(row.pinned)) for row in cold.families)
+
+
+PROVEN = """robot = "planar2r"
+task = "planar-position"
+
+[parameters]
+forearm = { sets = "2.a", values = [0.4, 1.0] }
+
+[paths]
+files = ["out.csv"]
+
+[certified]
+width = 0.1
+"""
+
+
+@pytest.mark.slow
+def test_paths_and_proven_shares_of_every_variant(tmp_path: Path) -> None:
+    """A tool that moves from 0.9 m to 1.5 m: the arm with the short forearm is stretched out on the way, at 1.4 m."""
+    rows = "\n".join(f"{x:.3f},0,0,0,0,0" for x in np.linspace(0.9, 1.5, 13))
+    (tmp_path / "out.csv").write_text("x,y,z,roll,pitch,yaw\n" + rows + "\n")
+    (tmp_path / "planar.toml").write_text(PROVEN)
+    found = rankdrop.sweep(tmp_path / "planar.toml", workers=1)
+    short, long = found.records
+    assert [one["paths"][0]["verdict"] for one in found.records] == ["ends early", "free"]
+    assert short["measures"]["path_sigma"] is None
+    assert short["paths"][0]["why"]
+    assert found.values("paths_free") == [0.0, 1.0]
+    arm = Drawing.of("planar2r").robot({Drawing.of("planar2r").place("2.a", ""): 1.0})
+    judged = rankdrop.motion.check_poses(arm, *_poses(tmp_path / "out.csv"), task=resolve_task("planar-position", arm))
+    assert judged.verdict == "free"
+    assert long["measures"]["path_distance"] == pytest.approx(
+        min(one.closest.distance for one in judged.stretches), abs=1e-6
+    )
+    folded = pi - 2 * np.arccos(0.9 / 2)  # of two links of 1 m at 0.9 m: nearer than stretched out at 1.5 m
+    assert long["measures"]["path_distance"] == pytest.approx(folded, rel=1e-3)
+    for one in found.records:  # singular where θ2 is 0 or π: at most two boxes on each side of both are not free
+        assert one["certified"]["complete"]
+        assert 1 - 8 * 0.1 / (2 * pi) <= one["measures"]["free"] < 1
+    again = json_text(rankdrop.sweep(tmp_path / "planar.toml", workers=2).to_dict())
+    assert again == json_text(found.to_dict())
+
+
+def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    from rankdrop.motion import read_poses
+
+    read = read_poses(file)
+    return read.matrices, read.times

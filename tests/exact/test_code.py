@@ -12,7 +12,7 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.code import Code
-from rankdrop.exact.writing.condition import Condition, pin_equation
+from rankdrop.exact.writing.condition import AnglePin, Condition
 
 N = 5
 SHIFTS = (0.0, 0.25, 0.0, 0.0, -1.5)
@@ -27,6 +27,10 @@ class Family:
     pins: tuple
     conditions: tuple
 
+    @property
+    def stated(self) -> tuple:
+        return (*self.pins, *self.conditions)
+
 
 def families():
     ring = Ring([1, 2, 3, 5], [4], list(LETTERS))
@@ -34,10 +38,10 @@ def families():
     c23, s23 = c[2] * c[3] - s[2] * s[3], s[2] * c[3] + c[2] * s[3]
     long = ring.to_half(letter["a2"] * c[2] + letter["lambda"] * c23 - letter["d4"] * s23 * ring.q[4] ** 2 / 7).f
     half = ring.letter_half["d4"] * ring.t[5] * ring.t[2] - 3
-    pins = ((5, ("-pi/2",)), (1, ("0", "pi/2")))
+    pins = (AnglePin(5, ("-pi/2",)), AnglePin(1, ("0", "pi/2")))
     return [
         Family("k1.f1", "shoulder */ \\ \"θ2\"", 1, (), (Condition(ring, long),)),
-        Family("k1.f2", "elbow_3", 1, ((3, ("0", "pi")),), ()),
+        Family("k1.f2", "elbow_3", 1, (AnglePin(3, ("0", "pi")),), ()),
         Family("k2.f1", "both", 2, pins, (Condition(ring, long), Condition(ring, half))),
     ]
 
@@ -49,8 +53,7 @@ def code():
 
 def expected(family, q):
     """Residuals by `Equation`, and by how much each may be scaled."""
-    equations = [pin_equation(joint, values, N, SHIFTS) for joint, values in family.pins]
-    equations += [condition.equation(LETTERS, N, SHIFTS) for condition in family.conditions]
+    equations = [one.equation(LETTERS, N, SHIFTS) for one in family.stated]
     return np.stack([equation(q) for equation in equations], axis=-1)
 
 
@@ -171,6 +174,6 @@ def test_a_family_without_a_condition_is_refused():
 
 
 def test_marks_that_make_the_same_name_are_refused():
-    one, two = (Family(mark, "x", 1, ((3, ("0",)),), ()) for mark in ("k1.f1", "k1-f1"))
+    one, two = (Family(mark, "x", 1, (AnglePin(3, ("0",)),), ()) for mark in ("k1.f1", "k1-f1"))
     with pytest.raises(OptionError, match="same name"):
         Code("arm", N, [one, two], {})

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from rankdrop.compare.joined import DIFFERS
+from rankdrop.compare.comparison import DIFFERS
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import exact_chain

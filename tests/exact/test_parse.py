@@ -12,7 +12,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
-from rankdrop.exact.writing.condition import Condition, pin_expression, pin_text
+from rankdrop.exact.writing.condition import AnglePin, Condition
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 
@@ -104,7 +104,7 @@ def test_what_is_printed_is_read_back(ring):
         }
         assert wanted
     for values in [("0", "pi"), ("pi/2", "-pi/2"), ("-pi/2",), ("pi",), ("0", "pi/2"), SIMPLE]:
-        for text in (pin_text(4, values), pin_expression(4, values)):
+        for text in (AnglePin(4, values).text(), AnglePin(4, values).expression()):
             assert {atom.value for atom in parse_condition(text, ring).atoms} == set(values)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
-from rankdrop.exact.writing.condition import RADIANS, pin_c_code, pin_equation, pin_expression, pin_latex, pin_text
+from rankdrop.exact.writing.condition import RADIANS, AnglePin
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
 
@@ -18,8 +18,9 @@ SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(S
 @pytest.mark.parametrize("shift", [0.0, 0.3, -2.1])
 def test_expression_and_equation_vanish_exactly_there(values, shift):
     shifts = [0.0, shift, 0.0]
-    equation = pin_equation(2, values, 3, shifts)
-    text = pin_expression(2, values, shifts)
+    pin = AnglePin(2, values)
+    equation = pin.equation({}, 3, shifts)
+    text = pin.expression(shifts=shifts)
     theta = np.concatenate([[RADIANS[value] for value in SIMPLE], np.linspace(-3, 3, 40)])
     q = np.zeros((len(theta), 3))
     q[:, 1] = theta - shift
@@ -28,7 +29,7 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
     expected = np.array([value in values for value in SIMPLE] + [False] * 40)
     assert ((np.abs(one) < 1e-9) == expected).all()
     assert ((np.abs(two) < 1e-9) == expected).all()
-    assert not pin_c_code(2, values, shifts).count("pi")
+    assert not pin.c_code(shifts=shifts).count("pi")
 
 
 @pytest.mark.parametrize(
@@ -41,13 +42,12 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
     ],
 )
 def test_pins_read_as_in_tables(values, text, latex, expression):
-    assert pin_text(4, values) == text
-    assert pin_latex(4, values) == latex
-    assert pin_expression(4, values) == expression
+    pin = AnglePin(4, values)
+    assert (pin.text(), pin.latex(), pin.expression()) == (text, latex, expression)
 
 
 def test_other_angles_are_refused():
     with pytest.raises(OptionError, match="pi/3"):
-        pin_text(1, ("pi/3",))
+        AnglePin(1, ("pi/3",)).text()
     with pytest.raises(OptionError, match="none"):
-        pin_equation(1, (), 2)
+        AnglePin(1, ()).equation({}, 2)

@@ -222,7 +222,7 @@ def test_a_row_without_solutions_is_not_sound(rng):
 
 
 def test_what_cannot_be_fitted_is_shown_without_a_name(monkeypatch):
-    monkeypatch.setattr(rows_module, "residual_equations", lambda supply, budget, thorough: None)
+    monkeypatch.setattr(rows_module, "residual_equations", lambda source, budget, thorough: None)
     found = table("puma560", 1)
     share = found.summary.completeness
     (unnamed,) = (family for family in found.families if not family.named)

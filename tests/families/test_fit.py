@@ -10,7 +10,6 @@ import pytest
 from rankdrop.families.fit import (
     Budget,
     FitProblem,
-    Kind,
     circuits,
     cutting,
     holds,
@@ -35,7 +34,7 @@ def term(c: float, kind: str, harmonics: dict[int, int], powers: dict[int, int] 
 
 SHOULDER = Equation((term(0.9, "cos", {2: 2}), term(0.7, "cos", {2: 2, 3: 2}), term(-1.0, "sin", {2: 2, 3: 2, 4: 2})))
 HALF_ANGLE = Equation((term(1.0, "cos", {4: 1}), term(-0.31, "sin", {3: 2, 4: 1})))
-ANGLES = (Kind.ANGLE,) * N
+ANGLES = ("angle",) * N
 HELICAL = Equation((term(1.0, "sin", {2: 2, 5: 2}), term(0.3, "cos", {2: 2}, {5: 1})))
 SLIDING = Equation((term(1.0, "sin", {2: 2}, {5: 1}), term(0.4, "cos", {3: 2}), term(-0.2, "cos", {}, {5: 2})))
 
@@ -46,7 +45,7 @@ def points_on(equations, rng, count, spread=pi):
     return q[solved][:count]
 
 
-def ground(points, kinds=(Kind.ANGLE,) * N, highest=4) -> FitProblem:
+def fit(points, kinds=("angle",) * N, highest=4) -> FitProblem:
     return FitProblem(lambda count: points, N, kinds, highest, Budget(), DEFAULT)
 
 
@@ -59,14 +58,14 @@ def coefficients(equation: Equation) -> dict:
     [
         (SHOULDER, (1, 2, 3), ANGLES),
         (HALF_ANGLE, (2, 3), ANGLES),
-        (SLIDING, (1, 2, 4), (*ANGLES[:4], Kind.LENGTH)),
-        (HELICAL, (1, 4), (*ANGLES[:4], Kind.BOTH)),
+        (SLIDING, (1, 2, 4), (*ANGLES[:4], "length")),
+        (HELICAL, (1, 4), (*ANGLES[:4], "both")),
     ],
     ids=["shoulder", "half angle", "prismatic powers", "helical"],
 )
 def test_planted_equation_comes_back_to_1e_9(rng, planted, joints, kinds):
     points = points_on([planted], rng, 500, spread=2.0)
-    found = hypersurface(ground(points, kinds), joints)
+    found = hypersurface(fit(points, kinds), joints)
     assert found is not None
     want, got = coefficients(planted), coefficients(found)
     assert want.keys() == got.keys()
@@ -76,7 +75,7 @@ def test_planted_equation_comes_back_to_1e_9(rng, planted, joints, kinds):
 
 
 def test_half_integer_parity_is_kept(rng):
-    found = hypersurface(ground(points_on([HALF_ANGLE], rng, 300)), (2, 3))
+    found = hypersurface(fit(points_on([HALF_ANGLE], rng, 300)), (2, 3))
     assert found is not None
     assert found.parity == (0, 0, 0, 1, 0)
 
@@ -85,24 +84,24 @@ def test_a_union_of_two_comes_back_as_their_product(rng):
     other = Equation((term(1.0, "sin", {2: 2, 3: -2}), term(0.5, "cos", {3: 2})))
     one = Equation((term(1.0, "cos", {2: 2}), term(0.6, "cos", {2: 2, 3: 2})))
     points = np.concatenate([points_on([one], rng, 200), points_on([other], rng, 200)])
-    found = hypersurface(ground(rng.permutation(points)), (1, 2))
+    found = hypersurface(fit(rng.permutation(points)), (1, 2))
     assert found is not None
     assert holds(found, points_on([one], np.random.default_rng(6), 100), 1e-8)
     assert holds(found, points_on([other], np.random.default_rng(7), 100), 1e-8)
 
 
 def test_a_generic_cloud_satisfies_nothing(rng):
-    assert hypersurface(ground(rng.uniform(-pi, pi, (900, N))), (1, 2, 3)) is None
+    assert hypersurface(fit(rng.uniform(-pi, pi, (900, N))), (1, 2, 3)) is None
 
 
 def test_too_few_points_are_not_fitted(rng):
-    assert hypersurface(ground(points_on([SHOULDER], rng, 12)), (1, 2, 3)) is None
+    assert hypersurface(fit(points_on([SHOULDER], rng, 12)), (1, 2, 3)) is None
 
 
 def test_points_that_do_not_belong_refute_the_fit(rng):
     points = points_on([SHOULDER], rng, 400)
     points[7::8] = rng.uniform(-pi, pi, points[7::8].shape)  # the held-out ones
-    assert hypersurface(ground(points), (1, 2, 3)) is None
+    assert hypersurface(fit(points), (1, 2, 3)) is None
 
 
 def test_a_used_up_budget_ends_the_fit(rng):
@@ -124,7 +123,7 @@ def test_cutting_tells_strangers_from_the_family(rng):
     """Two equations that meet in more than the family: the second component is cut off by a third equation."""
     family = [Equation((term(1.0, "sin", {2: 2}),)), Equation((term(1.0, "cos", {3: 2}), term(-0.5, "cos", {4: 2})))]
     strangers = points_on([Equation((term(1.0, "sin", {2: 2}),)), Equation((term(1.0, "sin", {3: 2}),))], rng, 60)
-    found = cutting(ground(points_on(family, rng, 700)), strangers, (1, 2, 3))
+    found = cutting(fit(points_on(family, rng, 700)), strangers, (1, 2, 3))
     assert found is not None
     assert holds(found, points_on(family, np.random.default_rng(9), 100), 1e-8)
     assert np.median(np.abs(found(strangers))) > 1e-3
@@ -135,7 +134,7 @@ def test_library_spans_what_it_says(rng):
         functions = library(degrees, ANGLES[:2])
         assert len(functions) == size(degrees, ANGLES[:2])
         assert np.linalg.matrix_rank(functions(rng.uniform(-pi, pi, (300, 2)))) == size(degrees, ANGLES[:2])
-    sliding = library((2, 2), (Kind.ANGLE, Kind.LENGTH))
+    sliding = library((2, 2), ("angle", "length"))
     assert len(sliding) == 9
     assert np.linalg.matrix_rank(sliding(rng.uniform(-1, 1, (100, 2)))) == 9
 

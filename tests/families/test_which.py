@@ -9,7 +9,7 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.monitor import Monitor
-from rankdrop.family.which import Met, families_at, families_near, place_words
+from rankdrop.family.which import Incidence, families_at, families_near, place_words
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
 
@@ -78,7 +78,7 @@ def test_a_meeting_point_of_families_is_called_so():
 
 def test_words_tell_one_family_a_meeting_point_and_a_special_point_apart():
     found = shipped("pa10")
-    elbow, *others = [Met(family, 0.0, "analysis") for family in found.of_corank(1)]
+    elbow, *others = [Incidence(family, 0.0, "analysis") for family in found.of_corank(1)]
     assert place_words([], 1) == "on no known family"
     assert place_words([elbow], 1) == "on “elbow: arm stretched or folded”"
     assert place_words([elbow], 2).startswith("a special point of the corank-1 family")

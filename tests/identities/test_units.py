@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from known.arms import FEW
 
-from rankdrop.compare.joined import NOT_DERIVED
+from rankdrop.compare.comparison import NOT_DERIVED
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pytest
 
 from known.arms import structures
-from rankdrop.compare.joined import AGREES
+from rankdrop.compare.comparison import AGREES
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions.known import conditions_names
 from rankdrop.results.known import shipped

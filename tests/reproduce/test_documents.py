@@ -17,8 +17,7 @@ from rankdrop.local.directions import lost_directions
 from rankdrop.reproduce import kg
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.am_robots import angle_between, printed_null_directions, row_configuration
-from rankdrop.reproduce.page import markdown
-from rankdrop.reproduce.run import DOCUMENTS, Reproduction, names, reproduce
+from rankdrop.reproduce.run import DOCUMENTS, Reproduction, markdown, names, reproduce
 from rankdrop.schema import load_schema
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reproduced.md"

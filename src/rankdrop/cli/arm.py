@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -159,10 +160,16 @@ def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, st
         grid.add_row(label, text)
     source = robot.source.reference or robot.source.origin
     if source:
-        grid.add_row("source", source)
+        grid.add_row("source", _first_sentence(source))
     for note in robot.notes:
         grid.add_row("note", note)
     yield grid
+
+
+def _first_sentence(text: str) -> str:
+    """Where numbers come from; how they were compared stands in the JSON of an analysis."""
+    first = re.split(r"(?<![A-Z])\. (?=[A-Z])", text, maxsplit=1)[0]
+    return first if first == text else f"{first}."
 
 
 def _count(number: int, one: str) -> str:

@@ -57,7 +57,7 @@ def cover(
         explain: Hold the boxes against families.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found here.
         budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none.
-        threads: 0: one for every processor. The result does not depend on it.
+        threads: Processors to use; 0 means all. The result does not depend on it.
         out: Keep the boxes in this file; what is finished is in FILE.journal meanwhile.
         certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must
             be in the same folder.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -33,8 +33,11 @@ def report(
     figure: Annotated[tuple[str, ...], Parameter(negative=(), show_default=False)] = (),
     exact_seconds: float = 8.0,
     no_meshes: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
+    limits: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
     starts: Whole = 10_000,
     seed: Whole = 0,
+    threads: Whole = 0,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Write a report of an arm: one page that stands alone, or figures for papers.
@@ -61,10 +64,14 @@ def report(
             all of them.
         exact_seconds: Time limit of the exact conditions; 0 leaves them out.
         no_meshes: Draw links as rods though the robot's file has shapes of them (URDF, xacro).
+        limits: Families within the joint limits only; the arm is then analysed first.
         starts: Random starts for each corank, where the arm has to be analysed first.
         seed: Of every random choice of the analysis and of the figures.
+        threads: Processors to use for the analysis; 0 means all. The result does not depend on it.
+        json: Write the analysis to this file as well; - writes it to stdout.
         quiet: No progress.
     """
+    from rankdrop.cli.files import check_different, check_target, write_json
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.terminal import say
     from rankdrop.errors import OptionError
@@ -74,8 +81,11 @@ def report(
     if not 0 <= exact_seconds < float("inf"):
         raise OptionError("a time limit is a number from 0 up", where="--exact-seconds", got=exact_seconds)
     given = None if out is None else _checked(out, format)
+    check_target(json, "--json")
+    check_different({"--out": out, "--json": json})
+    search = {"starts": starts, "seed": seed, "threads": threads, "limits": limits}
     with reporter(quiet=quiet) as progress:
-        analysis, made = _analysis(robot, arm, ideal, starts, seed, progress)
+        analysis, made = _analysis(robot, arm, ideal, search, progress)
         target = given or _checked(_default(analysis, format), format)
         drawn = () if no_meshes or format != "html" or robot.lower().endswith(_ANALYSIS) else _drawn(analysis, arm)
         written, verdict, stopped = _written(
@@ -83,6 +93,8 @@ def report(
         )  # fmt: skip
     for path in written:
         say(f"wrote {path}")
+    if json is not None:
+        write_json(analysis.to_dict(), json)
     if stopped or not analysis.complete:
         say("interrupted: the page tells what was done")
         return exits.INTERRUPTED
@@ -90,7 +102,7 @@ def report(
 
 
 def _analysis(
-    robot: str, arm: ArmOptions, ideal: str | None, starts: int, seed: int, progress: Report
+    robot: str, arm: ArmOptions, ideal: str | None, search: dict[str, Any], progress: Report
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop import analyze
@@ -99,12 +111,13 @@ def _analysis(
     from rankdrop.results import Analysis, known_analysis
 
     if robot.lower().endswith(_ANALYSIS):
-        if arm != NO_OPTIONS or ideal is not None:
-            raise OptionError("an analysis has its arm and task already", where=robot, mend="leave the options out")
+        if arm != NO_OPTIONS or ideal is not None or search["limits"]:
+            raise OptionError("an analysis has its arm, task and limits already", where=robot,
+                              mend="leave the options out")  # fmt: skip
         return Analysis.load(robot), None
     model, task, made = open_ideal(robot, arm, ideal)
-    found = known_analysis(model, task) if arm.length_scale is None else None
-    return found or analyze(model, task, starts=starts, seed=seed, progress=progress), made
+    found = known_analysis(model, task) if arm.length_scale is None and not search["limits"] else None
+    return found or analyze(model, task, progress=progress, **search), made
 
 
 def _written(

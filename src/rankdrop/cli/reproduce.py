@@ -46,8 +46,8 @@ def reproduce(
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_bytes, write_json
     from rankdrop.cli.progress import reporter
     from rankdrop.cli.reproduced_table import print_reproduction
-    from rankdrop.reproduce import page
     from rankdrop.reproduce.figures import check_folder, save_figures
+    from rankdrop.reproduce.run import markdown as as_page
     from rankdrop.reproduce.run import names
     from rankdrop.reproduce.run import reproduce as run
 
@@ -65,7 +65,7 @@ def reproduce(
         if json is not None:
             steps.append(lambda: write_json(found.to_dict(), json))
         if markdown is not None:
-            steps.append(lambda: write_bytes(page.markdown(found).encode(), markdown))
+            steps.append(lambda: write_bytes(as_page(found).encode(), markdown))
         if figures is not None and found.complete:
             save_figures(wanted, figures, progress=report)
     do_all(steps)

@@ -31,7 +31,7 @@ from rankdrop.families import (
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from rankdrop.compare import Joined
+    from rankdrop.compare import Comparison
     from rankdrop.family import CorankSummary, Family
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
@@ -123,8 +123,8 @@ def _kind(robot: Robot, row: Family) -> str:
 
 
 def _rows(
-    console: Console, robot: Robot, shown: Mapping[int, Family], exact: Joined | None, outside: Mapping[int, str], *,
-    lost: bool,
+    console: Console, robot: Robot, shown: Mapping[int, Family], exact: Comparison | None, outside: Mapping[int, str],
+    *, lost: bool,
 ) -> Iterator[RenderableType]:
     roomy, tight = _family_table(robot, shown, gap=1), _family_table(robot, shown, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
@@ -197,7 +197,7 @@ def _unbroken(cell: str) -> int:
 
 
 def _footnotes(
-    shown: Mapping[int, Family], exact: Joined | None, outside: Mapping[int, str], *, lost: bool
+    shown: Mapping[int, Family], exact: Comparison | None, outside: Mapping[int, str], *, lost: bool
 ) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)

@@ -57,7 +57,7 @@ def view(
         no_browser: Print the address, open nothing.
         host: Address to listen on; other than loopback with --expose only.
         expose: Let other machines in that know the token.
-        quiet: Print the address, and no notes.
+        quiet: No progress; the address alone, without notes.
     """
     from rankdrop.cli.arm import arguments_of, open_arm, packages_of
     from rankdrop.cli.configuration import parse_configuration

@@ -11,14 +11,6 @@ from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.writing.condition import (
-    pin_c_code,
-    pin_c_slope,
-    pin_expression,
-    pin_latex,
-    pin_text,
-    pin_values,
-)
 from rankdrop.exact.writing.notation import latex_angle, latex_name
 
 if TYPE_CHECKING:
@@ -96,8 +88,7 @@ class Code:
 
     def _python_function(self, family: ExactFamily) -> str:
         names, shifts = self._python_names(), self._shifts
-        residuals = [pin_expression(joint, values, shifts) for joint, values in family.pins]
-        residuals += [condition.expression(shifts=shifts, names=names) for condition in family.conditions]
+        residuals = [one.expression(shifts=shifts, names=names) for one in family.stated]
         used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
         lines = [f"def {_function(family.id)}(q{', *' if used else ''}{keywords}):"]
@@ -143,8 +134,7 @@ class Code:
         return "\n".join([*lines, "", "#endif", ""])
 
     def _c_function(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
-        residuals = [pin_c_code(joint, values, self._shifts) for joint, values in family.pins]
-        residuals += [condition.c_code(names=names, shifts=self._shifts) for condition in family.conditions]
+        residuals = [one.c_code(names=names, shifts=self._shifts) for one in family.stated]
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
         lines += [f" * {_comment(line)}" for line in self._conditions(family)]
         lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
@@ -154,8 +144,7 @@ class Code:
         return [*lines, f"static inline void {head}", "{", *body, "}"]
 
     def _c_gradient(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
-        rows: list[dict[int, str]] = [{j: pin_c_slope(j, values, self._shifts)} for j, values in family.pins]
-        rows += [condition.c_gradient(names=names, shifts=self._shifts) for condition in family.conditions]
+        rows = [one.c_gradient(names=names, shifts=self._shifts) for one in family.stated]
         body = [f"    gradient[{i}][{j - 1}] = {text};" for i, row in enumerate(rows) for j, text in row.items()]
         unused = [] if any("q[" in line for line in body) else ["    (void)q;"]
         head = f"{prefix}_{_mark(family.id)}_gradient(const double q[{self.n}], double gradient[{len(rows)}][{self.n}])"
@@ -172,10 +161,10 @@ class Code:
         lines = ["/* Distance in joint space [rad, slides divided by the length]: pinned joints exactly, other",
                  " * conditions by one Newton step: right near the family, an estimate far from it. */"]  # fmt: skip
         body = ["    double square = 0.0, way;"] if first else ["    double square = 0.0;"]
-        for joint, values in family.pins:
-            shift = self.shifts[joint - 1] if len(self.shifts) else 0.0
-            for place, value in enumerate(pin_values(values)):
-                gap = f"fabs(remainder(q[{joint - 1}] - ({float(value - shift)!r}), {2 * pi!r}))"
+        for pin in family.pins:
+            shift = self.shifts[pin.joint - 1] if len(self.shifts) else 0.0
+            for place, angle in enumerate(pin.angles):
+                gap = f"fabs(remainder(q[{pin.joint - 1}] - ({float(angle - shift)!r}), {2 * pi!r}))"
                 body.append(f"    way = {gap if place == 0 else f'fmin(way, {gap})'};")
             body.append("    square += way * way;")
         if family.conditions:
@@ -202,9 +191,7 @@ class Code:
         """A table: mark, name, corank, conditions; below it the lengths, shifted angles and what s and c stand for."""
         rows = []
         for family in self.families:
-            conditions = [pin_latex(joint, values) for joint, values in family.pins]
-            conditions += [condition.latex() for condition in family.conditions]
-            shown = r"; \newline ".join(f"${text}$" for text in conditions)
+            shown = r"; \newline ".join(f"${one.latex()}$" for one in family.stated)
             rows.append(rf"{family.id} & {_escaped(family.name)} & {family.corank} & {shown} \\")
         head = [r"\begin{tabular}{lp{0.3\linewidth}rp{0.5\linewidth}}", r"& family & corank & conditions \\", r"\hline"]
         values = [rf"${_latex_minor(one.name)} = {one.value.latex()}$" for one in self.determinants]
@@ -238,7 +225,7 @@ class Code:
 
     def _conditions(self, family: ExactFamily) -> list[str]:
         """The conditions in words."""
-        return [pin_text(joint, values) for joint, values in family.pins] + [c.text() for c in family.conditions]
+        return [one.text() for one in family.stated]
 
     def _in(self, f: Polynomial) -> list[str]:
         """Lengths that occur in a polynomial."""
@@ -252,8 +239,7 @@ class Code:
 
     def _joints(self, family: ExactFamily) -> list[int]:
         """Joints that a family's conditions depend on."""
-        found = {joint for joint, _ in family.pins}
-        return sorted(found.union(*(condition.joints for condition in family.conditions)))
+        return sorted({joint for one in family.stated for joint in one.joints})
 
 
 def _mark(text: str) -> str:

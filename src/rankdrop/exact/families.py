@@ -27,7 +27,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
-from rankdrop.exact.writing.condition import RADIANS, Condition
+from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
 from rankdrop.family.naming import told_apart
 from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
@@ -368,7 +368,7 @@ def _family(
         corank=corank,
         dimension=piece.dimension,
         codimension=piece.codimension,
-        pins=tuple(sorted(row.pins.items())),
+        pins=tuple(AnglePin(*one) for one in sorted(row.pins.items())),
         conditions=conditions,
         free=tuple(j for j in range(1, chain.n + 1) if j not in row.pins and j not in coupled),
         coupled=coupled,

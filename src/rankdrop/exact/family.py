@@ -15,7 +15,7 @@ import numpy as np
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.verify import Check
-from rankdrop.exact.writing.condition import RADIANS, Condition, pin_equation, pin_latex, pin_text
+from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.naming import lost_motions, name_family
 from rankdrop.family.record import Order, Pin, place_of
@@ -35,7 +35,7 @@ class ExactFamily:
         name: as `analyze` names it.
         corank: rank lost on the family.
         dimension, codimension: of the family in joint space, and what it lacks of the number of joints.
-        pins: (joint number, simple angles it stands at): every combination belongs to the family.
+        pins: joints at simple angles: every combination belongs to the family.
         conditions: what else has to hold, irreducible polynomials; all of them at once.
         free, coupled: numbers of the joints that do not matter, and of those in `conditions`.
         reality: "" where the family is real whatever the lengths are; else when it is, in words.
@@ -52,7 +52,7 @@ class ExactFamily:
     corank: int
     dimension: int
     codimension: int
-    pins: tuple[tuple[int, tuple[str, ...]], ...]
+    pins: tuple[AnglePin, ...]
     conditions: tuple[Condition, ...]
     free: tuple[int, ...]
     coupled: tuple[int, ...]
@@ -77,10 +77,10 @@ class ExactFamily:
         """Its pins as values of q in (−π, π], under the names of the arm's joints."""
         return tuple(
             Pin(
-                robot.variables[joint - 1].name, joint,
-                tuple(_angle(RADIANS[value] - self.shifts[joint - 1]) for value in values),
+                robot.variables[pin.joint - 1].name, pin.joint,
+                tuple(_angle(angle - self.shifts[pin.joint - 1]) for angle in pin.angles),
             )
-            for joint, values in self.pins
+            for pin in self.pins
         )  # fmt: skip
 
     def place(self, robot: Robot) -> Order:
@@ -88,24 +88,26 @@ class ExactFamily:
         short_first = sorted(f"{len(one.polynomial):06} {one.polynomial}" for one in self.conditions)
         return place_of(self.dimension, self.pinned(robot), self.coupled, short_first)
 
+    @property
+    def stated(self) -> tuple[AnglePin | Condition, ...]:
+        """Every condition, those of pinned joints first."""
+        return (*self.pins, *self.conditions)
+
     @cached_property
     def texts(self) -> tuple[str, ...]:
         """Every condition for people: "θ4 = 0 or π", "a2 c2 + a3 c23 = 0"."""
-        pins = (pin_text(joint, values) for joint, values in self.pins)
-        return (*pins, *(condition.text() for condition in self.conditions))
+        return tuple(one.text() for one in self.stated)
 
     @cached_property
     def latex(self) -> tuple[str, ...]:
         """Every condition as LaTeX mathematics."""
-        pins = (pin_latex(joint, values) for joint, values in self.pins)
-        return (*pins, *(condition.latex() for condition in self.conditions))
+        return tuple(one.latex() for one in self.stated)
 
     @cached_property
     def equations(self) -> tuple[Equation, ...]:
         """Every condition as an equation in q with numbers for the lengths, as `analyze` has them."""
         n = len(self.shifts)
-        pins = (pin_equation(joint, values, n, self.shifts) for joint, values in self.pins)
-        return (*pins, *(condition.equation(self.numbers, n, self.shifts) for condition in self.conditions))
+        return tuple(one.equation(self.numbers, n, self.shifts) for one in self.stated)
 
 
 def _angle(value: float) -> float:

@@ -19,7 +19,7 @@ from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial, primitive, use
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.writing.condition import Condition, pin_text
+from rankdrop.exact.writing.condition import AnglePin, Condition
 
 _MOST = 4  # joints in a sum
 _SIMPLE = {(1, 0): "0", (-1, 0): "pi", (0, 1): "pi/2", (0, -1): "-pi/2"}  # by cosine and sine
@@ -110,7 +110,7 @@ class Row:
     def texts(self) -> tuple[str, ...]:
         """The conditions, for people."""
         return (
-            *(pin_text(joint, values) for joint, values in sorted(self.pins.items())),
+            *(AnglePin(*one).text() for one in sorted(self.pins.items())),
             *(Condition(self.pieces[0].ring, f).text() for f in sorted(self.equations, key=len)),
         )
 

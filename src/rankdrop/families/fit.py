@@ -189,7 +189,7 @@ MOST = 24  # equations of one library that are looked at
 HELD_OUT = 1e-7  # |f|/|∇f| on points that took no part in the fit [rad]
 
 FamilyPoints = Callable[[int], Array]
-"""supply(count) -> (N, n) points of the family; N < count when no more can be had."""
+"""source(count) -> (N, n) points of the family; N < count when no more can be had."""
 
 
 @dataclass
@@ -222,7 +222,7 @@ class FitProblem:
     """What a fit stands on.
 
     Attributes:
-        supply: points of the family.
+        source: points of the family.
         n: number of joints of the arm.
         kinds: (n,) how each joint enters.
         highest: largest degree in t of an angle. 4 for the full pose: an exterior power of the adjoint map of a
@@ -232,7 +232,7 @@ class FitProblem:
         twins: joints on one axis, of which the first stands for both in every fit.
     """
 
-    supply: FamilyPoints
+    source: FamilyPoints
     n: int
     kinds: tuple[Kind, ...]
     highest: int
@@ -255,7 +255,7 @@ class FitProblem:
     def enough(self, degrees: Degrees, joints: tuple[int, ...]) -> Array | None:
         """Points for a library, or None when there are too few or the budget is used up."""
         count = size(degrees, self.of(joints))
-        points = gathered(self.supply(int(1.25 * count) + 24), self.twins)
+        points = gathered(self.source(int(1.25 * count) + 24), self.twins)
         return points if len(points) >= 1.1 * count + 12 and self.budget.spend(len(points), count) else None
 
 
@@ -266,20 +266,20 @@ def ladder(kinds: tuple[Kind, ...], highest: int = 4, most: int = LARGEST) -> It
     yield from (degrees for degrees in sorted(steps, key=lambda d: (size(d, kinds), d)) if size(degrees, kinds) <= most)
 
 
-def hypersurface(ground: FitProblem, joints: tuple[int, ...]) -> Equation | None:
+def hypersurface(fit: FitProblem, joints: tuple[int, ...]) -> Equation | None:
     """The equation that binds the given joints on a family.
 
     Args:
-        ground: points, budget …
+        fit: points, budget …
         joints: from 0; the family seen in them has one dimension less than their number.
 
     Returns:
         The generator, its largest coefficient of size one, or None: not within reach of the libraries, the points or
         the budget, or refuted by held-out points.
     """
-    kinds, tolerances = ground.of(joints), ground.tolerances
-    for degrees in ground.ladder(joints):
-        points = ground.enough(degrees, joints)
+    kinds, tolerances = fit.of(joints), fit.tolerances
+    for degrees in fit.ladder(joints):
+        points = fit.enough(degrees, joints)
         if points is None:
             return None
         train, held = _split(points)
@@ -290,7 +290,7 @@ def hypersurface(ground: FitProblem, joints: tuple[int, ...]) -> Equation | None
         degrees, null = _lowest(x, degrees, null, kinds, tolerances)
         functions = library(degrees, kinds)
         vector = sparse_basis(null)[:, 0] if null.shape[1] > 1 else null[:, 0]
-        equation = ground.equation(functions, refit(functions(x), vector, tolerances), joints)
+        equation = fit.equation(functions, refit(functions(x), vector, tolerances), joints)
         return equation if holds(equation, held) else None
     return None
 
@@ -341,46 +341,46 @@ def circuits(tangent: Array, joints: tuple[int, ...]) -> list[tuple[int, ...]]:
     return found
 
 
-def cutting(ground: FitProblem, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
+def cutting(fit: FitProblem, strangers: Array, joints: tuple[int, ...]) -> Equation | None:
     """An equation that vanishes on the family but not on strangers: points that solve the equations so far, yet do not
     belong to the family. Sparsest one of the smallest library that tells them apart.
 
     Args:
-        ground: points, budget …
+        fit: points, budget …
         strangers: (N, n) such points.
         joints: from 0; joints the equation may use.
     """
-    for functions, train, held, null in _nulls(ground, joints):
+    for functions, train, held, null in _nulls(fit, joints):
         basis = sparse_basis(null)
-        seen = np.abs(functions(gathered(strangers, ground.twins)[:, joints]) @ basis)  # (strangers, d)
+        seen = np.abs(functions(gathered(strangers, fit.twins)[:, joints]) @ basis)  # (strangers, d)
         told = (seen > 1e-4).mean(axis=0)
         if told.max() < 0.2:
             continue
         best = int(np.flatnonzero(told > 0.9 * told.max())[0])
-        vector = refit(functions(train[:, joints]), basis[:, best], ground.tolerances)
-        equation = ground.equation(functions, vector, joints)
+        vector = refit(functions(train[:, joints]), basis[:, best], fit.tolerances)
+        equation = fit.equation(functions, vector, joints)
         if holds(equation, held):
             return equation
     return None
 
 
-def vanishing_spaces(ground: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
+def vanishing_spaces(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[list[Equation]]:
     """For every library of the ladder that holds equations of the family: a basis of them, sparse ones first."""
-    for functions, train, held, null in _nulls(ground, joints):
+    for functions, train, held, null in _nulls(fit, joints):
         values = functions(train[:, joints])
         basis = sparse_basis(null)[:, :MOST].T
-        equations = [ground.equation(functions, refit(values, v, ground.tolerances), joints) for v in basis]
+        equations = [fit.equation(functions, refit(values, v, fit.tolerances), joints) for v in basis]
         yield [equation for equation in equations if holds(equation, held)]
 
 
-def _nulls(ground: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
+def _nulls(fit: FitProblem, joints: tuple[int, ...]) -> Iterator[tuple[Library, Array, Array, Array]]:
     """Libraries that hold equations of the family, with training points, held-out points and the null space."""
-    for degrees in ground.ladder(joints):
-        points = ground.enough(degrees, joints)
+    for degrees in fit.ladder(joints):
+        points = fit.enough(degrees, joints)
         if points is None:
             return
         train, held = _split(points)
-        functions = library(degrees, ground.of(joints))
-        null = vanishing(functions(train[:, joints]), ground.tolerances)
+        functions = library(degrees, fit.of(joints))
+        null = vanishing(functions(train[:, joints]), fit.tolerances)
         if null.shape[1]:
             yield functions, train, held, null

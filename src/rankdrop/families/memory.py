@@ -53,17 +53,17 @@ class Memory:
             self.names[key] = make()
         return self.names[key]
 
-    def recall(self, supply: FamilyPoints, corank: int) -> list[Form]:
+    def recall(self, source: FamilyPoints, corank: int) -> list[Form]:
         """Conditions of a known form with coefficients fitted to the points; every form that fits, the likeliest first.
 
         Args:
-            supply: points of one family with one combination of values.
+            source: points of one family with one combination of values.
             corank: of the search.
         """
-        known = self.forms.get((corank, supply.signature), {})
-        order = sorted(known, key=lambda values: (values != supply.values, values))
+        known = self.forms.get((corank, source.signature), {})
+        order = sorted(known, key=lambda values: (values != source.values, values))
         forms = list(dict.fromkeys(_terms(known[values]) for values in order))[:FORMS]
-        found = (tuple(_fitted(supply, one) for one in form) for form in forms)
+        found = (tuple(_fitted(source, one) for one in form) for form in forms)
         return [tuple(one for one in form if one is not None) for form in found if None not in form]
 
 
@@ -72,10 +72,10 @@ def _terms(form: Form) -> tuple[tuple[Term, ...], ...]:
     return tuple(tuple(Term(1.0, t.kind, t.harmonics, t.powers, t.shift) for t in one.terms) for one in form)
 
 
-def _fitted(supply: FamilyPoints, terms: tuple[Term, ...]) -> Equation | None:
+def _fitted(source: FamilyPoints, terms: tuple[Term, ...]) -> Equation | None:
     """The one combination of the terms that vanishes on the family; None where there is none, or more than one."""
-    tolerances, twins = supply.problem.tolerances, supply.problem.twins
-    points = gathered(supply(2 * len(terms) + HELD), twins)
+    tolerances, twins = source.problem.tolerances, source.problem.twins
+    points = gathered(source(2 * len(terms) + HELD), twins)
     if len(points) < len(terms) + HELD // 2:
         return None
     values = _values(terms, points)

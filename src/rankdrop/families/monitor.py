@@ -46,7 +46,7 @@ class Sightings:
         nearest: (B,) index of the family that the smallest motion reaches, singular or not. −1 without families.
         residual: (B,) largest |f|/|∇f| over the equations of `family`, or of `nearest` where that is −1 [rad; metres
             divided by the length scale]: never far above the distance to it. Where conditions have more than 100 terms
-            and the configuration is regular, σ's own. inf without families.
+            (15 with six joints) and the configuration is regular, σ's own. inf without families.
         u: (B, m, m) left singular vectors of the task Jacobian as columns: the last m − rank are lost, weakest last.
         v: (B, n, n) right singular vectors as columns: the last n − rank do not move the task.
         distance: (B,) to `nearest` [rad; metres divided by the length scale], as in `Sighting`.
@@ -70,10 +70,10 @@ class Sighting:
         rank, corank, family, nearest, residual: as in `Sightings`.
         distance: to `nearest` [rad; metres divided by the length scale]: the way of the pinned joints to their nearest
             values, and of the coupled ones to the nearest point that Newton's method on the family's conditions comes
-            to from there in eight steps. Where the conditions have more than 100 terms, four walks onto the singular
-            set by the kinematics, six steps each, and the nearest end that is of the family. To first order where none
-            comes to rest. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller.
-            `Monitor.distances` looks farther around, and takes longer. inf where there is nothing to go by.
+            to from there in eight steps. Where the conditions have more than 100 terms (15 with six joints), four walks
+            onto the singular set by the kinematics, six steps each, and the nearest end that is of the family. To first
+            order where none comes to rest. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is
+            smaller. `Monitor.distances` looks farther around, and takes longer. inf where there is nothing to go by.
         approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.
         scaling: 0 to 1, what the motion is to be multiplied by (`Monitor.step`).
         rate_scaling: 0 to 1, what it is to be multiplied by for all joint rates to keep their limits.

@@ -282,13 +282,13 @@ def _fitted(
     rng = np.random.default_rng([seed, 1])
     met = [signature for i in members if (signature := around.signatures[i]) is not None]
     signature = max(met, key=met.count)  # the sets of joints bound together included
-    supply = FamilyPoints(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
+    source = FamilyPoints(problem, signature, linear, values, around.q[members], around.tangent[members], rng)
     if len(set(signature.coupled) - set(linear.pivots)) > FIT_JOINTS:
         return None
-    supply(SPREAD)
-    order = rng.permutation(len(supply.q))  # a fit takes the first ones, and they have to be spread over the family
-    supply.q, supply.tangent = supply.q[order], supply.tangent[order]
-    return circuit_equations(supply, Budget(FIT_WORK))
+    source(SPREAD)
+    order = rng.permutation(len(source.q))  # a fit takes the first ones, and they have to be spread over the family
+    source.q, source.tangent = source.q[order], source.tangent[order]
+    return circuit_equations(source, Budget(FIT_WORK))
 
 
 def _from_shared_values(problem: Problem, q: Array, around: Inspection, seed: int) -> list[Family]:

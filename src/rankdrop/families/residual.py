@@ -194,7 +194,7 @@ RECALLED = 100  # starts from which equations of a known form are solved before 
 ROUNDS = 4  # of solutions at special places: of a row of a general 8R one in 400 is regular
 
 
-def residual_equations(supply: FamilyPoints, budget: Budget, *, thorough: bool) -> tuple[Equation, ...] | None:
+def residual_equations(source: FamilyPoints, budget: Budget, *, thorough: bool) -> tuple[Equation, ...] | None:
     """Sound residual equations of a family with one combination of its linear values.
 
     Circuits are fitted in order of size, and an equation is kept when it raises the rank of the gradients. Once the
@@ -203,35 +203,35 @@ def residual_equations(supply: FamilyPoints, budget: Budget, *, thorough: bool) 
     circuits have too high a degree (projections of a curve have), low-degree equations in all joints are tried.
 
     Args:
-        supply: points of the family.
+        source: points of the family.
         budget: work that may be spent on fits.
         thorough: also cut strangers off, and try all joints together: much more work.
 
     Returns:
         The equations, or None where they are out of reach.
     """
-    ground, joints = _ground(supply, budget)
-    chosen, spare = _from_circuits(supply, ground, joints)
-    reached = _rank(supply, chosen)
-    if reached > supply.signature.residual:  # more than the signature promises: families meet here
+    fit, joints = _fit_problem(source, budget)
+    chosen, spare = _from_circuits(source, fit, joints)
+    reached = _rank(source, chosen)
+    if reached > source.signature.residual:  # more than the signature promises: families meet here
         return None
-    if reached == supply.signature.residual:
-        equations = _cut(supply, ground, chosen, spare, joints if thorough else ())
+    if reached == source.signature.residual:
+        equations = _cut(source, fit, chosen, spare, joints if thorough else ())
         if equations is not None:
             return equations
-    return _from_ideal(supply, ground, joints) if thorough and len(joints) > 1 else None
+    return _from_ideal(source, fit, joints) if thorough and len(joints) > 1 else None
 
 
-def recalled_equations(supply: FamilyPoints, memory: Memory) -> tuple[Equation, ...] | None:
+def recalled_equations(source: FamilyPoints, memory: Memory) -> tuple[Equation, ...] | None:
     """Equations of the form that a similar arm has, fitted to points of this one; None where no form fits.
 
     Solutions from a few random starts must be singular. The rest of what speaks for a row, starts at special places
     among it, is the caller's to find out: a row of a known form that fails there is sought anew.
     """
-    for form in memory.recall(supply, supply.problem.corank):
-        if _rank(supply, list(form)) != supply.signature.residual:
+    for form in memory.recall(source, source.problem.corank):
+        if _rank(source, list(form)) != source.signature.residual:
             continue
-        tested, strangers = _from_random_starts(supply, form, RECALLED)
+        tested, strangers = _from_random_starts(source, form, RECALLED)
         if tested and not len(strangers):
             memory.recalled += 1
             return form
@@ -239,44 +239,44 @@ def recalled_equations(supply: FamilyPoints, memory: Memory) -> tuple[Equation, 
     return None
 
 
-def circuit_equations(supply: FamilyPoints, budget: Budget) -> tuple[Equation, ...] | None:
+def circuit_equations(source: FamilyPoints, budget: Budget) -> tuple[Equation, ...] | None:
     """The quick part of `residual_equations`: equations of single circuits where they are sound as they are."""
-    ground, joints = _ground(supply, budget)
-    chosen, _ = _from_circuits(supply, ground, joints)
-    if _rank(supply, chosen) != supply.signature.residual:
+    fit, joints = _fit_problem(source, budget)
+    chosen, _ = _from_circuits(source, fit, joints)
+    if _rank(source, chosen) != source.signature.residual:
         return None
-    tested, strangers = _strangers(supply, chosen)
+    tested, strangers = _strangers(source, chosen)
     return tuple(chosen) if tested and not len(strangers) else None
 
 
-def _ground(supply: FamilyPoints, budget: Budget) -> tuple[FitProblem, tuple[int, ...]]:
+def _fit_problem(source: FamilyPoints, budget: Budget) -> tuple[FitProblem, tuple[int, ...]]:
     """What fits of a family stand on, and the joints (from 0) they bind."""
-    problem = supply.problem
-    bound = np.abs(supply.linear.covectors).sum(axis=0) > 0
+    problem = source.problem
+    bound = np.abs(source.linear.covectors).sum(axis=0) > 0
     twins = tuple(one for one in problem.twins if not bound[one.first] and not bound[one.second])
     seconds = {one.second for one in twins}
-    joints = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots and j not in seconds)
+    joints = tuple(j for j in source.signature.coupled if j not in source.linear.pivots and j not in seconds)
     kinds: tuple[Kind, ...] = tuple(
         "angle" if periodic else "length" if joint.kind is JointKind.PRISMATIC else "both"
         for joint, periodic in zip(problem.robot.variables, problem.robot.periodic, strict=True)
     )
     highest = 4 if problem.task.m == 6 else 6
-    return FitProblem(supply, problem.n, kinds, highest, budget, problem.tolerances, twins), joints
+    return FitProblem(source, problem.n, kinds, highest, budget, problem.tolerances, twins), joints
 
 
 def _from_circuits(
-    supply: FamilyPoints, ground: FitProblem, joints: tuple[int, ...]
+    source: FamilyPoints, fit: FitProblem, joints: tuple[int, ...]
 ) -> tuple[list[Equation], list[Equation]]:
     """Equations of circuits that raise the rank of the gradients, and those that do not."""
     chosen: list[Equation] = []
     spare: list[Equation] = []
-    for circuit in circuits(gathered_tangent(supply.tangent[:SEED], ground.twins), joints):
-        equation = hypersurface(ground, circuit)
+    for circuit in circuits(gathered_tangent(source.tangent[:SEED], fit.twins), joints):
+        equation = hypersurface(fit, circuit)
         if equation is None:
             continue
-        raised = _rank(supply, [*chosen, equation])
-        (chosen if raised > _rank(supply, chosen) else spare).append(equation)
-        if raised >= supply.signature.residual:
+        raised = _rank(source, [*chosen, equation])
+        (chosen if raised > _rank(source, chosen) else spare).append(equation)
+        if raised >= source.signature.residual:
             break
     return chosen, spare
 
@@ -288,53 +288,53 @@ def _told(equations: list[Equation], strangers: Array) -> list[int]:
 
 
 def _cut(
-    supply: FamilyPoints, ground: FitProblem, chosen: list[Equation], spare: list[Equation], joints: tuple[int, ...]
+    source: FamilyPoints, fit: FitProblem, chosen: list[Equation], spare: list[Equation], joints: tuple[int, ...]
 ) -> tuple[Equation, ...] | None:
     """Add equations until no stranger is left: circuits not used so far, short minors, then fitted ones."""
     asked = False
     for _ in range(EXTRA + 2):
-        tested, strangers = _strangers(supply, chosen)
+        tested, strangers = _strangers(source, chosen)
         if not tested:
             return None
         if not len(strangers):
             return tuple(chosen)
         if not asked and not _told(spare, strangers):
-            moving = tuple(j for j in supply.signature.coupled if j not in supply.linear.pivots)
-            more = minors(supply.problem, supply.linear, supply.values, moving, ground.highest, supply.rng)
-            spare = spare + [equation for equation in more if holds(equation, supply.q)]
+            moving = tuple(j for j in source.signature.coupled if j not in source.linear.pivots)
+            more = minors(source.problem, source.linear, source.values, moving, fit.highest, source.rng)
+            spare = spare + [equation for equation in more if holds(equation, source.q)]
             asked = True
         told = _told(spare, strangers)
         if told:
             chosen.append(spare.pop(told[0]))
             continue
-        fitted = cutting(ground, strangers, joints) if len(joints) > 1 else None
+        fitted = cutting(fit, strangers, joints) if len(joints) > 1 else None
         if fitted is None:
             return None
         chosen.append(fitted)
     return None
 
 
-def _from_ideal(supply: FamilyPoints, ground: FitProblem, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:
+def _from_ideal(source: FamilyPoints, fit: FitProblem, joints: tuple[int, ...]) -> tuple[Equation, ...] | None:
     """Low-degree equations in all joints together."""
-    need = supply.signature.residual
-    for basis in vanishing_spaces(ground, joints):
+    need = source.signature.residual
+    for basis in vanishing_spaces(fit, joints):
         chosen: list[Equation] = []
         for equation in basis:
-            if _rank(supply, [*chosen, equation]) > _rank(supply, chosen):
+            if _rank(source, [*chosen, equation]) > _rank(source, chosen):
                 chosen.append(equation)
-        if _rank(supply, chosen) > need:
+        if _rank(source, chosen) > need:
             return None
-        if _rank(supply, chosen) == need:
-            sound = _selected(supply, chosen, [equation for equation in basis if equation not in chosen])
+        if _rank(source, chosen) == need:
+            sound = _selected(source, chosen, [equation for equation in basis if equation not in chosen])
             if sound is not None:
                 return sound
     return None
 
 
-def _selected(supply: FamilyPoints, chosen: list[Equation], spare: list[Equation]) -> tuple[Equation, ...] | None:
+def _selected(source: FamilyPoints, chosen: list[Equation], spare: list[Equation]) -> tuple[Equation, ...] | None:
     """Add equations of the basis until no stranger is left."""
     for _ in range(EXTRA + 1):
-        tested, strangers = _strangers(supply, chosen)
+        tested, strangers = _strangers(source, chosen)
         if not tested:
             return None
         if not len(strangers):
@@ -346,36 +346,36 @@ def _selected(supply: FamilyPoints, chosen: list[Equation], spare: list[Equation
     return None
 
 
-def _rank(supply: FamilyPoints, equations: list[Equation]) -> int:
+def _rank(source: FamilyPoints, equations: list[Equation]) -> int:
     """Codimension the equations give within the linear conditions: gradient rank at most of a few points."""
     if not equations:
         return 0
-    slopes = System(tuple(equations)).jacobian(supply.q[:SEED]) @ supply.linear.along
+    slopes = System(tuple(equations)).jacobian(source.q[:SEED]) @ source.linear.along
     return int(np.median((np.linalg.svd(slopes, compute_uv=False) > 1e-6).sum(axis=1)))
 
 
-def _strangers(supply: FamilyPoints, equations: list[Equation]) -> tuple[int, Array]:
+def _strangers(source: FamilyPoints, equations: list[Equation]) -> tuple[int, Array]:
     """Solutions from random starts, and those of them that are not singular; many starts, and starts at special places,
     before it says none."""
-    problem, tested = supply.problem, 0
+    problem, tested = source.problem, 0
     strangers = np.zeros((0, problem.n))
     for count in (200, 800):
-        more, strangers = _from_random_starts(supply, tuple(equations), count)
+        more, strangers = _from_random_starts(source, tuple(equations), count)
         tested += more
         if len(strangers):
             return tested, strangers
     for _ in range(ROUNDS if tested else 0):
-        _, strangers = elsewhere(problem, supply.linear, [supply.values], tuple(equations), {}, supply.rng)
+        _, strangers = elsewhere(problem, source.linear, [source.values], tuple(equations), {}, source.rng)
         if len(strangers):
             break
     return tested, strangers
 
 
-def _from_random_starts(supply: FamilyPoints, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
+def _from_random_starts(source: FamilyPoints, equations: tuple[Equation, ...], count: int) -> tuple[int, Array]:
     """How many solutions so many random starts lead to, and those of them that are not singular."""
-    problem = supply.problem
+    problem = source.problem
     q, good = on_combinations(
-        problem, supply.linear, equations, supply.signature.residual, [supply.values], count, supply.rng
+        problem, source.linear, equations, source.signature.residual, [source.values], count, source.rng
     )
     q = q[good]
     return len(q), q[problem.sigma(q)[:, problem.rank] > problem.tolerances.singular]

@@ -281,10 +281,10 @@ def _rows_of(
         here = members[met[values]]
         here = rng.permutation(here[inspection.condition[here] >= np.quantile(inspection.condition[here], BADLY)])
         q, tangent = inspection.q[here], inspection.tangent[here]
-        supply = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
-        residual = None if memory is None else recalled_equations(supply, memory)
+        source = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
+        residual = None if memory is None else recalled_equations(source, memory)
         if residual is None:
-            residual = residual_equations(supply, budget, thorough=thorough)
+            residual = residual_equations(source, budget, thorough=thorough)
         if residual is None:
             continue
         if memory is not None:

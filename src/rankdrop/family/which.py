@@ -26,7 +26,7 @@ STEPS = 6  # points looked at on such a way
 
 
 @dataclass(frozen=True, slots=True)
-class Met:
+class Incidence:
     """A family and how near a configuration is to it.
 
     Attributes:
@@ -48,7 +48,7 @@ def families_at(
     task: Task,
     tolerances: Tolerances = DEFAULT,
     source: str = "analysis",
-) -> tuple[Met, ...]:
+) -> tuple[Incidence, ...]:
     """The families that a singular configuration lies on, the one that says most about it first.
 
     A family holds at q when the way from q to its zero set, walked by Gauss–Newton, is at most `explained`. Where
@@ -65,7 +65,7 @@ def families_at(
         q: (n,) configuration [rad, m].
         task: from `resolve_task`.
         tolerances: `singular` and `explained`.
-        source: what `Met.source` says.
+        source: what `Incidence.source` says.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -91,13 +91,13 @@ def families_at(
             continue
         length = _way(problem.at(family.corank), _system(family.equations, robot), at)
         if length < inf:
-            met.append(Met(family, length, source))
+            met.append(Incidence(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
 
 
 def families_near(
     families: Sequence[Family], robot: Robot, q: ArrayLike, task: Task, source: str = "analysis"
-) -> tuple[Met, ...]:
+) -> tuple[Incidence, ...]:
     """Every family with its first-order distance ‖A⁺f‖ from q, nearest first; of equals the one of higher corank.
 
     A is the Jacobian of the family's equations, joint motions divided by `joint_scale`. To first order only: exact for
@@ -108,7 +108,7 @@ def families_near(
     configuration = one_configuration(robot, q)
     at, scale = into_metres(robot, configuration), Problem(in_metres(robot), task_in_metres(task, robot)).scale
     met = [
-        Met(family, _first_step(_system(family.equations, robot), at, scale), source)
+        Incidence(family, _first_step(_system(family.equations, robot), at, scale), source)
         for family in families
         if family.equations
     ]
@@ -132,7 +132,7 @@ def _system(equations: Sequence[Equation], robot: Robot) -> System:
     return System(tuple(rescaled(one, slides_of(robot), power) if power else one for one in equations))
 
 
-def place_words(met: Sequence[Met], corank: int) -> str:
+def place_words(met: Sequence[Incidence], corank: int) -> str:
     """Where a configuration of this corank lies, in words: one family, one inside others, or a meeting point.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from rankdrop.compare import ExactRow, Joined
+from rankdrop.compare import Comparison, ExactRow
 from rankdrop.exact import ExactFamily, typeset
 from rankdrop.report.content import Content
 
@@ -54,7 +54,7 @@ def exact_section(content: Content) -> str:
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 
-def _joined(found: Joined) -> str:
+def _joined(found: Comparison) -> str:
     """Those that the analysis holds, derived with it and held against its families."""
     letters = ", ".join(f"{name} = {value:.6g} m" for name, value in (found.letters or {}).items())
     told = (

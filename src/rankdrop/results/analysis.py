@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rankdrop.compare.joined import Joined
+from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import ResultFileError
 from rankdrop.families.cells import inside_limits, share_text
 from rankdrop.families.share import Near, overview
@@ -131,7 +131,7 @@ class Analysis:
     complete: bool = True
     unfinished: int | None = None
     notes: tuple[str, ...] = ()
-    exact: Joined | None = None
+    exact: Comparison | None = None
     near: Near | None = None
 
     @property
@@ -243,7 +243,7 @@ class Analysis:
             complete=record["complete"],
             unfinished=record["unfinished"],
             notes=tuple(record["notes"]),
-            exact=at("$.exact", lambda: restored(Joined, record["exact"])) if "exact" in record else None,
+            exact=at("$.exact", lambda: restored(Comparison, record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
         )
 

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from rankdrop.compare.joined import Joined
+from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Family, Pin
@@ -69,7 +69,7 @@ class _Read(Protocol):
     @property
     def unfinished(self) -> int | None: ...
     @property
-    def exact(self) -> Joined | None: ...
+    def exact(self) -> Comparison | None: ...
     @property
     def near(self) -> Near | None: ...
     def residual_of(self, family: Family) -> _Evaluated: ...

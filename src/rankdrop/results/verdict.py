@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from rankdrop.compare.joined import AGREES, DIFFERS, NOT_DERIVED, Joined
+from rankdrop.compare.comparison import AGREES, DIFFERS, NOT_DERIVED, Comparison
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.family.record import CorankSummary, Family
@@ -59,7 +59,7 @@ class _Sampled(Protocol):
     @property
     def coranks(self) -> Sequence[CorankSummary]: ...
     @property
-    def exact(self) -> Joined | None: ...
+    def exact(self) -> Comparison | None: ...
     @property
     def sound_and_complete(self) -> bool: ...
     @property
@@ -179,9 +179,9 @@ def _agrees(analysis: _Sampled, derived: _Derived | None = None) -> bool:
 
 
 def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
-    joined = analysis.exact
-    if joined is not None and joined.status == DIFFERS:
-        for text in joined.disagreements:
+    comparison = analysis.exact
+    if comparison is not None and comparison.status == DIFFERS:
+        for text in comparison.disagreements:
             yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
     for row in analysis.families:
         if row.named and row.soundness.singular < row.soundness.tested:
@@ -195,13 +195,13 @@ def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
     for row in analysis.families:
         if not row.named:
             yield INCOMPLETE, f"no conditions were found for {row.id}"
-    if joined is not None and joined.status == NOT_DERIVED and not joined.holds:
-        yield INCOMPLETE, f"exact conditions were asked for and not derived, {joined.reason}"
+    if comparison is not None and comparison.status == NOT_DERIVED and not comparison.holds:
+        yield INCOMPLETE, f"exact conditions were asked for and not derived, {comparison.reason}"
 
 
 def _all(analysis: _Sampled, derived: _Derived | None) -> str:
     """What an analysis found, everything in it being as it should be."""
-    joined = analysis.exact
+    comparison = analysis.exact
     if _agrees(analysis):
         exactly = "the exact conditions agree with every one" if analysis.families else "the exact conditions too"
     elif derived is not None:
@@ -209,7 +209,7 @@ def _all(analysis: _Sampled, derived: _Derived | None) -> str:
         on = f"{derived.explained.agree:,} of {derived.explained.tested:,} configurations found lie on exact families"
         exactly = on if done else "the exact conditions are not complete"
     else:
-        exactly = "exact conditions were not " + ("asked for" if joined is None else "derived")
+        exactly = "exact conditions were not " + ("asked for" if comparison is None else "derived")
     if not analysis.families:
         starts = sum(one.starts for one in analysis.coranks)
         return f"no singular configuration met from {starts:,} starts, which is no proof of absence; {exactly}"

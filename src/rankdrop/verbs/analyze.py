@@ -6,7 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rankdrop._handles import check_robot
-from rankdrop.compare.joined import AGREES, ASKED, DIFFERS, INTERRUPTED, NOT_DERIVED, ExactRow, Joined, in_exact_terms
+from rankdrop.compare.comparison import (
+    AGREES,
+    ASKED,
+    DIFFERS,
+    INTERRUPTED,
+    NOT_DERIVED,
+    Comparison,
+    ExactRow,
+    in_exact_terms,
+)
 from rankdrop.compare.match import Match, match
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
@@ -52,7 +61,7 @@ def join(
     fresh: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
     tolerances: Tolerances = DEFAULT,
-) -> tuple[list[CorankFamilies], Joined | None]:
+) -> tuple[list[CorankFamilies], Comparison | None]:
     """Derive the families of every corank by the rank tree, and match them with those found numerically.
 
     Rows that go together with exact families take their partition, ids and names (`partition`). The families of the
@@ -69,7 +78,7 @@ def join(
         tolerances: of the analysis.
 
     Returns:
-        The families of every corank, and Joined, or None for "off". A derivation that was not finished leaves no
+        The families of every corank, and Comparison, or None for "off". A derivation that was not finished leaves no
         families behind.
 
     Raises:
@@ -89,13 +98,13 @@ def join(
     except RankdropError as error:
         if exact == "on":
             raise
-        return list(found), Joined(NOT_DERIVED, exact, seconds, str(error))
+        return list(found), Comparison(NOT_DERIVED, exact, seconds, str(error))
     except KeyboardInterrupt:
-        return list(found), Joined(NOT_DERIVED, exact, seconds, INTERRUPTED)
+        return list(found), Comparison(NOT_DERIVED, exact, seconds, INTERRUPTED)
     if not derived.complete:
         out_of_time = derived.seconds >= seconds
         reason = f"the derivation takes more than {seconds:g} s" if out_of_time else "; ".join(derived.left)
-        return list(found), Joined(NOT_DERIVED, exact, seconds, reason)
+        return list(found), Comparison(NOT_DERIVED, exact, seconds, reason)
     families = [family.in_units(derived.chain) for family in derived.families]
     problem = Problem(in_units(robot), task_in_units(task, robot), tolerances=tolerances, limits=limits)
     agreement = match(problem, rows, families, seed=seed)
@@ -113,7 +122,7 @@ def join(
         str(replace(one, family=now[one.family]) if one.side == "numeric" else one) for one in agreement.differences
     ]
     disagreements = (*_ranks(derived, generic_rank), *differences)
-    return parted, Joined(
+    return parted, Comparison(
         status=DIFFERS if disagreements else AGREES,
         asked=exact,
         seconds=seconds,
@@ -239,9 +248,9 @@ def analyze(
             break
         if found[-1].summary.converged == 0:
             break
-    joined = near = None
+    comparison = near = None
     if unfinished is None:
-        found, joined = join(
+        found, comparison = join(
             robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
@@ -259,7 +268,7 @@ def analyze(
         complete=unfinished is None,
         unfinished=unfinished,
         notes=_rank_notes(robot, resolved, rank),
-        exact=joined,
+        exact=comparison,
         near=near,
     )
 

@@ -16,7 +16,7 @@ from rankdrop.exact.algebra.field import Point, holds
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.writing.condition import RADIANS, Condition, pin_text
+from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
 from rankdrop.exact.writing.form import fourier
 from rankdrop.exact.writing.notation import Text
 from rankdrop.exact.writing.value import condition_text, single_angles
@@ -251,7 +251,7 @@ class Words:
         for atom in equality.atoms:
             if atom.pinned:
                 pins.setdefault(atom.joint, []).append(atom.value)
-        texts = [pin_text(joint, values) for joint, values in sorted(pins.items())]
+        texts = [AnglePin(joint, tuple(values)).text() for joint, values in sorted(pins.items())]
         return " or ".join([*texts, *(self._polynomial(atom) for atom in equality.atoms if not atom.pinned)])
 
     def _polynomial(self, atom: Atom) -> str:

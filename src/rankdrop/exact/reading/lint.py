@@ -23,7 +23,7 @@ from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.merge import merge
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
-from rankdrop.exact.writing.condition import RADIANS, Condition, pin_text
+from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
@@ -133,7 +133,7 @@ _ROUND = radians(5.0)  # free angles are multiples of this
 
 def words(piece: ZeroSet) -> str:
     """The conditions of a set: "θ3 = 0 and a2 c2 + a3 c23 = 0"."""
-    pins = [pin_text(joint, (value,)) for joint, value in sorted(piece.pins.items())]
+    pins = [AnglePin(joint, (value,)).text() for joint, value in sorted(piece.pins.items())]
     return " and ".join([*pins, *(Condition(piece.ring, f).text() for f in piece.equations)]) or "every configuration"
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import atan2, pi, tau
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,139 +37,113 @@ def _checked(values: Sequence[str]) -> tuple[str, ...]:
     return tuple(value for value in SIMPLE if value in values)
 
 
-def pin_text(joint: int, values: Sequence[str]) -> str:
-    """For people.
+class AnglePin(NamedTuple):
+    """A joint that stands at one of some simple angles: a condition as `Condition` is one, with the same methods.
 
-    Example:
-        >>> pin_text(4, ("0", "pi")), pin_text(3, ("pi/2", "-pi/2"))
-        ('θ4 = 0 or π', 'θ3 = ±π/2')
+    Every method raises an `OptionError` for a value that is not in `SIMPLE`, and where there is none.
 
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    kept = _checked(values)
-    words = [WORDS[value] for value in kept]
-    if set(kept) >= QUARTERS:
-        words = [*(WORDS[value] for value in kept if value not in QUARTERS), "±π/2"]
-    return f"θ{joint} = {' or '.join(words)}"
-
-
-def pin_latex(joint: int, values: Sequence[str]) -> str:
-    r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}.
-
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    kept = _checked(values)
-    name = rf"\theta_{joint}" if joint < 10 else rf"\theta_{{{joint}}}"
-    if len(kept) == 1:
-        return f"{name} = {LATEX[kept[0]]}"
-    if set(kept) == QUARTERS:
-        return rf"{name} = \pm\frac{{\pi}}{{2}}"
-    return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
-
-
-def pin_expression(joint: int, values: Sequence[str], shifts: Sequence[float] | None = None) -> str:
-    """A Python expression in q that vanishes there and nowhere else.
-
-    Example:
-        >>> pin_expression(4, ("0", "pi")), pin_expression(4, ("pi",)), pin_expression(4, ("pi/2",))
-        ('sin(q4)', 'cos(q4/2)', 'sin((q4 - pi/2)/2)')
-
-    Args:
+    Attributes:
         joint: number.
         values: out of `SIMPLE`.
-        shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
-
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    return _written(joint, values, Python(shifts=() if shifts is None else shifts))
-
-
-def pin_c_code(joint: int, values: Sequence[str], shifts: Sequence[float] | None = None) -> str:
-    """The same as a C expression in q[0] ….
-
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    return _written(joint, values, C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
-
-
-def pin_c_slope(joint: int, values: Sequence[str], shifts: Sequence[float] | None = None) -> str:
-    """The derivative of `pin_c_code` by its joint variable, as a C expression.
 
     Example:
-        >>> pin_c_slope(4, ("0", "pi")), pin_c_slope(4, ("pi",))
-        ('cos(q[3])', '-0.5*sin(q[3]/2.0)')
-
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
+        >>> pin = AnglePin(4, ("0", "pi"))
+        >>> pin.text(), pin.expression(), pin.c_code(), pin.c_gradient()
+        ('θ4 = 0 or π', 'sin(q4)', 'sin(q[3])', {4: 'cos(q[3])'})
+        >>> AnglePin(3, ("pi/2", "-pi/2")).text(), AnglePin(4, ("pi/2",)).expression()
+        ('θ3 = ±π/2', 'sin((q4 - pi/2)/2)')
     """
-    factors = _factors(joint, values, C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
-    parts = []
-    for place, (kind, angle, whole) in enumerate(factors):
-        number = ("" if whole else "0.5*") if kind == "sin" else ("-" if whole else "-0.5*")
-        others = [f"{other}({inner})" for k, (other, inner, _) in enumerate(factors) if k != place]
-        parts.append(number + "*".join([f"{'cos' if kind == 'sin' else 'sin'}({angle})", *others]))
-    return " + ".join(parts).replace("+ -", "- ")
 
+    joint: int
+    values: tuple[str, ...]
 
-def pin_values(values: Sequence[str]) -> tuple[float, ...]:
-    """The angles themselves [rad].
+    @property
+    def joints(self) -> tuple[int]:
+        """The number of the joint."""
+        return (self.joint,)
 
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    return tuple(RADIANS[value] for value in _checked(values))
+    @property
+    def angles(self) -> tuple[float, ...]:
+        """The values of θ [rad]."""
+        return tuple(RADIANS[value] for value in _checked(self.values))
 
+    def text(self) -> str:
+        """For people: "θ4 = 0 or π"."""
+        kept = _checked(self.values)
+        words = [WORDS[value] for value in kept]
+        if set(kept) >= QUARTERS:
+            words = [*(WORDS[value] for value in kept if value not in QUARTERS), "±π/2"]
+        return f"θ{self.joint} = {' or '.join(words)}"
 
-def _written(joint: int, values: Sequence[str], notation: Python) -> str:
-    return "*".join(f"{kind}({angle})" for kind, angle, _ in _factors(joint, values, notation))
+    def latex(self) -> str:
+        r"""LaTeX, without delimiters: \theta_4 \in \{0, \pi\}."""
+        kept = _checked(self.values)
+        name = rf"\theta_{self.joint}" if self.joint < 10 else rf"\theta_{{{self.joint}}}"
+        if len(kept) == 1:
+            return f"{name} = {LATEX[kept[0]]}"
+        if set(kept) == QUARTERS:
+            return rf"{name} = \pm\frac{{\pi}}{{2}}"
+        return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
 
+    def expression(
+        self,
+        *,
+        letters: Mapping[str, float] | None = None,
+        shifts: Sequence[float] | None = None,
+        names: Mapping[str, str] | None = None,
+    ) -> str:
+        """A Python expression in q that vanishes there and nowhere else; no length plays a part."""
+        return self._written(Python(shifts=() if shifts is None else shifts))
 
-def _factors(joint: int, values: Sequence[str], notation: Python) -> list[tuple[str, str, bool]]:
-    """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
-    kept = set(_checked(values))
-    factors = []
-    for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
-        if kept >= pair:
-            factors.append((kind, notation.angle(((joint, 2),)), True))
-            kept -= pair
-    for value in _checked(tuple(kept)) if kept else ():
-        kind, rest = ("cos", "0") if value == "pi" else ("sin", value)
-        factors.append((kind, notation.angle(((joint, 1),), rest), False))
-    return factors
+    def c_code(self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
+        """The same as a C expression in q[0] …."""
+        return self._written(C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
 
+    def c_gradient(
+        self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None
+    ) -> dict[int, str]:
+        """The derivative of `c_code` by its joint variable, as a C expression."""
+        factors = self._factors(C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
+        parts = []
+        for place, (kind, angle, whole) in enumerate(factors):
+            number = ("" if whole else "0.5*") if kind == "sin" else ("-" if whole else "-0.5*")
+            others = [f"{other}({inner})" for k, (other, inner, _) in enumerate(factors) if k != place]
+            parts.append(number + "*".join([f"{'cos' if kind == 'sin' else 'sin'}({angle})", *others]))
+        return {self.joint: " + ".join(parts).replace("+ -", "- ")}
 
-def pin_equation(joint: int, values: Sequence[str], n: int, shifts: Sequence[float] | None = None) -> Equation:
-    """The numeric equation Π sin((θ_j − value) / 2) = 0 in q.
+    def equation(self, letters: Mapping[str, float], n: int, shifts: Sequence[float] | None = None) -> Equation:
+        """The numeric equation Π sin((θ_j − value) / 2) = 0 in q; arguments as in `Condition.equation`."""
+        size = len(self.angles)
+        coefficients = np.array([1.0 + 0.0j])
+        for angle in self.angles:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
+            turn = np.exp(0.5j * angle)
+            coefficients = np.convolve(coefficients, np.array([-turn, 0, 1 / turn]) / 2j)
+        shift = 0.0 if shifts is None else float(shifts[self.joint - 1])
+        terms = []
+        for power in range(size, -1, -1):
+            value = coefficients[power + size] * (2 if power else 1)
+            harmonics = tuple(power * (i == self.joint - 1) for i in range(n))
+            phase = -power * shift / 2 + 0.0
+            for kind, part in (("cos", value.real), ("sin", -value.imag)):
+                if kind == "cos" or power:
+                    terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
+        return normalised(terms)
 
-    Args:
-        joint: number.
-        values: out of `SIMPLE`.
-        n: number of joints.
-        shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
+    def _written(self, notation: Python) -> str:
+        return "*".join(f"{kind}({angle})" for kind, angle, _ in self._factors(notation))
 
-    Raises:
-        OptionError: a value that is not in `SIMPLE`, or none.
-    """
-    kept = _checked(values)
-    size = len(kept)
-    coefficients = np.array([1.0 + 0.0j])
-    for value in kept:  # sin(x) = (exp(ix) − exp(−ix)) / 2i, powers of exp(iθ/2) from −size to size
-        turn = np.exp(0.5j * RADIANS[value])
-        coefficients = np.convolve(coefficients, np.array([-turn, 0, 1 / turn]) / 2j)
-    shift = 0.0 if shifts is None else float(shifts[joint - 1])
-    terms = []
-    for power in range(size, -1, -1):
-        value = coefficients[power + size] * (2 if power else 1)
-        harmonics = tuple(power * (i == joint - 1) for i in range(n))
-        phase = -power * shift / 2 + 0.0
-        for kind, part in (("cos", value.real), ("sin", -value.imag)):
-            if kind == "cos" or power:
-                terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
-    return normalised(terms)
+    def _factors(self, notation: Python) -> list[tuple[str, str, bool]]:
+        """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
+        kept = set(_checked(self.values))
+        factors = []
+        for pair, kind in ((HALVES, "sin"), (QUARTERS, "cos")):
+            if kept >= pair:
+                factors.append((kind, notation.angle(((self.joint, 2),)), True))
+                kept -= pair
+        for value in _checked(tuple(kept)) if kept else ():
+            kind, rest = ("cos", "0") if value == "pi" else ("sin", value)
+            factors.append((kind, notation.angle(((self.joint, 1),), rest), False))
+        return factors
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,7 +74,8 @@ struct Families {
     }
 
     void prepare_walks() {
-        constexpr int kLong = 100;  // terms: eight steps of a walk take some microseconds
+        // terms: eight steps of a walk take some microseconds; with six joints the kinematics are quicker, and find more
+        const int too_long = variables > 6 ? 100 : 15;
         walked.clear(), lengthy.clear(), witness.clear(), first_phase.assign(1, 0), first_node.assign(1, 0);
         own_phase.clear(), own_node.clear(), plain_phase.clear(), plain_node.clear();
         Met plain(*this);
@@ -87,7 +88,7 @@ struct Families {
                 ++rows, count += length(e);
                 if (shortest < 0 || length(e) < length(shortest)) shortest = e;
             }
-            walked.push_back(rows > 0 && count <= kLong), lengthy.push_back(rows > 0 && count > kLong);
+            walked.push_back(rows > 0 && count <= too_long), lengthy.push_back(rows > 0 && count > too_long);
             witness.push_back(shortest);
             if (walked.back()) widest = std::max(widest, rows);
             for (int e = equations[family]; e < equations[family + 1]; ++e) {

@@ -329,6 +329,8 @@ inline void walk_onto_set(const Chain& chain, const View& view, const double* sc
                           const Workspace& start, const int* lanes, SetRoom& room, OntoSet* out, Beside beside) {
     if (view.m == 6 && chain.variables == 7 && rank == 5)
         return WalkOntoSet<6, 7, 5>(chain, view, scale, rank, start, room).run(q, lanes, out, beside);
+    if (view.m == 6 && chain.variables == 6 && rank == 5)
+        return WalkOntoSet<6, 6, 5>(chain, view, scale, rank, start, room).run(q, lanes, out, beside);
     WalkOntoSet<0, 0, 0>(chain, view, scale, rank, start, room).run(q, lanes, out, beside);
 }
 

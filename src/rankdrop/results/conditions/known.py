@@ -31,7 +31,7 @@ from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Family
@@ -159,7 +159,7 @@ def _family(record: Record, chain: Chain) -> ExactFamily:
         corank=record["corank"],
         dimension=record["dimension"],
         codimension=record["codimension"],
-        pins=tuple((joint, tuple(values)) for joint, values in record["pins"]),
+        pins=tuple(AnglePin(joint, tuple(values)) for joint, values in record["pins"]),
         conditions=tuple(Condition(chain.ring, _polynomial(chain.ring, terms)) for terms in record["polynomials"]),
         free=tuple(record["free"]),
         coupled=tuple(record["coupled"]),

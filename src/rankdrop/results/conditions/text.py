@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rankdrop.exact.family import Assumption, ExactFamily
-from rankdrop.exact.writing.condition import pin_text
 from rankdrop.family.equation import pretty_angle
 from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.sections import Section
@@ -115,10 +114,24 @@ def arm_lines(found: ConditionsData) -> dict[str, str]:
     if found.remarks:
         lines["remarks"] = "; ".join(found.remarks)
     told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))
-    reason = f" ({told})" if told else ""
+    reason = _reason(told)
     other = "" if found.method == "tree" else f"; corank 1 also by {METHOD.get(found.method, found.method)}"
     lines["method"] = f"rank tree{other}{reason}"
     return lines
+
+
+_PLAIN = 16  # words of a reason that fits into the sentence
+
+
+def _reason(told: str) -> str:
+    """Why these methods: in parentheses where it is short, else as sentences of their own."""
+    if len(told.split()) <= _PLAIN:
+        return f" ({told})" if told else ""
+    sentences = []
+    for part in told.split("; "):
+        first, *rest = part.split(": ")
+        sentences += [": ".join([first, *rest[:1]]), *rest[1:]]
+    return "".join(f". {one[0].upper()}{one[1:]}" for one in sentences) + "."
 
 
 def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Section, ...]:
@@ -211,7 +224,7 @@ def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Ite
 
 def condition_lines(family: ExactFamily) -> list[str]:
     """The conditions: simple angles together, then one equation after the other; all on one line where they fit."""
-    parts = ["; ".join(pin_text(joint, values) for joint, values in family.pins)] if family.pins else []
+    parts = ["; ".join(pin.text() for pin in family.pins)] if family.pins else []
     for text, condition in zip(family.texts[len(family.pins) :], family.conditions, strict=True):
         on = ", ".join(f"{'θ' if j in condition.ring.revolute else 'q'}{j}" for j in condition.joints)
         whole = "whole with --latex, --python, --c, --json"

@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.certify.ball import Certificate
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
-from rankdrop.family.which import Met
+from rankdrop.family.which import Incidence
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
@@ -173,7 +173,7 @@ class Far:
     """
 
     nearest: Nearest | None
-    nearest_family: Met | None
+    nearest_family: Incidence | None
     families: tuple[FamilyDistance, ...]
     certificate: Certificate | None
     uncertified: str = ""
@@ -209,7 +209,7 @@ class ExplanationData:
     reason: str
     rank: Rank
     focus: Array
-    met: tuple[Met, ...]
+    met: tuple[Incidence, ...]
     source: str
     relations: tuple[Relation, ...]
     lost: Lost

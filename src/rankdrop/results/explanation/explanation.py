@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rankdrop.certify.ball import Certificate
-from rankdrop.family.which import Met
+from rankdrop.family.which import Incidence
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
 from rankdrop.results.explanation.data import ExplanationData, Lost
 from rankdrop.results.explanation.failures import failures_to_dict
@@ -68,7 +68,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
     }
 
 
-def met_to_dict(met: Met) -> Record:
+def met_to_dict(met: Incidence) -> Record:
     """A family that holds: what it is called, its conditions, and how well they hold."""
     family = met.family
     keys = ("name", "corank", "dimension", "pinned", "free", "coupled")

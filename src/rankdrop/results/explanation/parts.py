@@ -19,7 +19,7 @@ from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Family
-from rankdrop.family.which import Met, families_at
+from rankdrop.family.which import Incidence, families_at
 from rankdrop.frames import BASE, TIP
 from rankdrop.local.block import decompose
 from rankdrop.local.directions import (
@@ -64,14 +64,14 @@ def known_families(
     return analysis.families, "analysis"
 
 
-def met_at(asked: Asked, q: Array, corank: int) -> tuple[Met, ...]:
+def met_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
     """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
     robot, task, settings = asked.robot, asked.task, asked.settings
     found = families_at(asked.families, robot, q, task, settings.tolerances, asked.source)
     if found and found[0].family.corank >= corank:
         return found
     local = name_on_the_spot(robot, q, task, corank, seed=settings.seed)
-    return (Met(local, 0.0, "on the spot"), *found)
+    return (Incidence(local, 0.0, "on the spot"), *found)
 
 
 def lost_of(asked: Asked, focus: Array, corank: int) -> Lost:
@@ -220,7 +220,7 @@ def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
     return tuple(one for one in every if least < one.distance < np.inf)
 
 
-def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Met]) -> FamilyDistance:
+def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
     """A family through the point that the search found is no farther away than that point."""
     through = any(met.family is record.family for met in there)
     if not through or record.distance <= nearest.distance:

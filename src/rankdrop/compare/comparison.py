@@ -1,7 +1,7 @@
 """The exact conditions beside an analysis: what was derived, whether it is what was found, and one partition for both.
 
-`Joined` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the fitted
-ones otherwise.
+`Comparison` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the
+fitted ones otherwise.
 
 Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
 puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
@@ -58,7 +58,7 @@ class ExactRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Joined:
+class Comparison:
     """The exact families of an arm, held against the numeric ones.
 
     Attributes:
@@ -114,26 +114,26 @@ _LONGEST = 300  # characters of a condition that is printed
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
 
 
-def conditions_of(row: Family, joined: Joined | None) -> list[tuple[str, str]]:
+def conditions_of(row: Family, comparison: Comparison | None) -> list[tuple[str, str]]:
     """(label, text) of every condition of a row that its table does not say.
 
     Exact ones stand in place of fitted ones. Where they hold on more than the row, the fitted ones stay, and long ones
     are only counted: programs find them in the JSON.
     """
-    exactly, instead = exact_conditions(row, joined)
+    exactly, instead = exact_conditions(row, comparison)
     fitted = [] if instead else coupled_conditions(row, folded=bool(exactly))
     return [*((COUPLED, text) for text in fitted), *((EXACTLY, text) for text in exactly)]
 
 
-def exact_conditions(row: Family, joined: Joined | None) -> tuple[list[str], bool]:
+def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[str], bool]:
     """The exact conditions of a row: (lines, whether they may stand in place of the fitted ones).
 
     No line where the table says it all: joints at simple values.
     """
-    if joined is None:
+    if comparison is None:
         return [], False
-    whole, parts = joined.of_row(row.id)
-    wider = {one.family for one in joined.wider}
+    whole, parts = comparison.of_row(row.id)
+    wider = {one.family for one in comparison.wider}
     lines = [_line(row, family, alone=len(whole) == 1) for family in whole]
     lines = [
         text + (" (and elsewhere, see the end)" if family.id in wider else "")
@@ -172,13 +172,13 @@ _POINTS = 24  # random points of a family that its lost motions are told from
 
 
 def in_exact_terms(
-    problem: Problem, found: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
+    problem: Problem, sampled: CorankFamilies, families: Sequence[ExactFamily], agreement: Agreement, seed: int
 ) -> tuple[CorankFamilies, tuple[Match, ...], dict[str, str]]:
     """The rows of one corank, one for each exact family that was met; rows that match none keep what they have.
 
     Args:
         problem: the arm in its own unit of length, and the corank.
-        found: its rows, and the fresh points that were tried on them.
+        sampled: its rows, and the fresh points that were tried on them.
         families: the exact ones of this corank, in the same unit.
         agreement: which row consists of which families.
         seed: of random points.
@@ -192,37 +192,37 @@ def in_exact_terms(
     loose = {one.family: one for one in agreement.loose}
     rows, matches, now = [], [], dict[str, str]()
     for number, family in enumerate(families):
-        over = [row for row in found.families if family.id in (*by_row[row.id].families, *by_row[row.id].parts)]
+        over = [row for row in sampled.families if family.id in (*by_row[row.id].families, *by_row[row.id].parts)]
         if not over:
             continue
         one = by_row[over[0].id]
         sound = one.row not in loose and over[0].soundness.holds
         alone = len(over) == 1 and one.families == (family.id,) and not one.parts and sound
         rng = np.random.default_rng([seed, number, 9])
-        made = over[0] if alone else _measured(problem, found, family, over, rng)
+        made = over[0] if alone else _measured(problem, sampled, family, over, rng)
         if made is None:
             continue
         now |= {row.id: " and ".join(filter(None, (now.get(row.id), family.id))) for row in over}
         rows.append(replace(made, id=family.id, name=family.name))
         matches.append(Match(family.id, (family.id,)))
-    strangers = [_judged(row, loose.get(row.id)) for row in found.families if row.id not in now]
+    strangers = [_judged(row, loose.get(row.id)) for row in sampled.families if row.id not in now]
     named = numbered(strangers, problem.corank, after=len(families))  # in the order they have already
     matches += [replace(by_row[row.id], row=new.id) for row, new in zip(strangers, named, strict=True)]
     now |= {row.id: new.id for row, new in zip(strangers, named, strict=True)}
     together = (*rows, *named)
-    given = {(row.equations, row.witness) for row in found.families}
+    given = {(row.equations, row.witness) for row in sampled.families}
     same = {(row.equations, row.witness) for row in together} == given
-    summary = found.summary if same else _recounted(problem, found, together)
-    return replace(found, summary=summary, families=together), tuple(matches), now
+    summary = sampled.summary if same else _recounted(problem, sampled, together)
+    return replace(sampled, summary=summary, families=together), tuple(matches), now
 
 
-def _recounted(problem: Problem, found: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
+def _recounted(problem: Problem, sampled: CorankFamilies, rows: Sequence[Family]) -> CorankSummary:
     """The summary with the fresh points that the rows explain as they are now."""
-    if not len(found.fresh):
-        return found.summary
-    fresh = Cloud(problem.robot, problem.task, found.fresh, np.full(len(found.fresh), problem.corank))
+    if not len(sampled.fresh):
+        return sampled.summary
+    fresh = Cloud(problem.robot, problem.task, sampled.fresh, np.full(len(sampled.fresh), problem.corank))
     check, _ = explained(fresh, [row.equations for row in rows if row.equations], problem.tolerances)
-    return replace(found.summary, completeness=Share(check.tested, check.agree))
+    return replace(sampled.summary, completeness=Share(check.tested, check.agree))
 
 
 def _judged(row: Family, loose: Wider | None) -> Family:
@@ -235,7 +235,7 @@ def _judged(row: Family, loose: Wider | None) -> Family:
 
 
 def _measured(
-    problem: Problem, found: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
+    problem: Problem, sampled: CorankFamilies, family: ExactFamily, over: Sequence[Family], rng: np.random.Generator
 ) -> Family | None:
     """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
     equations = family.equations
@@ -248,7 +248,7 @@ def _measured(
     inside = points.q[problem.allowed(points.q)]
     if not len(inside):
         return None
-    share = int(lies_on(family, found.fresh, problem.tolerances).sum()) if len(found.fresh) else 0
+    share = int(lies_on(family, sampled.fresh, problem.tolerances).sum()) if len(sampled.fresh) else 0
     pinned = _pinned(problem, family, over, inside)
     at = inside[0]
     directions, sentences = lost_motions(problem, at, inside[:_POINTS])
@@ -268,7 +268,7 @@ def _measured(
         evidence=Sampled(
             f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
             Soundness(points.solved, points.solved - points.elsewhere),
-            Share(found.summary.completeness.tested, share),
+            Share(sampled.summary.completeness.tested, share),
         ),
     )
 

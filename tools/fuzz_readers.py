@@ -12,31 +12,38 @@ again in every run. Exit code 1 where a case fails.
 from __future__ import annotations
 
 import argparse
+import contextlib
+import copy
 import hashlib
 import json
 import random
+import re
 import sys
 import tempfile
 import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 SEEDS = Path(__file__).resolve().parents[1] / "tests" / "data" / "fuzz"
 LONGEST = 4096  # bytes of a case
 EXTREME = (b"1e308", b"-1", b"nan", b"inf", b"1e-320", b"9" * 40, b"\x00", b"\x1b[2J", b"[" * 99)
-NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "analysis",
-         "cover")  # fmt: skip
+NAMES = ("robot", "quantity", "configuration", "tolerance", "csv", "message", "yaml", "npy", "poses", "poses-json",
+         "poses-yaml", "analysis", "cover", "certificate", "spec", "mjcf")  # fmt: skip
 
 
 def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     """Each reader by name: it takes the bytes of a file, written into `folder`, and may raise RankdropError."""
+    from rankdrop.certify import verify
     from rankdrop.certify.coverfile import load
+    from rankdrop.certify.proof.reading import sealed
     from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.designs.spec import read_spec
     from rankdrop.kinematics import jacobian, pose
-    from rankdrop.motion.pose_file import read_poses
+    from rankdrop.motion.pose_file import holds_poses, read_poses
     from rankdrop.motion.read import read_trajectory
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance
@@ -50,12 +57,16 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
         path.write_bytes(data)
         return path
 
-    def robot(data: bytes) -> object:
-        found = open_robot(written(data, ".txt"))
-        zero = np.zeros(found.n)
-        assert np.isfinite(pose(found, zero)).all()
-        assert np.isfinite(jacobian(found, zero)).all()
-        return found
+    def robot(ending: str) -> Callable[[bytes], object]:
+        def read(data: bytes) -> object:
+            with contextlib.chdir(folder):  # MuJoCo writes its warnings into the working folder, MUJOCO_LOG.TXT
+                found = open_robot(written(data, ending))
+            zero = np.zeros(found.n)
+            assert np.isfinite(pose(found, zero)).all()
+            assert np.isfinite(jacobian(found, zero)).all()
+            return found
+
+        return read
 
     def trajectory(ending: str) -> Callable[[bytes], object]:
         def read(data: bytes) -> object:
@@ -65,6 +76,23 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
             return found
 
         return read
+
+    def poses(ending: str) -> Callable[[bytes], object]:
+        def read(data: bytes) -> object:
+            path = written(data, ending)
+            holds_poses(path, arm)
+            found = read_poses(path)
+            assert np.isfinite(found.matrices).all()
+            return found
+
+        return read
+
+    def certificate(data: bytes) -> object:
+        """Sealed again: what is behind the hash is read, and checked for some work."""
+        with contextlib.suppress(ValueError, RecursionError):
+            record = json.loads(data)
+            data = json.dumps(sealed(record) if isinstance(record, dict) else record).encode()
+        return verify(written(data, ".json"), enclosures=200)
 
     def number(data: bytes) -> object:
         text = data.decode("utf-8", "replace")
@@ -77,10 +105,11 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
         assert np.isfinite(values).all()
         return values
 
-    found = (robot, number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
+    found = (robot(".txt"), number, configuration, lambda data: read_tolerance(data.decode("utf-8", "replace")),
              trajectory(".csv"), trajectory(".json"), trajectory(".yaml"), trajectory(".npy"),
-             lambda data: read_poses(written(data, ".csv")), lambda data: Analysis.load(written(data, ".json")),
-             lambda data: load(written(data, ".cover")))  # fmt: skip
+             poses(".csv"), poses(".json"), poses(".yaml"), lambda data: Analysis.load(written(data, ".json")),
+             lambda data: load(written(data, ".cover")), certificate,
+             lambda data: read_spec(written(data, ".toml")), robot(".xml"))  # fmt: skip
     return dict(zip(NAMES, found, strict=True))
 
 
@@ -117,9 +146,52 @@ def kept(folder: Path, data: bytes) -> Path:
     return path
 
 
+VALUES: tuple[Any, ...] = (None, True, -1, 0, 2, 10**400, 1e155, -1e13, 0.5, "", "x", "\x1b[2J", [], [[]], {}, {"x": 1})
+
+
+def reshaped(dice: random.Random, data: bytes) -> bytes:
+    """JSON with one entry changed, taken out or put elsewhere: what is behind the parser is reached."""
+    try:
+        record = json.loads(data)
+    except (ValueError, RecursionError):
+        return data
+    places: list[tuple[Any, Any]] = []
+    inner = [record]
+    for one in inner:  # grows
+        if isinstance(one, dict | list):
+            places += [(one, key) for key in (one if isinstance(one, dict) else range(len(one)))]
+            inner += one.values() if isinstance(one, dict) else one
+    if not places:
+        return data
+    (holder, key), what = dice.choice(places), dice.randrange(4)
+    if what == 0:
+        del holder[key]
+    elif what == 1:
+        other, at = dice.choice(places)
+        holder[key] = copy.deepcopy(other[at])
+    elif isinstance(holder[key], float) and what == 2:
+        holder[key] *= dice.choice((-1.0, 1.0 + 1e-9, 1.5, 1e9))
+    else:
+        holder[key] = dice.choice(VALUES)
+    return json.dumps(record).encode()
+
+
+def readdressed(dice: random.Random, data: bytes) -> bytes:
+    """XML with the value of one attribute changed or taken from another: it stays XML."""
+    found = list(re.finditer(rb'="([^"<>]*)"', data))
+    if not found:
+        return data
+    one, other = dice.choice(found), dice.choice(found)
+    value = dice.choice([other[1], b"nan", b"inf", b"1e308", b"1e155", b"-1e13", b"-1", b"0", b"9" * 40, b""])
+    return data[: one.start(1)] + value + data[one.end(1) :]
+
+
 def mutated(dice: random.Random, corpus: list[bytes]) -> bytes:
     """One case made of the corpus: bytes changed, taken out, doubled, two cases joined, numbers made extreme."""
     data = bytearray(dice.choice(corpus))
+    shaped = readdressed if data.startswith(b"<") else reshaped
+    if dice.randrange(2) and (other := shaped(dice, bytes(data))) != data:
+        return other
     for _ in range(dice.randint(1, 6)):
         at, end = sorted(dice.randint(0, len(data)) for _ in range(2))
         end = min(end, at + dice.choice((1, 2, 8, 64)))

@@ -35,7 +35,6 @@ from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
-from rankdrop.version import VERSION
 
 ROOT = Path(__file__).resolve().parents[1]
 ARMS = ROOT / "tests" / "data" / "arms"
@@ -45,10 +44,10 @@ PROCESSES = 2
 _REASON = 160  # characters of a reason that a cell of a table may have
 HEADS = ("arm", "what it is", "families per corank", "explained", "exact", "near", "CPU s")
 
-INTRODUCTION = f"""# Arms
+INTRODUCTION = """# Arms
 
-How every arm of the catalogue fares at default settings, and how {{count}} arms of many makers do that are read from
-their own files. Written by `tools/make_arms_page.py` with rankdrop {VERSION}; the tests hold it true.
+How every arm of the catalogue fares at default settings, and how {count} arms of many makers do that are read from
+their own files. Written by `tools/make_arms_page.py`; the tests hold it true.
 
 - **families per corank**: 3/4/1 means three families of corank 1, four of corank 2, one of corank 3, found numerically.
 - **explained**: the share of fresh singular points that these families explain, the lowest of all coranks; rounded

@@ -8,7 +8,4 @@
 
 import lazy_loader
 
-from rankdrop.version import VERSION as __version__
-
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # what there is stands in __init__.pyi
-__all__ += ["__version__"]

@@ -21,5 +21,4 @@ from .tolerances import Tolerances as Tolerances
 from .verbs.analyze import analyze as analyze
 from .verbs.conditions import conditions as conditions
 from .verbs.explain import explain as explain
-
-__version__: str
+from .version import __version__ as __version__

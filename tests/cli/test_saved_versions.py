@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from rankdrop.certify.coverfile import load
+from rankdrop.certify import verify
+from rankdrop.certify.coverfile import load, write_covering
 from rankdrop.results.analysis import Analysis
 from rankdrop.schema import NAMES, load_schema
 
@@ -55,8 +57,30 @@ def test_a_saved_analysis_is_read_and_holds(path: Path) -> None:
         np.testing.assert_array_equal(family.witness, row["witness"])
 
 
+def test_the_newest_version_has_saved_one_of_every_kind() -> None:
+    newest = max(SAVED.iterdir(), key=lambda folder: [int(part) for part in folder.name.split(".")])
+    assert {record(path)["schema"].split("/")[1] for path in newest.glob("*.json")} == set(NAMES)
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("certificate")], ids=label)
+def test_a_saved_certificate_still_holds(path: Path) -> None:
+    found = verify(path)
+    assert found.holds, found.reason
+
+
 @pytest.mark.parametrize("path", COVERINGS, ids=label)
 def test_a_saved_covering_is_read(path: Path) -> None:
     plan, tree, tested, _ = load(path)
     assert (plan.robot, tree.shape) == ("planar3r", plan.shape)
     assert tested > 0
+
+
+@pytest.mark.parametrize("path", COVERINGS, ids=label)
+def test_a_saved_covering_is_written_again_as_it_was(path: Path, tmp_path: Path) -> None:
+    """The hash of a plan is over its text: another order of entries would be another file."""
+    plan, tree, tested, freed = load(path)
+    again = tmp_path / "again.cover"
+    write_covering(again, plan, tree, tested, freed)
+    old, new = (content.split(b"\n", 2) for content in (path.read_bytes(), again.read_bytes()))
+    assert new[:2] == old[:2]
+    assert zlib.decompress(new[2]) == zlib.decompress(old[2])

@@ -197,3 +197,11 @@ def test_a_zero_at_pi_stays_when_a_solution_is_put_in() -> None:
     form = put(ring.to_half((1 + ring.c[2]) * (1 - ring.c[1])), solved)
     assert form.at_pi == ((2, 2),)
     assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=pi", "θ2=0"}
+
+
+def test_a_zero_at_pi_of_a_solved_variable_is_where_its_denominator_vanishes() -> None:
+    """t1 = 1 / (t2 − 2) is infinite at t2 = 2: a form with the factor cos(θ1/2) is zero there."""
+    ring = Ring([1, 2])
+    solved = Solved(0, ring.half.constant(1), ring.t[2] - 2)
+    form = put(Form(ring, ring.t[2], (1, 1)), solved)
+    assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=0", "t2 - 2"}

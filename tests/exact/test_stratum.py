@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, value_at
+from rankdrop.exact.algebra.field import P, holds, value_at
 from rankdrop.exact.algebra.polynomial import Equality
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.zeroset import ZeroSet
@@ -84,6 +84,9 @@ def test_what_lengths_alone_decide_is_put_into_other_conditions(ring):
     (solved,) = [piece for piece in pieces if piece.solved]
     follows = (a**2 - b**2) * ring.s[2] - 2 * a * b * ring.c[2]
     assert vanishes(solved, follows, random.Random(0))
+    other = atoms_on(solved, Equality((), ring.s[1] * ring.s[2] + ring.c[1] * ring.c[2]))
+    assert other
+    assert all(atom.joint != 2 for atom in other), "θ2 is where lengths put it, not at π"
 
 
 def test_two_values_of_one_joint_contradict_each_other_and_the_lengths_are_noted(ring):
@@ -106,3 +109,19 @@ def test_a_piece_knows_what_is_positive(ring):
     f = ring.letter_half["a"] ** 2 * ring.t[1] ** 2 + ring.letter_half["b"] ** 2
     assert atoms_on(ZeroSet.whole(ring), Equality((ring.atom(f),))) == ()
     assert value_at(ring, f, dict.fromkeys(ring.names, 2)) % P
+
+
+def test_points_of_a_set_are_where_its_inequations_hold(ring):
+    t, rng = ring.t, random.Random(3)
+    one, other = ring.atom(t[1] - t[2]), ring.atom(t[1] - 3 * t[2])
+    piece = ZeroSet(ring, {}, rest=(one.f * other.f,)).without(one)
+    points = piece.points(rng, 10)
+    assert len(points) == 10
+    assert not any(holds(ring, one, point) for point in points)
+    assert all(holds(ring, other, point) for point in points)
+
+
+def test_a_set_is_not_inside_one_that_leaves_it_out(ring):
+    there = ZeroSet(ring, {1: "0"})
+    assert there.inside(ZeroSet.whole(ring))
+    assert not there.inside(ZeroSet.whole(ring).without(ring.pin(1, "0")))

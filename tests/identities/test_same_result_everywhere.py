@@ -44,9 +44,10 @@ def everything() -> list[Array]:
         results += [pose(robot, q), jacobian(robot, q), jacobian_derivative(robot, q, Frame(1, -1))]
         parts, split = block(robot, q, task, 2), decompose(robot, q, task)
         results += [parts.f, parts.d, parts.u2, parts.v2, split.u, split.sigma, split.v, link_poses(robot, q)]
-    found = shipped("canadarm2")
-    seen = Monitor(found.robot, found.task, found.families).look(np.random.default_rng(3).uniform(-3, 3, (37, 7)))
-    results += [seen.sigma, seen.family, seen.nearest, seen.residual, seen.u, seen.v, seen.distance]  # type: ignore[list-item]
+    for name in ("canadarm2", "gen3"):  # by conditions, and by the kinematics from several lanes
+        found = shipped(name)
+        seen = Monitor(found.robot, found.task, found.families).look(np.random.default_rng(3).uniform(-3, 3, (37, 7)))
+        results += [seen.sigma, seen.family, seen.nearest, seen.residual, seen.u, seen.v, seen.distance]  # type: ignore[list-item]
     return results
 
 

@@ -32,6 +32,17 @@ def record(found: Explanation) -> dict:  # type: ignore[type-arg]
     return json.loads(json_text(found.to_dict()))
 
 
+def test_a_long_arm_has_its_rank_and_its_singular_values() -> None:
+    """Sets of joints are listed for short arms alone; the arm was refused with them."""
+    screws = [revolute([0.0, i % 2, 1.0 - i % 2], [0.1 * i, 0.0, 0.1 * i]) for i in range(33)]
+    arm = from_screws(screws, order="linear-first")
+    found = explain(arm, np.full(33, 0.3))
+    assert (found.verdict, found.rank.rank, found.rank.nullity) == ("regular", 6, 27)
+    assert np.allclose(found.rank.sigma, singular_values(arm, np.full(33, 0.3), found.task), atol=1e-12)
+    assert found.blame.circuits == ()
+    assert "σ = " in str(found)
+
+
 def test_pa10_at_zero() -> None:
     found = explain(open_robot("pa10"), [0.0] * 7)
     assert (found.verdict, found.rank.rank, found.rank.corank, found.rank.nullity) == ("singular", 3, 3, 4)

@@ -92,10 +92,19 @@ BROKEN = {
     'a.json|[{"position": [0, 0, 1]}, {}]': r"a\.json, pose 2: there is no position",
     'a.json|{"length": "cm", "poses": [{"position": [0, 0, 1]}]}': r"a\.json: there is no such unit of length; got cm",
     "a.json|[": r"a\.json, line 1: this is not JSON",
+    f"a.json|{'[' * 200_000}": r"a\.json: the objects are nested too deeply$",
+    f'a.json|[{{"position": [0, 0, {"9" * 400}]}}]': r"a\.json, pose 1: the position has a value that is no finite num",
+    f"a.json|[{'9' * 5000}]": r"a\.json: a number has too many digits",
+    'a.json|[{"pose": {"pose": {"position": [0, 0, 1]}}}]': r"a\.json: there are no poses in it",
+    'a.json|[{"position": [0, 0, 1e155]}]': r"a\.json, pose 1: the value is too large; got 1e[+]155; allowed: -1e[+]12",
+    'a.json|[{"position": [0, 0, 1], "rpy": [0, 1e16, 0]}]': r"pose 1: the value is too large; .* 1e[+]06 rad",
+    "a.csv|x,y,z\n0,1e155,0": r"a\.csv, line 2: the value is too large; got 1e[+]155; allowed: -1e[+]12 … 1e[+]12 m",
+    "a.yaml|" + "[" * 200: r"a\.yaml, line 1: the objects are nested too deeply; allowed: depth 100",
+    "a.yaml|a: &a {b: 1}\nc: {<<: *a}": r"a\.yaml: merge keys are not read",
 }
 
 
-@pytest.mark.parametrize("case", BROKEN)
+@pytest.mark.parametrize("case", BROKEN, ids=lambda case: case[:60])
 def test_a_broken_file_is_named_with_its_row(tmp_path: Path, case: str) -> None:
     name, _, text = case.partition("|")
     (tmp_path / name).write_text(text)

@@ -188,6 +188,11 @@ def test_mjcf_has_the_same_range(tmp_path: Path) -> None:
     path.write_text(f"<mujoco><worldbody>{body.format('1e13')}</worldbody></mujoco>")
     with pytest.raises(RobotError, match=r"joint 'j': the (moment|place).* is too large; .*allowed: -1e[+]12"):
         open_robot(path)
+    for ref in ("nan", "inf", "1e30"):
+        turned = body.format("1").replace('axis="0 0 1"', f'axis="0 0 1" ref="{ref}"')
+        path.write_text(f'<mujoco><compiler angle="radian"/><worldbody>{turned}</worldbody></mujoco>')
+        with pytest.raises(RobotError, match=r"joint 'j': ref is too large, or no number; .*allowed: -1e[+]06"):
+            open_robot(path)
     bodies = "".join(f'<site name="s{i}"/>' for i in range(budgets.MOST_BODIES))
     path.write_text(f"<mujoco><worldbody>{body.format('1')}{bodies}</worldbody></mujoco>")
     with pytest.raises(RobotError, match="there are too many elements; allowed: at most 20000"):

@@ -12,7 +12,7 @@ from scripts import tool
 
 BOUNDS = {
     "analyze planar3r --starts 300 --quiet --threads 1": (69, 60),
-    "conditions puma560 --quiet": (45, 33),
+    "conditions puma560 --quiet": (45, 31),
     "conditions puma560 --quiet --fresh --coranks 1 --points 100": (74, 62),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,30 @@ def test_the_recipe_is_of_this_version_and_asks_for_the_same() -> None:
     assert run.pop("python") == PROJECT["requires-python"].removeprefix(">=")
     assert run == lowest()
     assert recipe["about"]["summary"] == PROJECT["description"]
+
+
+def test_every_extra_is_tried_alone() -> None:
+    tried = runpy.run_path(str(ROOT / ".ci" / "release"))["TRIED"]
+    assert set(tried) == set(PROJECT["optional-dependencies"]) | {""}
+
+
+def test_every_place_has_the_version_of_the_project() -> None:
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == PROJECT["version"]
+    assert cited["license"] == PROJECT["license"]
+    assert len(cited["references"]) == 5
+    told = re.findall(r"^## \[(.+?)\](?: - (\d{4}-\d\d-\d\d))?$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.M)
+    released = [(version, date) for version, date in told if version != "Unreleased"]
+    assert released[0][0] == PROJECT["version"]
+
+
+def test_a_version_is_saved_by_what_is_installed_and_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    saver = tool("save_version")
+    monkeypatch.setattr(saver, "VERSION", "0.0.0")
+    assert saver.main() == 1
+    assert "installed is 0.0.0, the source is" in capsys.readouterr().err
 
 
 def test_the_container_has_the_plain_install_and_no_superuser() -> None:

@@ -36,7 +36,7 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
         TrajectoryError: with file and row.
         MissingExtraError: YAML is asked for and PyYAML is not installed.
     """
-    message = _message(_yaml(text, name) if yaml else _json(text, name))
+    message = next(filter(None, map(_message, documents(text, name, yaml=yaml))), None)
     if message is None:
         raise TrajectoryError("there is no JointTrajectory in it", where=name,
                               allowed="an object with joint_names and points")  # fmt: skip
@@ -59,6 +59,16 @@ def parse_message(text: str, name: str, robot: Robot, *, yaml: bool, deg: bool =
     )  # fmt: skip
 
 
+def documents(text: str, name: str, *, yaml: bool) -> list[Any]:
+    """What the text of a JSON or YAML file holds: YAML may have several documents.
+
+    Raises:
+        TrajectoryError: it is neither, or beyond what is accepted (docs/limits.md).
+        MissingExtraError: YAML is asked for and PyYAML is not installed.
+    """
+    return _yaml(text, name) if yaml else [_json(text, name)]
+
+
 def _json(text: str, name: str) -> Any:
     try:
         return json.loads(text)
@@ -70,11 +80,11 @@ def _json(text: str, name: str) -> Any:
         raise TrajectoryError("a number has too many digits", where=name) from None
 
 
-def _yaml(text: str, name: str) -> Any:
+def _yaml(text: str, name: str) -> list[Any]:
     try:
         import yaml
     except ImportError as error:
-        raise MissingExtraError("pyyaml", None, "a trajectory in YAML") from error
+        raise MissingExtraError("pyyaml", None, "a path in YAML") from error
     if len(text) > LARGEST_YAML:
         most = f"at most {LARGEST_YAML // 2**20} MB of YAML"
         raise TrajectoryError("the file is too large", where=name, allowed=most, mend="write it as JSON or CSV")
@@ -83,7 +93,7 @@ def _yaml(text: str, name: str) -> Any:
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
         _check_depth(yaml, text, loader, name)
-        documents = list(yaml.load_all(text, loader))
+        return list(yaml.load_all(text, loader))
     except (RecursionError, ValueError, TypeError) as error:  # too deep; a date that is none; a key that is a list
         what = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise TrajectoryError(f"this is not YAML that can be read: {what[:80]}", where=name) from None
@@ -91,7 +101,6 @@ def _yaml(text: str, name: str) -> Any:
         mark = getattr(error, "problem_mark", None)
         line = "" if mark is None else f", line {mark.line + 1}"
         raise TrajectoryError(f"this is not YAML: {getattr(error, 'problem', error)}", where=f"{name}{line}") from None
-    return next((one for one in documents if _message(one) is not None), None)
 
 
 def _check_depth(yaml: Any, text: str, loader: Any, name: str) -> None:
@@ -123,13 +132,13 @@ def _column(points: list[Any], key: str, names: list[Any], name: str) -> Array |
             got = f"{len(values)} numbers" if isinstance(values, list) else reprlib.repr(values)
             raise TrajectoryError(f"{key} has another length than joint_names", where=f"{name}, row {row}", got=got,
                                   allowed=f"{len(names)} numbers")  # fmt: skip
-        if not all(map(_is_number, values)):
+        if not all(map(is_double, values)):
             raise TrajectoryError(f"{key} has a value that is no number", where=f"{name}, row {row}",
                                   got=reprlib.repr(values))  # fmt: skip
     return np.array(rows, dtype=np.float64)
 
 
-def _is_number(value: Any) -> bool:
+def is_double(value: Any) -> bool:
     """A double, or a whole number that has one."""
     return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**1000)
 
@@ -146,9 +155,9 @@ def _time(point: Any, where: str) -> float:
     if isinstance(value, dict):
         parts = [next((value[key] for key in keys if key in value), 0) for keys in (_SECONDS, _NANOSECONDS)]
         known = any(key in value for key in _SECONDS + _NANOSECONDS)
-        if known and all(map(_is_number, parts)):
+        if known and all(map(is_double, parts)):
             return float(parts[0]) + 1e-9 * float(parts[1])
-    elif _is_number(value):
+    elif is_double(value):
         return float(value)
     got = reprlib.repr(value)
     raise TrajectoryError("this is no time", where=where, got=got, allowed="seconds, or sec and nanosec")

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
+import reprlib
 from dataclasses import dataclass
-from math import radians
+from math import isfinite, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.errors import MissingExtraError, RankdropError
+from rankdrop.errors import RankdropError
 from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, is_number, number_at, rows_of
+from rankdrop.motion.message_file import documents, is_double
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
-from rankdrop.robot.budgets import MOST_ROWS
+from rankdrop.robot.budgets import MOST_ROWS, RANGE, allowed_range
 from rankdrop.robot.files import read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
@@ -195,7 +196,16 @@ def _columns(
 
 
 def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
-    """(N, 4, 4) from rows of x, y, z and what turns."""
+    """(N, 4, 4) from rows of x, y, z and what turns.
+
+    Raises:
+        TrajectoryError: a length or an angle is beyond the range of all readers, a quaternion is not of length one.
+    """
+    measures = ["length"] * 3 + ["angle" if turn == _ANGLES else "number"] * len(turn)
+    beyond = np.abs(values) > [RANGE[measure] for measure in measures]
+    for i, column in np.argwhere(beyond)[:1]:
+        raise TrajectoryError("the value is too large", where=told[i], got=f"{values[i, column]:g}",
+                              allowed=allowed_range(measures[column]))  # fmt: skip
     made = np.tile(np.eye(4), (len(values), 1, 1))
     if turn == _QUATERNION:
         made[:, :3, :3] = turned_by(values[:, 3:], told)
@@ -206,48 +216,37 @@ def _matrices(values: Array, turn: tuple[str, ...], told: list[str]) -> Array:
 
 
 def _loaded(text: str, name: str, *, yaml: bool) -> Any:
-    if not yaml:
-        try:
-            return json.loads(text)
-        except json.JSONDecodeError as error:
-            raise TrajectoryError(f"this is not JSON: {error.msg}", where=f"{name}, line {error.lineno}") from None
-    try:
-        import yaml as reader
-    except ImportError as error:
-        raise MissingExtraError("pyyaml", None, "a path in YAML") from error
-    try:
-        documents = list(reader.safe_load_all(text))
-    except reader.YAMLError as error:
-        raise TrajectoryError(f"this is not YAML: {' '.join(str(error).split())[:120]}", where=name) from None
-    return next((one for one in documents if _list_in(one) is not None), None)
+    """The first document with poses; None where there is none."""
+    return next((one for one in documents(text, name, yaml=yaml) if _list_in(one) is not None), None)
 
 
 def _list_in(found: Any) -> list[Any] | None:
     """The list of poses of an object, or the list itself; None where there is none."""
     rows = found.get("poses") if isinstance(found, dict) else found
-    return rows if isinstance(rows, list) and rows and _position(rows[0]) is not None else None
+    return rows if isinstance(rows, list) and rows and _pose(rows[0]) is not None else None
 
 
-def _position(row: Any) -> Any:
-    """What stands for the position of one entry; None where it is no pose."""
-    if not isinstance(row, dict):
-        return None
-    return row["position"] if "position" in row else _position(row.get("pose"))
+def _pose(row: Any) -> dict[str, Any] | None:
+    """The object with the position: the entry itself, or its `pose` (PoseStamped); None where it is no pose."""
+    inner = row.get("pose", row) if isinstance(row, dict) and "position" not in row else row
+    return inner if isinstance(inner, dict) and "position" in inner else None
 
 
 def _from_objects(found: Any, name: str, *, deg: bool) -> Poses:
     rows = _list_in(found)
     if rows is None:
         raise TrajectoryError("there are no poses in it", where=name, allowed="a list of objects with a position")
+    if len(rows) > MOST_ROWS:
+        raise TrajectoryError("there are too many poses", where=name, got=len(rows), allowed=f"at most {MOST_ROWS}")
     about = found if isinstance(found, dict) else {}
     length = _unit_of(about, "length", "m", ("m", "mm"), name)
     angle = _unit_of(about, "angle", "deg" if deg else "rad", tuple(ANGLES), name)
     values, kinds, times = [], [], []
     for number, entry in enumerate(rows, start=1):
         where = f"{name}, pose {number}"
-        if _position(entry) is None:
-            raise TrajectoryError("there is no position", where=where, got=str(entry)[:60])
-        inner = entry if "position" in entry else entry["pose"]
+        inner = _pose(entry)
+        if inner is None:
+            raise TrajectoryError("there is no position", where=where, got=reprlib.repr(entry))
         kind = "orientation" if "orientation" in inner else "rpy" if "rpy" in inner else ""
         row = [x * length for x in _numbers(inner["position"], "xyz", where, "position")]
         if kind == "orientation":
@@ -280,9 +279,10 @@ def _numbers(value: Any, keys: Any, where: str, what: str) -> list[float]:
     """Numbers from a list, or from an object by name."""
     listed = [value.get(key) for key in keys] if isinstance(value, dict) else value
     if not isinstance(listed, list) or len(listed) != len(keys):
-        raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=str(value)[:60],
+        raise TrajectoryError(f"the {what} has not {len(keys)} numbers", where=where, got=reprlib.repr(value),
                               allowed=", ".join(keys))  # fmt: skip
     for one in listed:
-        if isinstance(one, bool) or not isinstance(one, int | float) or not np.isfinite(one):
-            raise TrajectoryError(f"the {what} has a value that is no finite number", where=where, got=one)
+        if not is_double(one) or not isfinite(one):
+            raise TrajectoryError(f"the {what} has a value that is no finite number", where=where,
+                                  got=reprlib.repr(one))  # fmt: skip
     return [float(one) for one in listed]

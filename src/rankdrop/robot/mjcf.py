@@ -9,6 +9,7 @@ that q counts as MuJoCo's qpos does.
 from __future__ import annotations
 
 import shlex
+import warnings
 from dataclasses import dataclass
 from math import inf
 from os import PathLike
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.budgets import MOST_BODIES
+from rankdrop.robot.budgets import MOST_BODIES, RANGE, allowed_range
 from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.meant import as_meant
@@ -139,7 +140,9 @@ def _compiled(
         for body in spec.bodies[1:]:  # without geoms a body has no mass of its own, and MuJoCo wants one
             body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0, 1.0, 1.0]
             body.fullinertia = [np.nan] * 6
-        return spec.compile(), couplings, changes
+        with warnings.catch_warnings():  # of inertias that are none of the file's
+            warnings.simplefilter("ignore", UserWarning)
+            return spec.compile(), couplings, changes
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
         raise RobotError(f"MuJoCo cannot compile the file: {reason[:300]}", where=str(file)) from None
@@ -275,6 +278,10 @@ def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tu
         kind = _KINDS[step.kind]
         direction, point = pose[:3, :3] @ motion.axis, pose[:3, 3] + pose[:3, :3] @ motion.anchor
         slides = kind is JointKind.PRISMATIC
+        measure = "length" if slides else "angle"
+        if not abs(motion.ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
+            raise RobotError("ref is too large, or no number", where=tree.where(step), got=f"{motion.ref:g}",
+                             allowed=allowed_range(measure))  # fmt: skip
         screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(point, direction), direction]) + 0.0
         pose = pose @ _back(motion, slides=slides)
         joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose, link=step.child))

@@ -47,8 +47,15 @@ def alike(found: Family, family: Family) -> bool:
 
 
 def axes_of(name: str) -> str:
-    """A name without how the other joints are held, and without what tells it from families of the same name."""
-    return re.sub(r"(, others (fixed|coupled))?( \([^)]*\))?$", "", name)
+    """A name without how the other joints are held, and without what tells it from families of the same name.
+
+    Nor with what names above 60 characters leave out first: that of an atlas has its values too, and gives up more.
+    """
+    name = re.sub(r"(, others (fixed|coupled))?( \([^)]*\))?$", "", name)
+    name = re.sub(r"axes \d+, \d+ and wrist centre coplanar", "arm stretched or folded", name)
+    name = re.sub(r"(, \d+ [∥⟂] \d+)+", "", name)
+    name = re.sub(r"(concurrent|parallel) and coplanar", r"\1", name)
+    return re.sub(r"(with )?a condition( on [^(]*)?$", "a condition", name)
 
 
 UNLIKE = {("canadarm2", "k1.f1"), ("gen3", "k1.f1")}

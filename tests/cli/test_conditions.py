@@ -69,7 +69,7 @@ def test_the_text_names_the_arm_its_lengths_and_every_condition(run) -> None:
     for words in (
         "puma560: Unimation PUMA 560",
         "lengths a2 = 0.4318 m, d3 = 0.15005 m, a3 = 0.0203 m, d4 = 0.4318 m",
-        "corank 1 also by decoupling (spherical wrist",
+        "corank 1 also by decoupling. Spherical wrist",
         "Corank 1 rank 5 of 6: 3 families",
         "θ5 = 0 or π",
         "a3 s3 + d4 c3 = 0",

@@ -14,6 +14,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import exits, main
 from rankdrop.errors import MissingExtraError, OptionError, RobotError
+from rankdrop.exact.writing.condition import AnglePin
 from rankdrop.families.linear import vanishing_on
 from rankdrop.families.table import families
 from rankdrop.results.analysis import Analysis
@@ -111,7 +112,7 @@ def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_tol
     by_exact = analyze(open_robot("planar3r"), starts=200)
     assert by_exact.verified
     assert [str(one) for one in by_exact.of_corank(1)[0].equations] != [str(too_wide)]
-    meddle(lambda exact: [replace(one, pins=((2, ("0",)),)) for one in exact])
+    meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0",)),)) for one in exact])
     half = analyze(open_robot("planar3r"), starts=200)
     share = half.coranks[0].completeness
     assert 0.2 * share.tested < share.explained < 0.8 * share.tested, "counted on the rows as they are now"

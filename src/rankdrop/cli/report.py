@@ -14,9 +14,9 @@ from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from rankdrop.cli.progress import Report
-    from rankdrop.report.meshes import Lighter
     from rankdrop.results import Analysis, Verdict
     from rankdrop.verbs import Idealised
+    from rankdrop.viewer.meshes import Mesh
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -129,7 +129,7 @@ def _written(
     exact_seconds: float,
     seed: int,
     progress: Report,
-    drawn: tuple[Lighter, ...],
+    drawn: tuple[Mesh, ...],
 ) -> tuple[list[Path], Verdict, bool]:
     """The files, the verdict of the first line, and whether exact conditions were interrupted."""
     from rankdrop.cli.files import write_bytes
@@ -163,12 +163,12 @@ def _written(
     return paths, shown.verdict, shown.interrupted
 
 
-def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Lighter, ...]:
+def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Mesh, ...]:
     """The shapes of the links that the arm's file has; what cannot be drawn is told."""
     from rankdrop.cli.arm import arguments_of, packages_of
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
-    from rankdrop.report.meshes import lighter
+    from rankdrop.report.meshes import simplified
     from rankdrop.viewer.meshes import meshes_of
     from rankdrop.viewer.visuals import visuals_of
 
@@ -179,7 +179,7 @@ def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Lighter, ...]:
         meshes, unread = (), (str(error),)
     for note in (*left_out, *unread):
         say(f"not drawn: {note}")
-    return lighter(meshes)
+    return simplified(meshes)
 
 
 def _default(analysis: Analysis, format: Format) -> str:

@@ -24,12 +24,12 @@ from rankdrop.families import (
 from rankdrop.family import Family
 from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
-from rankdrop.report.meshes import Lighter
 from rankdrop.report.ways import Way, ways_out
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
 from rankdrop.robot import Array
 from rankdrop.sections import Section
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
+from rankdrop.viewer.meshes import Mesh
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""
@@ -74,7 +74,7 @@ class Content:
     sweeps: tuple[tuple[Sweep, ...], ...]
     ways: tuple[tuple[Way, ...], ...] = ()
     beside: tuple[Section, ...] = ()
-    meshes: tuple[Lighter, ...] = ()
+    meshes: tuple[Mesh, ...] = ()
 
     @property
     def verdict(self) -> Verdict:
@@ -96,7 +96,7 @@ class Content:
 
 def content(
     analysis: Analysis, *, exact: bool = True, exact_seconds: float = EXACT_SECONDS, seed: int = 0,
-    made: Idealised | None = None, progress: Progress | None = None, meshes: tuple[Lighter, ...] = (),
+    made: Idealised | None = None, progress: Progress | None = None, meshes: tuple[Mesh, ...] = (),
 ) -> Content:  # fmt: skip
     """Work out all that a report of this analysis shows.
 
@@ -107,7 +107,7 @@ def content(
         seed: of every random choice.
         made: how the arm was made, where it is an ideal one.
         progress: called as progress(label, done, total).
-        meshes: shapes of the links (`rankdrop.report.meshes.lighter`).
+        meshes: shapes of the links (`rankdrop.report.meshes.simplified`).
     """
     robot, task = analysis.robot, analysis.task
     families = tuple(posed(robot, task, family) for family in analysis.families)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,24 +17,7 @@ _GROWS = 1.15  # by how much cells grow until there are few enough triangles
 _LEVELS = 8191  # steps of a coordinate over the size of its mesh: 0.1 mm in a metre
 
 
-@dataclass(frozen=True, eq=False)
-class Lighter:
-    """Triangles on one link, few of them.
-
-    Attributes:
-        link: index of `link_poses`.
-        vertices: (V, 3) in the frame of that link [m].
-        faces: (F, 3) indices.
-        colour: (r, g, b) in 0 … 255.
-    """
-
-    link: int
-    vertices: Array
-    faces: NDArray[np.int64]
-    colour: tuple[int, int, int]
-
-
-def lighter(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Lighter, ...]:
+def simplified(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Mesh, ...]:
     """The meshes with at most so many triangles together.
 
     Vertices in one cell of a grid become one, their mean; the cells grow until there are few enough triangles. What
@@ -45,6 +27,7 @@ def lighter(meshes: Sequence[Mesh], most: int = MOST) -> tuple[Lighter, ...]:
         meshes: of any size.
         most: triangles of all of them together.
     """
+    meshes = [one for one in meshes if len(one.faces)]
     every = sum(len(one.faces) for one in meshes)
     if not every:
         return ()
@@ -63,7 +46,7 @@ def _area(vertices: Array, faces: NDArray[Any]) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def _clustered(mesh: Mesh, cell: float) -> Lighter:
+def _clustered(mesh: Mesh, cell: float) -> Mesh:
     """Vertices of one cell made one; triangles that have become lines go, and all but one of equal ones."""
     keys = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) / cell).astype(np.int64)
     wide = keys.max(axis=0) + 1
@@ -78,10 +61,10 @@ def _clustered(mesh: Mesh, cell: float) -> Lighter:
         _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
         faces = faces[np.sort(first)]
     used, faces = np.unique(faces, return_inverse=True)
-    return Lighter(mesh.link, vertices[used], faces.reshape(-1, 3), mesh.colour)
+    return Mesh(mesh.link, vertices[used], faces.reshape(-1, 3).astype(np.uint32), mesh.colour)
 
 
-def meshes_data(meshes: Sequence[Lighter]) -> list[dict[str, Any]]:
+def meshes_data(meshes: Sequence[Mesh]) -> list[dict[str, Any]]:
     """The meshes for the page's program: whole numbers, a step and a corner to make metres of them."""
     data = []
     for one in meshes:

@@ -210,16 +210,24 @@ def test_a_journal_keeps_what_is_proven(ur5, tmp_path):
     assert int(journal.read_bytes().split(b"\n")[-2]) == half
     journal.write_bytes(journal.read_bytes() + b"99999")  # cut off
     seen.clear()
-    assert verify(ur5[1], journal=journal, progress=lambda done, total: seen.append(done)).holds
+    resumed = verify(ur5[1], journal=journal, progress=lambda done, total: seen.append(done))
+    assert resumed.holds
     assert seen[0] >= half
+    count = int(journal.read_bytes().split(b"\n")[-2])
+    assert f"{half:,} of them in an earlier run, as the journal says, {count - half:,} by the det" in resumed.claim
     seen.clear()
-    assert verify(ur5[1], journal=journal, progress=lambda done, total: seen.append(done)).holds
+    again = verify(ur5[1], journal=journal, progress=lambda done, total: seen.append(done))
+    assert again.holds
+    assert f"{count:,} of them in an earlier run, as the journal says, 0 by the determinant" in again.claim
     assert not seen  # all are proven
+    journal.write_bytes(journal.read_bytes() + b"%d\n" % (count + 1))
+    with pytest.raises(ResultFileError, match="more boxes than the covering has"):
+        verify(ur5[1], journal=journal)
     (tmp_path / "other").write_text("something else\n")
     with pytest.raises(ResultFileError, match="journal of another"):
         verify(ur5[1], journal=tmp_path / "other")
     with pytest.raises(OptionError, match="journal"):
-        verify(ur5[1], journal=journal, sample=3)
+        verify(ur5[1], journal=tmp_path / "third", sample=3)
 
 
 def test_a_check_that_would_take_hours_says_so_first(tmp_path):
@@ -233,4 +241,6 @@ def test_a_check_that_would_take_hours_says_so_first(tmp_path):
     assert not told.enclosures
     journal = tmp_path / "checked"
     assert verify(place, enclosures=3, every=True, journal=journal).holds
-    assert verify(place, enclosures=3, every=True, journal=journal).enclosures == 0
+    again = verify(place, enclosures=3, every=True, journal=journal)
+    assert again.enclosures == 0
+    assert "in an earlier run, as the journal says" in again.claim

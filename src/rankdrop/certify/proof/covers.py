@@ -137,29 +137,38 @@ class _Boxes:
         if every:
             work.most = max(work.most, 1 << 62)
         notes = None if journal is None else _Journal(journal, told.sha256)
+        if notes is not None and notes.known > self.count:
+            notes.close()
+            raise ResultFileError(
+                "the journal tells of more boxes than the covering has free", where=str(journal), got=notes.known,
+                allowed=f"at most {self.count:,}", mend="name another file, or delete this one",
+            )  # fmt: skip
         try:
-            left = self._prove(split, notes)
+            earlier, left = self._prove(split, notes)
         finally:
             if notes is not None:
                 notes.close()
+        before = f"{earlier:,} of them in an earlier run, as the journal says" if earlier else ""
         if split is None:
-            return ""
+            return f": {before}" if before else ""
         rest = f" and {left:,} by enclosures" if left else ""
-        return f": {self.count - left:,} by the determinant in Bernstein form{rest}; {self._across()}"
+        ways = f"{self.count - earlier - left:,} by the determinant in Bernstein form{rest}"
+        return f": {', '.join(filter(None, (before, ways)))}; {self._across()}"
 
-    def _prove(self, split: Determinant | None, notes: _Journal | None) -> int:
-        """Every box that a journal does not have; how many were left to enclosures."""
+    def _prove(self, split: Determinant | None, notes: _Journal | None) -> tuple[int, int]:
+        """Every box that a journal does not have: how many it had, and how many were left to enclosures."""
         work, depth = self._work, self._plan.depth
-        known = 0 if notes is None else min(notes.known, self.count)
-        begin, left = 0, 0
+        known = 0 if notes is None else notes.known
+        begin, earlier, left = 0, 0, 0
         for level, cells in _free_boxes(self._tree):
             end = begin + len(cells)
             if end <= known:
-                begin = end
+                begin, earlier = end, end
                 continue
             work.tell(begin, self.count)
             if split is None:
                 free = np.arange(begin, end) < known
+                earlier += int(free.sum())
             else:
                 free = split.free([min(level, most) for most in depth], cells)
                 left += int((~free).sum())
@@ -172,7 +181,7 @@ class _Boxes:
             begin = end
             if notes is not None:
                 notes.add(begin)
-        return left
+        return earlier, left
 
 
 class _Journal:

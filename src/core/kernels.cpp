@@ -207,18 +207,13 @@ void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t
     }
 }
 
-// Lanes of `regular`, as many together as are walked from at once.
+// Lanes of `regular`.
 void far_of_regular(const Chain& chain, const View& view, const Families& families, const MonitorSettings& settings, int family,
                     const Pack* x, const Workspace& ws, Mask regular, int count, FarRoom& room, Apart<Pack>& out) {
-    int lanes[W], known = 0;
-    for (int lane = 0; lane < count; ++lane)
-        if (get(regular, lane)) lanes[known++] = lane;
-    for (int first = 0; first < known; first += kGroup) {
-        int these[kGroup];
-        for (int i = 0; i < kGroup; ++i) these[i] = lanes[first + i < known ? first + i : first];
-        Apart<double> found[kGroup];
-        apart_by_set(chain, view, families, settings, family, x, ws, these, room, found, nullptr);
-        for (int i = 0; i < kGroup; ++i) set(out.residual, these[i], found[i].residual), set(out.distance, these[i], found[i].distance);
+    for (int lane = 0; lane < count; ++lane) {
+        if (!get(regular, lane)) continue;
+        const Apart<double> found = apart_by_set(chain, view, families, settings, family, x, ws, lane, room, nullptr);
+        set(out.residual, lane, found.residual), set(out.distance, lane, found.distance);
     }
 }
 

@@ -35,7 +35,7 @@
 
 #include "enclosure.hpp"
 #include "monitor.h"
-#include "sightings.hpp"
+#include "spread.hpp"
 
 namespace rankdrop {
 namespace RANKDROP_ISA {
@@ -67,6 +67,7 @@ class Monitor {
             throw std::invalid_argument("rankdrop: start is above stop, and stop is 0 or more");
         if (!settings_.rates.empty() && static_cast<int>(settings_.rates.size()) != chain_.variables)
             throw std::invalid_argument("rankdrop: one rate for each variable");
+        if (families_.points.empty()) RANKDROP_ISA::spread(chain_, view_, families_, settings_);
         const std::size_t n = size(), m = static_cast<std::size_t>(view_.m), count = families_.corank.size() + 1;
         const std::size_t nodes = static_cast<std::size_t>(families_.nodes());
         work_ = std::make_unique<Work>(chain_, view_.m, families_);
@@ -168,13 +169,10 @@ class Monitor {
         RANKDROP_ISA::waves_of_one(families_, out.corank > 0, q, phase_.data(), sine_.data(), cosine_.data());
         const RANKDROP_ISA::Waves<double> waves{sine_.data(), cosine_.data()};
         for (int f = 0; f < families(); ++f)
-            if (families_.lengthy[f] && out.corank == 0) {
-                const int lanes[RANKDROP_ISA::kGroup] = {};
-                RANKDROP_ISA::Apart<double> found[RANKDROP_ISA::kGroup];
-                RANKDROP_ISA::apart_by_set(chain_, view_, families_, settings_, f, work_->x, ws, lanes, work_->far, found,
-                                           away_.data() + f * n);
-                each_[f] = found[0];
-            } else
+            if (families_.lengthy[f] && out.corank == 0)
+                each_[f] = RANKDROP_ISA::apart_by_set(chain_, view_, families_, settings_, f, work_->x, ws, 0, work_->far,
+                                                      away_.data() + f * n);
+            else
                 each_[f] = RANKDROP_ISA::apart<double>(families_, f, q, waves, gradient_.data(), away_.data() + f * n);
         RANKDROP_ISA::walk_all<double>(families_, settings_.start, q, work_->walks, each_.data(), away_.data());
         const auto met = RANKDROP_ISA::attribute<double>(families_, settings_, out.corank, each_.data());

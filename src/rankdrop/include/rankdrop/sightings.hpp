@@ -334,22 +334,26 @@ inline bool shared(const Families& table, const MonitorSettings& set, int family
     return false;
 }
 
-// Residuals and distances of a lengthy family at kGroup regular configurations, in these lanes of q and `start`: by the
-// kinematics. They are of the singular set; walks that end beside the family's condition were to another family. Where none
-// counts, distances are to first order. `away`, (n) or null, of the first: the gradient of the distance by scaled variables.
-inline void apart_by_set(const Chain& chain, const View& view, const Families& table, const MonitorSettings& set, int family,
-                         const Pack* q, const Workspace& start, const int* lanes, FarRoom& room, Apart<double>* out, double* away) {
+// Residual and distance of a lengthy family at a regular configuration, in this lane of q and `start`: by the kinematics.
+// They are of the singular set; walks that end beside the family's condition were to another family. Where none counts, the
+// distance is to first order. `away`, (n) or null: the gradient of the distance by scaled variables.
+inline Apart<double> apart_by_set(const Chain& chain, const View& view, const Families& table, const MonitorSettings& set,
+                                  int family, const Pack* q, const Workspace& start, int lane, FarRoom& room, double* away) {
     const int n = table.variables;
     const bool all = !shared(table, set, family);
     const auto off = [&](const Pack* x) { return all ? fill(0.0) : beside(table, family, x, room); };
-    OntoSet found[kGroup];
-    walk_onto_set(chain, view, table.scale.data(), set.generic - table.corank[family], q, start, lanes, room.set, found, off);
-    for (int group = 0; group < kGroup; ++group)
-        out[group] = {found[group].first, std::isfinite(found[group].distance) ? found[group].distance : found[group].first};
-    if (!away) return;
-    const double* end = std::isfinite(found[0].distance) ? room.set.end : room.set.first;
-    for (int j = 0; j < n; ++j)
-        away[j] = out[0].distance > 0.0 ? (get(q[j], lanes[0]) - end[j]) / table.scale[j] / out[0].distance : 0.0;
+    const SetPoints* points = table.points.empty() ? nullptr : &table.points[family];
+    OntoSet found;
+    walk_onto_set(chain, view, table.scale.data(), set.generic - table.corank[family], q, start, lane, points, room.set, found,
+                  off);
+    const bool reached = std::isfinite(found.distance);
+    if (away) {
+        const double* there = reached ? room.set.normal_of : room.set.first;
+        double square = 0.0;
+        for (int j = 0; j < n; ++j) square += there[j] * there[j];
+        for (int j = 0; j < n; ++j) away[j] = square > 0.0 ? -there[j] / std::sqrt(square) : 0.0;
+    }
+    return {found.first, reached ? found.distance : found.first};
 }
 
 template <class T>

@@ -25,12 +25,12 @@ inline constexpr double kNoise = 0x1p-108;
 // and a subspace by the cosine itself, relative to their sizes: F and D keep nine digits, sigma all of them.
 inline constexpr Precision kSearch{1e-9, 1e-5, 2.0};
 
-// (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c): three shears, whose product is a rotation whatever h is to rounding
+// (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c): lengths drift least in this form
 inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
     for (int k = 0; k < length; ++k) {
-        const Pack a = x[k] - h * y[k], b = y[k] + s * a;
-        x[k] = a - h * b;
-        y[k] = b;
+        const Pack a = x[k], b = y[k];
+        x[k] = a - s * (b + h * a);
+        y[k] = b + s * (a - h * b);
     }
 }
 
@@ -71,9 +71,9 @@ inline Pack half_tangent(Pack d, Pack p) {
     const Rough rd = rough(size_d * unit), rp = rough(size_p * unit), floor = Rough{} + 1e-18f;
     // what is squared stays above the floor, of no account beside 1: subnormal numbers are slow
     const Rough sd = rd > floor ? rd : floor, sp = rp > floor ? rp : floor;
-    // with r the hypotenuse of d and p: tan = p / (r + d), cos² = (r + d) / 2r, and from both the tangent of the half
-    const Rough r = sqrt(sd * sd + sp * sp), both = r + sd;
-    const Pack h = fine(rp / (both + sqrt((r + r) * both)));
+    const Rough t = rp / (rd + sqrt(sd * sd + sp * sp));  // |tan(angle)|, at most 1
+    const Rough st = t > floor ? t : floor;
+    const Pack h = fine(t / (1.0f + sqrt(1.0f + st * st)));
     return select((d < fill(0.0)) ^ (p < fill(0.0)), -h, h);
 }
 

@@ -105,7 +105,7 @@ def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(
     one = shapes.families[1]
     console = results()
     for count, told in ((24, 24), (30, 3)):
-        shares = [replace(one.explained, explained=number) for number in range(count)]
+        shares = [replace(one.explained, agree=number) for number in range(count)]
         rows = tuple(
             replace(one, id=f"k1.f{i}", evidence=Sampled("made up", one.soundness, share))
             for i, share in enumerate(shares)

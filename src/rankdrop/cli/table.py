@@ -85,8 +85,8 @@ def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
         return title.append("; absence of a find is not a proof")
     share = summary.completeness
     title.append(f"{_count(rows, 'family', 'families')}, ")
-    counts = f"{share.explained:,} of {share.tested:,} fresh points explained"
-    style = "" if share.explained == share.tested else _BAD
+    counts = f"{share.agree:,} of {share.tested:,} fresh points explained"
+    style = "" if share.agree == share.tested else _BAD
     return title.append(counts, style)
 
 
@@ -95,7 +95,7 @@ def _examples(rows: tuple[Family, ...]) -> dict[int, Family]:
     numbered = enumerate(rows, start=1)
     if len(rows) <= _MANY:
         return dict(numbered)
-    told = sorted(numbered, key=lambda one: (not _unsound(one[1]), not one[1].named, -one[1].explained.explained))
+    told = sorted(numbered, key=lambda one: (not _unsound(one[1]), not one[1].named, -one[1].explained.agree))
     return dict(sorted(told[:_SHOWN]))
 
 
@@ -185,11 +185,11 @@ def _name(row: Family) -> Text:
 
 
 def _sound(row: Family) -> Text:
-    return Text(share_text(row.soundness.singular, row.soundness.tested), style="" if row.soundness.holds else _BAD)
+    return Text(share_text(row.soundness.agree, row.soundness.tested), style="" if row.soundness.holds else _BAD)
 
 
 def _unsound(row: Family) -> bool:
-    return row.soundness.singular < row.soundness.tested
+    return row.soundness.agree < row.soundness.tested
 
 
 def _unbroken(cell: str) -> int:

@@ -19,11 +19,10 @@ import numpy as np
 
 from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.cells import COUPLED, coupled_conditions
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pin, Sampled, Share, Soundness, numbered
+from rankdrop.family.record import Check, CorankFamilies, CorankSummary, Family, Pin, Sampled, numbered
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
 
@@ -222,15 +221,15 @@ def _recounted(problem: Problem, sampled: CorankFamilies, rows: Sequence[Family]
         return sampled.summary
     fresh = Cloud(problem.robot, problem.task, sampled.fresh, np.full(len(sampled.fresh), problem.corank))
     check, _ = explained(fresh, [row.equations for row in rows if row.equations], problem.tolerances)
-    return replace(sampled.summary, completeness=Share(check.tested, check.agree))
+    return replace(sampled.summary, completeness=Check(check.tested, check.agree))
 
 
 def _judged(row: Family, loose: Wider | None) -> Family:
     """A row with the regular solutions of its equations that were met since counted in its soundness."""
     if loose is None:
         return row
-    tested, singular = row.soundness.tested, row.soundness.singular
-    sound = Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere)
+    tested, singular = row.soundness.tested, row.soundness.agree
+    sound = Check(tested + loose.solved, singular + loose.solved - loose.elsewhere)
     return replace(row, evidence=Sampled(row.evidence.how, sound, row.explained))
 
 
@@ -267,8 +266,8 @@ def _measured(
         lost_words=sentences,
         evidence=Sampled(
             f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
-            Soundness(points.solved, points.solved - points.elsewhere),
-            Share(sampled.summary.completeness.tested, share),
+            Check(points.solved, points.solved - points.elsewhere),
+            Check(sampled.summary.completeness.tested, share),
         ),
     )
 

@@ -97,8 +97,8 @@ def _family(one: Family, robot: Robot) -> Record:
         "coupled": list(one.coupled),
         "conditions": [condition_text(x) for x in one.equations if coupled & set(x.joints)],
         "named": one.named,
-        "sound": [one.soundness.singular, one.soundness.tested],
-        "explained": [one.explained.explained, one.explained.tested],
+        "sound": [one.soundness.agree, one.soundness.tested],
+        "explained": [one.explained.agree, one.explained.tested],
         "witness": list(one.witness),
     }
 

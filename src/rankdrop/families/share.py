@@ -254,7 +254,7 @@ def overview(
         share = summary.completeness
         yield Section(
             title,
-            f"completeness {share_text(share.explained, share.tested)} ({share.explained:,} of {share.tested:,})",
+            f"completeness {share_text(share.agree, share.tested)} ({share.agree:,} of {share.tested:,})",
             columns=("", "family", *symbols, "dim", "sound", "share"),
             rows=tuple(_row(family, kinds) for family in rows),
             texts=(0, 1),
@@ -264,7 +264,7 @@ def overview(
 
 def _row(family: Family, kinds: Sequence[str]) -> tuple[str, ...]:
     joints = (" ".join(joint_cell(family, number, kind).split()) for number, kind in enumerate(kinds, start=1))
-    sound = share_text(family.soundness.singular, family.soundness.tested)
+    sound = share_text(family.soundness.agree, family.soundness.tested)
     return family.id, family.name, *joints, str(family.dimension), sound, rounded_share(family.explained)
 
 

@@ -36,7 +36,7 @@ def families_csv(content: Content) -> str:
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
             family.id, family.name, family.corank, family.dimension, *cells, conditions, "; ".join(family.lost_words),
-            family.soundness.singular, family.soundness.tested, family.explained.explained, family.explained.tested,
+            family.soundness.agree, family.soundness.tested, family.explained.agree, family.explained.tested,
             standing(analysis, family), *(f"{value:.6g}" for value in at),
         ])  # fmt: skip
     return buffer.getvalue()

@@ -66,9 +66,9 @@ def _corank(analysis: Analysis, derived: Conditions | None, summary: CorankSumma
         )
     share = summary.completeness
     count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}"
-    css = "good" if share.explained == share.tested else "bad"
+    css = "good" if share.agree == share.tested else "bad"
     complete = (
-        f'<p>{count}, <span class="{css}">{share.explained:,} of {share.tested:,} fresh points explained'
+        f'<p>{count}, <span class="{css}">{share.agree:,} of {share.tested:,} fresh points explained'
         "</span>.</p>"
     )
     body = "".join(_rows(analysis, derived, row) for row in rows)
@@ -106,7 +106,7 @@ def _rows(analysis: Analysis, derived: Conditions | None, row: Family) -> str:
     row = row if inside is None else inside.shown(row)
     cells = "".join(_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
     lost = "<br>".join(escape(words) for words in row.lost_words)
-    sound, share = share_text(row.soundness.singular, row.soundness.tested), rounded_share(row.explained)
+    sound, share = share_text(row.soundness.agree, row.soundness.tested), rounded_share(row.explained)
     css = "num" if row.soundness.holds else "num bad"
     name = f'<span class="{"" if row.named else "bad"}">{escape(row.name)}</span>'
     button = f'<button data-go="{row.id}" data-far title="Show the arm at the witness">{row.id}</button>'

@@ -20,6 +20,8 @@ from rankdrop.local.block import singular_values
 from rankdrop.results.believed import at, check_analysis, check_record
 from rankdrop.results.codec import (
     Record,
+    corank_from_dict,
+    corank_to_dict,
     family_from_dict,
     family_to_dict,
     near_to_dict,
@@ -147,8 +149,8 @@ class Analysis:
     @property
     def sound_and_complete(self) -> bool:
         """Whether every fresh point is explained, every row has equations, and every row is sound."""
-        explained = all(row.completeness.explained == row.completeness.tested for row in self.coranks)
-        sound = all(row.named and row.soundness.singular == row.soundness.tested for row in self.families)
+        explained = all(row.completeness.agree == row.completeness.tested for row in self.coranks)
+        sound = all(row.named and row.soundness.agree == row.soundness.tested for row in self.families)
         return explained and sound
 
     def of_corank(self, corank: int) -> tuple[Family, ...]:
@@ -187,7 +189,7 @@ class Analysis:
             "complete": self.complete,
             "unfinished": self.unfinished,
             "notes": list(self.notes),
-            "coranks": plain(self.coranks),
+            "coranks": [corank_to_dict(one) for one in self.coranks],
             "families": [self._row(family) for family in self.families],
             **({} if self.exact is None else {"exact": plain(self.exact)}),
             **({} if self.near is None else {"near": near_to_dict(self.near)}),
@@ -238,7 +240,7 @@ class Analysis:
             task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
-            coranks=restored(tuple[CorankSummary, ...], record["coranks"]),
+            coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
             families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
@@ -288,9 +290,9 @@ def sampled(analysis: Analysis) -> str:
     if not analysis.families:
         return ""
     solved = sum(row.soundness.tested for row in analysis.families)
-    singular = sum(row.soundness.singular for row in analysis.families)
+    singular = sum(row.soundness.agree for row in analysis.families)
     fresh = sum(row.completeness.tested for row in analysis.coranks)
-    explained = sum(row.completeness.explained for row in analysis.coranks)
+    explained = sum(row.completeness.agree for row in analysis.coranks)
     return (
         f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}). "

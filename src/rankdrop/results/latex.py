@@ -67,8 +67,8 @@ def _table(
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
         "$\\times$: any value; c: coupled, see below the table; dim: dimension of the family. "
-        f"The rows explain {share.explained} of {share.tested} fresh singular points "
-        f"({as_text(share_text(share.explained, share.tested))})."
+        f"The rows explain {share.agree} of {share.tested} fresh singular points "
+        f"({as_text(share_text(share.agree, share.tested))})."
     )
     name = re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
     joints = zip(*(_values(robot, one) for one in rows), strict=True)

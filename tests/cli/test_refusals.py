@@ -12,10 +12,10 @@ import pytest
 import rankdrop
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, ResultFileError, RobotError
-from rankdrop.families.cells import rounded_share, share_text
 from rankdrop.family.record import Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
+from rankdrop.text.cells import rounded_share, share_text
 
 from .conftest import command
 

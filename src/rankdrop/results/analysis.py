@@ -13,8 +13,7 @@ import numpy as np
 
 from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import ResultFileError
-from rankdrop.families.cells import inside_limits, share_text
-from rankdrop.families.share import Near, overview
+from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.believed import at, check_analysis, check_record
@@ -33,12 +32,14 @@ from rankdrop.results.codec import (
     save_record,
     task_from_dict,
 )
-from rankdrop.results.latex import latex_tables
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
 from rankdrop.sections import html
 from rankdrop.task import Task
+from rankdrop.text.cells import inside_limits, share_text
+from rankdrop.text.families import overview
+from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
 
 SCHEMA = "rankdrop/analysis/1"
@@ -251,13 +252,11 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         """For notebooks: one table per corank."""
-        rows = self.families
-        if self.settings.limits:
-            rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
-        return html(overview(self.robot, self.generic_rank, self.coranks, rows))
+        return html(overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                             limits=self.settings.limits))  # fmt: skip
 
     def latex(self) -> str:
-        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.results.latex_tables`."""
+        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.text.latex.latex_tables`."""
         return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
                             limits=self.settings.limits)  # fmt: skip
 

@@ -1,6 +1,6 @@
 // A chain and what it does at configurations: poses, Jacobians, singular values, the block.
 #include "bindings.hpp"
-#include "numpy_array.hpp"
+#include "bindings_numpy.hpp"
 
 #include <unordered_map>
 

@@ -1,6 +1,8 @@
 // Which family, and readable bases.
 #include "bindings.hpp"
 
+#include <algorithm>
+
 #include "readable.hpp"
 #include "watcher.hpp"
 
@@ -79,10 +81,17 @@ nb::object monitor(const Chain& chain, const View& view, const Families& familie
                           distance.give());
 }
 
+void spread_points(const Chain& chain, const View& view, Families& families, const MonitorSettings& settings) {
+    fit(chain, view, families, settings);
+    nb::gil_scoped_release release;
+    kernels().spread(chain, view, families, settings);
+}
+
 std::unique_ptr<Watcher> make_watcher(const Chain& chain, const View& view, const Families& families,
                                       const MonitorSettings& settings) {
     fit(chain, view, families, settings);
-    return watching().watch(chain, view, families, settings);
+    const bool walks = std::find(families.lengthy.begin(), families.lengthy.end(), 1) != families.lengthy.end();
+    return watching(walks).watch(chain, view, families, settings);
 }
 
 // One configuration, velocity or none; None where one of them is not finite. One array: sigma, u, the null-space step, q.
@@ -160,6 +169,7 @@ void bind_families(nb::module_& module) {
              nb::arg("loose"), nb::arg("start"), nb::arg("stop"), nb::arg("beyond"), nb::arg("rates"));
     module.def("monitor", &monitor, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("q"),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    module.def("spread", &spread_points, nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"));
     module.def("equations", &equations, nb::arg("families"), nb::arg("q"), nb::kw_only(), nb::arg("slopes") = true,
                nb::arg("threads") = 0);
     nb::class_<ZeroSettings>(module, "ZeroSettings")

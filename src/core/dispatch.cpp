@@ -34,11 +34,11 @@ std::atomic<const Kernels*>& chosen() {
 
 const Kernels& kernels() { return *chosen().load(std::memory_order_relaxed); }
 
-const Kernels& watching() {
-    constexpr int kWalks = 4;  // of one configuration (onto_set.hpp)
+const Kernels& watching(bool walks) {
+    const int lanes = walks ? 8 : 4;  // 8 walks of one configuration (onto_set.hpp); else what wider registers cost counts
     const Kernels* best = &baseline::table;
     for (const Kernels* one : runnable())
-        if (one->width <= kWalks && one->width <= kernels().width) best = one;
+        if (one->width <= lanes && one->width <= kernels().width) best = one;
     return *best;
 }
 

@@ -12,7 +12,7 @@
 #include "nearest.hpp"
 #include "links.hpp"
 #include "newton.hpp"
-#include "sightings.hpp"
+#include "spread.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
 namespace {
@@ -316,6 +316,6 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape, watch};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, spread, equations, zeros, cover, judge, shape, watch};
 
 }  // namespace rankdrop::RANKDROP_ISA

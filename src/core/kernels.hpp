@@ -54,6 +54,8 @@ struct Kernels {
     void (*links)(const Chain&, const double* q, std::int64_t begin, std::int64_t end, double* out);
     void (*monitor)(const Chain&, const View&, const Families&, const MonitorSettings&, const double* q, std::int64_t begin,
                     std::int64_t end, const SightingsOutput&);
+    // points that walks of lengthy families begin at, once for a table
+    void (*spread)(const Chain&, const View&, Families&, const MonitorSettings&);
     // (B, n) -> f (B, e) and, where not null, its gradients (B, e, n)
     void (*equations)(const Families&, const double* q, std::int64_t begin, std::int64_t end, double* f, double* slopes);
     // q (B, n) in and out; worst (B): the largest |f| that is left
@@ -73,8 +75,9 @@ struct Kernels {
 const Kernels& kernels();
 // The table with one lane, for single rows.
 const Kernels& narrowest();
-// The table for one configuration after the other: as many lanes as it has walks, if that many were asked for.
-const Kernels& watching();
+// The table for one configuration after the other: where it is walked from by the kinematics as many lanes as there are
+// walks, if that many were asked for.
+const Kernels& watching(bool walks);
 // The quickest table for so many rows: all give the same bits.
 const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.

@@ -87,40 +87,20 @@ def lengthy(family: Family) -> bool:
     return count > (100 if len(family.witness) > 6 else 15)
 
 
-def walked_on_set(monitor: Monitor, family: Family, q: Array) -> tuple[float, float]:
-    """To first order, and the nearest rest of four walks onto the set by the kinematics, which any of four directions
-    of the task may be about to lose; of an arm with one long family, of corank 1.
-    """
+def first_by_kinematics(monitor: Monitor, family: Family, q: Array) -> float:
+    """|D⁺F|: to the tangent plane of F = 0 at q; F is of the task's weakest directions, derivatives from the base."""
     robot, task, rank = monitor.robot, monitor.task, monitor.generic_rank - family.corank
     scale = joint_scale(robot, task)
     here = replace(task, length_scale=task.scale(robot), frame=SPACE)  # derivatives are taken there
-    first = np.inf
     # u^T J of the task is (T^T u)^T J seen from the base
     shift = task_jacobian(robot, q, task) @ np.linalg.pinv(task_jacobian(robot, q, here))
-    border = shift.T @ block(robot, q, task, 0).u2
-    feet, last, far = [q.copy() for _ in range(4)], np.full(4, np.inf), np.zeros(4)
-    going = np.ones(4, dtype=bool)
-    for count in range(6):
-        for k in np.flatnonzero(going):
-            order = list(range(6))
-            order[rank - k], order[rank] = order[rank], order[rank - k]
-            at = block(robot, feet[k], here, 0)
-            jacobian, slopes = at.u2 @ at.f @ at.v2.T, np.einsum("ap,psk,js->ajk", at.u2, at.d, at.v2)
-            u = border[:, order]
-            strong, weak = (u.T @ jacobian)[:rank], (u.T @ jacobian)[rank]
-            left = u[:, rank] - u[:, :rank] @ np.linalg.lstsq(strong.T, weak, rcond=None)[0]
-            over = np.linalg.svd(strong)[2][rank:]
-            f, d = over @ jacobian.T @ left, np.einsum("a,ajk,bj->bk", left, slopes, over) * scale
-            step = (q - feet[k]) / scale
-            step = step - np.linalg.lstsq(d, f + d @ step, rcond=1e-7)[0]
-            last[k] = np.linalg.norm(step)
-            first = last[0] if count == 0 and k == 0 else first
-            feet[k] = feet[k] + step * min(1.0, 0.7 / last[k]) * scale
-            far[k] = np.linalg.norm((feet[k] - q) / scale)
-        rests = last <= 0.05 * far + 1e-9
-        ends = far[rests]
-        going &= ~rests & ((far < 1.05 * ends.min(initial=np.inf)) | (count < 1))
-    return first, float(ends.min(initial=np.inf)) if len(ends) else first
+    u, at = shift.T @ block(robot, q, task, 0).u2, block(robot, q, here, 0)
+    jacobian, slopes = at.u2 @ at.f @ at.v2.T, np.einsum("ap,psk,js->ajk", at.u2, at.d, at.v2)
+    strong, weak = (u.T @ jacobian)[:rank], (u.T @ jacobian)[rank]
+    left = u[:, rank] - u[:, :rank] @ np.linalg.lstsq(strong.T, weak, rcond=None)[0]
+    over = np.linalg.svd(strong)[2][rank:]
+    f, d = over @ jacobian.T @ left, np.einsum("a,ajk,bj->bk", left, slopes, over) * scale
+    return float(np.linalg.norm(np.linalg.lstsq(d, f, rcond=1e-7)[0]))
 
 
 def measured(monitor: Monitor, q: Array) -> Array:
@@ -128,7 +108,7 @@ def measured(monitor: Monitor, q: Array) -> Array:
     far = first_order(monitor, q)
     regular = monitor.look(q).corank == 0
     for k in np.flatnonzero([lengthy(family) for family in monitor.families]):
-        far[regular, k] = [walked_on_set(monitor, monitor.families[k], one)[1] for one in q[regular]]
+        far[regular, k] = [monitor.nearby(one).distance[k] for one in q[regular]]  # held against the search below
     within = np.maximum(2 * far.min(axis=1), monitor.start)
     for row, k in np.argwhere(far <= within[:, None]):
         far[row, k] = walked(monitor, monitor.families[k], q[row], float(far[row, k]))
@@ -172,17 +152,13 @@ def test_residuals_and_families_are_those_of_the_equations(name):
     want = residuals(monitor, q)
     nearest, far = want[np.arange(len(q)), seen.nearest], measured(monitor, q)
     # √|f| makes a difference of 1e-15 in f, a few hundred terms, one of 3e-8
-    # six steps of a walk that is farther than the set is curved blow rounding up
-    told = far.min(axis=1) < (1.5 if any(map(lengthy, monitor.families)) else np.inf)
-    assert told.mean() > 0.85
-    near = far.min(axis=1)[told]
-    np.testing.assert_allclose(far[np.arange(len(q)), seen.nearest][told], near, rtol=1e-6, atol=1e-7)
-    np.testing.assert_allclose(seen.distance[told], near, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(far[np.arange(len(q)), seen.nearest], far.min(axis=1), rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(seen.distance, far.min(axis=1), rtol=1e-6, atol=1e-7)
     named = seen.family >= 0
     assert named.sum() >= 4 * len(monitor.families)
     own = np.where(named, want[np.arange(len(q)), seen.family], nearest)
     for row in np.flatnonzero((seen.corank == 0) & [lengthy(monitor.families[k]) for k in seen.nearest]):
-        own[row] = walked_on_set(monitor, monitor.families[seen.nearest[row]], q[row])[0]
+        own[row] = first_by_kinematics(monitor, monitor.families[seen.nearest[row]], q[row])
     np.testing.assert_allclose(own, seen.residual, rtol=1e-9, atol=1e-7)
     coranks = np.array([family.corank for family in monitor.families])
     assert (coranks[seen.family[named]] <= seen.corank[named]).all()
@@ -291,33 +267,34 @@ def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(r
 
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford", "xarm6"])
 def test_the_distance_does_not_contradict_the_search(name: str) -> None:
-    """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 %, xArm6 2 %, at most."""
+    """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 % at most."""
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)
     q = sample(found.robot, found.task, 200, 78)
     far = monitor.distances(q)
     ratio = monitor.look(q).distance / far.nearest()[1]
     assert (np.abs(ratio - 1) < 0.05).mean() >= 0.95
-    assert (ratio > 1.2).mean() <= (0.02 if name == "xarm6" else 0.01)
+    assert (ratio > 1.2).mean() <= 0.01
     for row in range(0, 200, 20):
         seen = monitor.step(q[row])
         assert 0.0 < seen.at_least == far.at_least[row] <= far.nearest()[1][row]
 
 
 @pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4"])
-def test_where_conditions_are_long_the_distance_is_right_near_and_mostly_far(name: str) -> None:
-    """By the kinematics: to first order in the conditions it was half to twice the distance, and one in ten right."""
+def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str) -> None:
+    """By the kinematics, from points of the set: walks from q alone were right in four of five random configurations."""
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)
     family = next(one for one in found.families if lengthy(one))
     rng = np.random.default_rng(4)
-    on = members(found.robot, found.task, family, 40, seed=3)
+    on = members(found.robot, found.task, family, 120, seed=3)
     beside = on + rng.normal(size=on.shape) * 10.0 ** rng.uniform(-4, -1.3, (len(on), 1))
-    q = np.concatenate([beside, sample(found.robot, found.task, 80, 79)])
+    q = np.concatenate([beside, sample(found.robot, found.task, 300, 79)])
     truth = monitor.distances(q).nearest()[1]
     ratio = monitor.look(q).distance / truth
     near = truth < 0.2
-    assert near.sum() >= 35
+    assert near.sum() >= 100
     assert (np.abs(ratio[near] - 1) < 0.05).mean() >= 0.95
     assert (ratio[near] > 1.2).mean() <= 0.03
-    assert (np.abs(ratio - 1) < 0.05).mean() >= 0.75
+    assert (np.abs(ratio[len(on) :] - 1) < 0.05).mean() >= 0.95
+    assert (ratio[len(on) :] > 1.2).mean() <= 0.02

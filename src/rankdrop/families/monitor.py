@@ -70,10 +70,12 @@ class Sighting:
         rank, corank, family, nearest, residual: as in `Sightings`.
         distance: to `nearest` [rad; metres divided by the length scale]: the way of the pinned joints to their nearest
             values, and of the coupled ones to the nearest point that Newton's method on the family's conditions comes
-            to from there in eight steps. Where the conditions have more than 100 terms (15 with six joints), four walks
-            onto the singular set by the kinematics, six steps each, and the nearest end that is of the family. To first
-            order where none comes to rest. Where some family has no conditions, or none is given, σ_r/‖∇σ_r‖ if that is
-            smaller. `Monitor.distances` looks farther around, and takes longer. inf where there is nothing to go by.
+            to from there in eight steps. Where the conditions have more than 100 terms (15 with six joints), eight walks
+            onto the singular set by the kinematics, five looks each, from q and from points of the set that lie near,
+            drawn once for the monitor in some tenths of a second; the least |q − x| + |D⁺F| of a place x that is near
+            enough to the set, beside the family's conditions. To first order where there is none. Where some family has
+            no conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller. `Monitor.distances` looks farther around,
+            and takes longer. inf where there is nothing to go by.
         approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.
         scaling: 0 to 1, what the motion is to be multiplied by (`Monitor.step`).
         rate_scaling: 0 to 1, what it is to be multiplied by for all joint rates to keep their limits.
@@ -195,6 +197,7 @@ class Monitor:
             generic=self.generic_rank, **self.settings, start=self.start, stop=self.stop, beyond=self.beyond,
             rates=self.rates.tolist(),
         )
+        _core.spread(self._chain, self._view, self._table, self._settings)
         self._watcher = _core.Watcher(self._chain, self._view, self._table, self._settings)
         self._shape = (robot.n,)
         self._s, self._m = min(self.task.m, robot.n), self.task.m

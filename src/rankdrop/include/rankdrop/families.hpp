@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -16,10 +17,13 @@ inline constexpr int kMostMoving = 16;     // joints that matter to them
 // Points of the set where a family's rank drops, in groups that lie together: what walks begin at.
 struct SetPoints {
     std::vector<int> moving;           // joints that matter to them, all of them turn
-    std::vector<float> q, u, v;        // (points, n) [rad], (points, m) the direction lost, (points, n - rank, n) the null space
+    int width = 0;                     // of a point's record: q (n) [rad], the direction lost (m), the null space (n - rank, n)
+    std::vector<float> records;
     std::vector<float> place;          // group after group (moving, points of it) [turns]
     std::vector<float> centre;         // (moving, groups) [turns]
     std::vector<int> first;            // first point of every group, and the end
+
+    const float* point(int number) const { return records.data() + static_cast<std::size_t>(number) * static_cast<std::size_t>(width); }
 };
 
 // Equations f = sum_t (a_t cos(m_k . q - shift_k) + b_t sin(m_k . q - shift_k)) prod_j q_j^p_tj with k = angle_t. Families
@@ -55,7 +59,7 @@ struct Families {
     std::vector<int> first_phase{}, own_phase{}, first_node{}, own_node{}, witness{};
     std::vector<int> plain_phase{}, plain_node{};   // of all families that are not lengthy
     int widest = 0;                                 // coupled equations of a family that is walked to, at most
-    std::vector<SetPoints> points{};                // of every family, by `spread`; none where they are of no use
+    std::shared_ptr<const std::vector<SetPoints>> points{};  // of every family, by `spread`; empty where they are of no use
 
     int angles() const { return static_cast<int>(shift.size()); }
     int phases() const { return static_cast<int>(phase_m.size()); }

@@ -67,7 +67,7 @@ class Monitor {
             throw std::invalid_argument("rankdrop: start is above stop, and stop is 0 or more");
         if (!settings_.rates.empty() && static_cast<int>(settings_.rates.size()) != chain_.variables)
             throw std::invalid_argument("rankdrop: one rate for each variable");
-        if (families_.points.empty()) RANKDROP_ISA::spread(chain_, view_, families_, settings_);
+        if (!families_.points) RANKDROP_ISA::spread(chain_, view_, families_, settings_);
         const std::size_t n = size(), m = static_cast<std::size_t>(view_.m), count = families_.corank.size() + 1;
         const std::size_t nodes = static_cast<std::size_t>(families_.nodes());
         work_ = std::make_unique<Work>(chain_, view_.m, families_);

@@ -9,10 +9,11 @@ namespace rankdrop::RANKDROP_ISA {
 inline constexpr int kWalk = 8;          // Newton steps of a walk at most, by conditions
 inline constexpr int kWalkOnSet = 5;        // and by the kinematics, which cost as much as a hundred terms
 inline constexpr double kStill = 0.05;   // a step this much shorter than the distance changes that by a thousandth of it
+inline constexpr double kStillOnSet = 0.15;  // and by a hundredth
 inline constexpr double kStride = 0.7;   // of a step at most [rad]
 inline constexpr double kQuicken = 0.3;  // steps shorter than this are drawn from two tangent planes [rad]
 inline constexpr double kBack = 0.4;     // of a step that led away, what is tried instead
-inline constexpr double kHopeless = 1.15; // times the nearest value so far: a tangent plane that is farther is not gone to
+inline constexpr double kHopeless = 1.02; // times the nearest value so far: a tangent plane that is farther is not gone to
 inline constexpr double kBeside = 1e-2;  // of a family's conditions, where a walk of it ends [rad]
 inline constexpr double kOffOwn = 0.04, kOffPoint = 0.12;  // as far off the set as this, of the distance, it is believed
 inline constexpr int kStarts = 1 + kNearPoints;  // walks of one configuration, one a lane
@@ -102,7 +103,7 @@ class WalkOntoSet {
                 const Pack error = onto_tangent_plane(), length = size_of(room_.step), distance = size_of(way);
                 if (count == 0 && pack == 0) keep_first(out);
                 keep_end(pack, going[pack], distance, error, value[pack], off[pack], plane[pack]);
-                going[pack] = going[pack] & (length > distance * kStill + fill(1e-9));
+                going[pack] = going[pack] & (length > distance * kStillOnSet + fill(1e-9));
                 if (count + 1 < kWalkOnSet) advance(pack, count, going[pack], distance + error + error, length, merit[pack]);
             }
             double nearest = HUGE_VAL;
@@ -225,7 +226,7 @@ class WalkOntoSet {
     int place(int i, int k) const { return k > rank_ ? i : i == rank_ ? rank_ - k : i == rank_ - k ? rank_ : i; }
 
     void begin(const Pack* q, const Workspace& start, int from, const SetPoints* points) {
-        begun_at_points_ = points && !points->q.empty();
+        begun_at_points_ = points && points->width > 0;
         for (int j = 0; j < n; ++j) room_.q[j] = fill(get(q[j], from));
         int near_points[kNearPoints];
         double* at = room_.normal_of;
@@ -251,20 +252,18 @@ class WalkOntoSet {
 
     // The border's last direction is the one that is lost at the point; the strong ones are made of it by a reflection.
     void begin_at(const SetPoints& points, int number, const double* q, int pack, int lane) {
-        const float* x = points.q.data() + (std::size_t)number * (std::size_t)n;
+        const float *x = points.point(number), *lost = x + n, *free = lost + m;
         for (int j = 0; j < n; ++j) set(room_.way[pack * n + j], lane, 0.0);
         for (const int j : points.moving) {
             const double gap = (double)x[j] - q[j];
             set(room_.way[pack * n + j], lane, gap - kTurn * std::nearbyint(gap / kTurn));
         }
-        const float* lost = points.u.data() + (std::size_t)number * (std::size_t)m;
         const double sign = lost[m - 1] < 0.0f ? -1.0 : 1.0, square = 1.0 + std::fabs((double)lost[m - 1]);
         const auto mirror = [&](int a) { return (double)lost[a] + (a == m - 1 ? sign : 0.0); };
         for (int i = 0; i < m; ++i)
             for (int a = 0; a < m; ++a)
                 set(room_.u[(pack * m + i) * m + a], lane,
                     i == m - 1 ? (double)lost[a] : (i == a ? 1.0 : 0.0) - mirror(i) * mirror(a) / square);
-        const float* free = points.v.data() + (std::size_t)number * (std::size_t)(s_ * n);
         for (int i = 0; i < s_ * n; ++i) set(room_.v[pack * n * n + i], lane, (double)free[i]);
     }
 

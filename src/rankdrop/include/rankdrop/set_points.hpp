@@ -12,12 +12,13 @@ namespace rankdrop::RANKDROP_ISA {
 inline constexpr double kTurn = 6.283185307179586;
 inline constexpr int kNearPoints = 7;  // that walks of one configuration begin at
 inline constexpr int kVisited = 8;     // groups of points that are looked through
+inline constexpr int kLanes = 32;      // squares that are compared at once
 
 // Scratch of `nearest_points`.
 struct PointRoom {
     float* far;
 
-    explicit PointRoom(Arena& arena) : far(arena.take<float>(kMostOfGroup)) {}
+    explicit PointRoom(Arena& arena) : far(arena.take<float>(kMostOfGroup + kLanes)) {}
 };
 
 // Squares of distances from `at` to `count` places (joints, count), in turns.
@@ -33,29 +34,31 @@ inline void squares_to(const float* places, int count, const float* at, int join
     }
 }
 
-// The K least of them in order; of equals the first.
-template <int K>
-struct Least {
-    float square[K];
-    int number[K];
+// Of every kLanes-th place the nearest: nearly the nearest of all, and found without a branch.
+struct Nearest {
+    float square[kLanes];
+    int number[kLanes];
 
-    Least() { std::fill(square, square + K, HUGE_VALF), std::fill(number, number + K, 0); }
+    Nearest() { std::fill(square, square + kLanes, HUGE_VALF), std::fill(number, number + kLanes, 0); }
 
-    void add(const float* squares, int count, int first) {
-        constexpr int kBlock = 16;  // looked at together: most hold nothing
-        for (int i = 0; i < count; ++i) {
-            if (i % kBlock == 0 && i + kBlock <= count) {
-                float least = squares[i];
-                for (int k = 1; k < kBlock; ++k) least = std::min(least, squares[i + k]);
-                if (least >= square[K - 1]) {
-                    i += kBlock - 1;
-                    continue;
-                }
+    // `squares` has room for a multiple of kLanes.
+    void add(float* squares, int count, int first) {
+        for (int i = count; i % kLanes; ++i) squares[i] = HUGE_VALF;
+        for (int i = 0; i < count; i += kLanes)
+            for (int k = 0; k < kLanes; ++k) {
+                const bool nearer = squares[i + k] < square[k];
+                square[k] = nearer ? squares[i + k] : square[k], number[k] = nearer ? first + i + k : number[k];
             }
-            if (squares[i] >= square[K - 1]) continue;
-            int at = K - 1;
-            for (; at > 0 && squares[i] < square[at - 1]; --at) square[at] = square[at - 1], number[at] = number[at - 1];
-            square[at] = squares[i], number[at] = first + i;
+    }
+
+    // The `count` nearest of them in order; of equals the first.
+    void take(int count, int* out) const {
+        float least[kLanes];
+        for (int k = 0; k < kLanes; ++k) {
+            int at = k < count ? k : count;
+            for (; at > 0 && square[k] < least[at - 1]; --at)
+                if (at < count) least[at] = least[at - 1], out[at] = out[at - 1];
+            if (at < count) least[at] = square[k], out[at] = number[k];
         }
     }
 };
@@ -65,17 +68,19 @@ inline void nearest_points(const SetPoints& set, const double* q, PointRoom& roo
     float at[kMostMoving];
     const int joints = (int)set.moving.size(), groups = (int)set.first.size() - 1;
     for (int j = 0; j < joints; ++j) at[j] = (float)(q[set.moving[(std::size_t)j]] / kTurn);
-    Least<kVisited> near_groups;
+    Nearest centres, points;
+    int visited[kVisited];
     squares_to(set.centre.data(), groups, at, joints, room.far);
-    near_groups.add(room.far, groups, 0);
-    Least<kNearPoints> found;
-    for (int visit = 0; visit < kVisited; ++visit) {
-        const int group = near_groups.number[visit], first = set.first[(std::size_t)group];
+    centres.add(room.far, groups, 0), centres.take(kVisited, visited);
+    for (const int group : visited) {
+        const int first = set.first[(std::size_t)group];
         const int count = set.first[(std::size_t)group + 1] - first;
         squares_to(set.place.data() + (std::ptrdiff_t)first * joints, count, at, joints, room.far);
-        found.add(room.far, count, first);
+        points.add(room.far, count, first);
     }
-    std::copy(found.number, found.number + kNearPoints, out);
+    points.take(kNearPoints, out);
+    for (int i = 0; i < kNearPoints; ++i)
+        __builtin_prefetch(set.point(out[i])), __builtin_prefetch(set.point(out[i]) + 16);
 }
 
 }  // namespace rankdrop::RANKDROP_ISA

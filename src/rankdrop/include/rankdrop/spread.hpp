@@ -88,13 +88,14 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
         if ((int)group.size() < kMostOfGroup) group.push_back(i);
     }
     out.first.assign(1, 0);
-    const auto append = [](std::vector<float>& to, const std::vector<double>& all, int i, int width) {
-        for (int k = 0; k < width; ++k) to.push_back((float)all[(std::size_t)(i * width + k)]);
+    out.width = n + m + free * n;
+    const auto append = [&out](const std::vector<double>& all, int i, int width) {
+        for (int k = 0; k < width; ++k) out.records.push_back((float)all[(std::size_t)(i * width + k)]);
     };
     for (const std::vector<int>& group : members) {
         for (int j = 0; j < joints; ++j)
             for (const int i : group) out.place.push_back(place[(std::size_t)(i * joints + j)]);
-        for (const int i : group) append(out.q, from.q, i, n), append(out.u, from.u, i, m), append(out.v, from.v, i, free * n);
+        for (const int i : group) append(from.q, i, n), append(from.u, i, m), append(from.v, i, free * n);
         out.first.push_back(out.first.back() + (int)group.size());
     }
     return out;
@@ -104,7 +105,7 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
 // matter. Empty where too few starts settle.
 inline void spread(const Chain& chain, const View& view, Families& table, const MonitorSettings& settings) {
     const int n = chain.variables, m = view.m;
-    table.points.assign(table.corank.size(), {});
+    std::vector<SetPoints> all_points(table.corank.size());
     for (int family = 0; family < (int)table.corank.size(); ++family) {
         const int rank = settings.generic - table.corank[(std::size_t)family];
         if (!table.lengthy[(std::size_t)family] || m - rank != 1) continue;
@@ -116,8 +117,9 @@ inline void spread(const Chain& chain, const View& view, Families& table, const 
         if ((int)found.q.size() < 4 * kGroups * n) continue;
         SetPoints points = grouped(found, n, m, n - rank);
         const bool turns = std::all_of(points.moving.begin(), points.moving.end(), [&](int j) { return table.periodic[(std::size_t)j]; });
-        if (turns && (int)points.moving.size() <= kMostMoving) table.points[(std::size_t)family] = std::move(points);
+        if (turns && (int)points.moving.size() <= kMostMoving) all_points[(std::size_t)family] = std::move(points);
     }
+    table.points = std::make_shared<const std::vector<SetPoints>>(std::move(all_points));
 }
 
 }  // namespace rankdrop::RANKDROP_ISA

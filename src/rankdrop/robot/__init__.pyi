@@ -1,6 +1,5 @@
 from .budgets import LARGEST_FILE as LARGEST_FILE
 from .dh import from_dh as from_dh
-from .digits import Angles as Angles
 from .drawing import Drawing as Drawing
 from .files import Element as Element
 from .files import read_text as read_text
@@ -22,6 +21,7 @@ from .models.yourdfpy import to_yourdfpy as to_yourdfpy
 from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
+from .quantities import Angles as Angles
 from .quantities import quantity as quantity
 from .tool import with_tool as with_tool
 from .transform import from_xyz_rpy as from_xyz_rpy

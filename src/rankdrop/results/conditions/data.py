@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.record import Check
@@ -17,6 +17,9 @@ from rankdrop.results.codec import Record, counted, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Determinants
 
 
 @dataclass(frozen=True, slots=True)

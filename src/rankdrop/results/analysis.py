@@ -38,6 +38,7 @@ from rankdrop.schema.violations import shown
 from rankdrop.sections import html
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -180,7 +181,7 @@ class Analysis:
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md and schema/analysis.schema.json."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
             "settings": plain(self.settings),
             **self.verdict.to_dict(),

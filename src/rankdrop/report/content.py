@@ -14,7 +14,6 @@ from rankdrop.families import (
     Solid,
     Sweep,
     Workspace,
-    inside_limits,
     posed,
     solids,
     sweeps,
@@ -28,6 +27,7 @@ from rankdrop.report.ways import Way, ways_out
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
 from rankdrop.robot import Array, Mesh
 from rankdrop.sections import Section
+from rankdrop.text import inside_limits
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
 
 Progress = Callable[[str, int, int], None]

@@ -75,7 +75,7 @@ class Arena {
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
     ~Arena() {
-        if (!blocks_.empty() && blocks_.front().size == kBlock) spare() = std::move(blocks_.front().memory);
+        if (first_.memory && first_.size == kBlock) spare() = std::move(first_.memory);
     }
 
     // `count` of T, not initialised, aligned for packs
@@ -108,12 +108,17 @@ class Arena {
 
     void more(std::size_t bytes) {
         const std::size_t size = std::max(bytes, kBlock);
-        blocks_.push_back({size == kBlock && spare() ? std::move(spare()) : allocate(size), size});
-        next_ = static_cast<std::byte*>(blocks_.back().memory.get());
+        Block block{size == kBlock && spare() ? std::move(spare()) : allocate(size), size};
+        next_ = static_cast<std::byte*>(block.memory.get());
         left_ = size;
+        if (first_.memory)
+            more_.push_back(std::move(block));
+        else
+            first_ = std::move(block);
     }
 
-    std::vector<Block> blocks_;
+    Block first_{nullptr, 0};
+    std::vector<Block> more_;  // seldom any: a vector would be allocated anew every time
     std::byte* next_ = nullptr;
     std::size_t left_ = 0;
 };

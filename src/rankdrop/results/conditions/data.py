@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
-from rankdrop.results.codec import Record, plain, robot_to_dict
+from rankdrop.family.record import Check
+from rankdrop.results.codec import Record, counted, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
@@ -132,7 +132,7 @@ def conditions_to_dict(found: ConditionsData) -> Record:
         **_entries(found, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
         "families": [_family(found, family) for family in found.families],
         **_entries(found, "assumptions", "not_real"),
-        "explained": {"tested": found.explained.tested, "explained": found.explained.agree},
+        "explained": counted(found.explained, "explained"),
     }
 
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees
 
-from rankdrop.families.cells import FREE, joint_symbol
 from rankdrop.families.tolerant import Place, Tolerant
 from rankdrop.local.failures import Failures
 from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.words import fixed, numbers, plural, short
 from rankdrop.sections import Section
+from rankdrop.text.cells import FREE, joint_symbol
 from rankdrop.units import heading
 from rankdrop.version import VERSION
 

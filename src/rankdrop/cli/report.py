@@ -13,8 +13,8 @@ from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 if TYPE_CHECKING:
     from rankdrop.cli.terminal import Report
     from rankdrop.results import Analysis, Verdict
+    from rankdrop.robot import Mesh
     from rankdrop.verbs import Idealised
-    from rankdrop.viewer.meshes import Mesh
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -166,8 +166,7 @@ def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Mesh, ...]:
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
     from rankdrop.report.meshes import simplified
-    from rankdrop.viewer.meshes import meshes_of
-    from rankdrop.viewer.visuals import visuals_of
+    from rankdrop.robot import meshes_of, visuals_of
 
     visuals, left_out = visuals_of(analysis.robot, packages_of(arm), arguments_of(arm))
     try:

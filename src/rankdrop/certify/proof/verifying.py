@@ -12,6 +12,7 @@ import numpy as np
 from rankdrop.certify.proof.covers import verify_covering
 from rankdrop.certify.proof.existence import verify_existence
 from rankdrop.certify.proof.intervals import BITS, SCREW, SLIDE, Arm, Interval, Region, flint
+from rankdrop.certify.proof.minors import verify_in_minors
 from rankdrop.certify.proof.reading import (
     BALL,
     COVERING,
@@ -180,9 +181,9 @@ def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple
         got = f"a {told.kind}" if asked.sample is None else "a sample"
         raise OptionError("a journal is kept of all boxes of a covering", where="journal", got=got, mend="leave it out")
     _same_arm(told, robot)
-    arm = _arm(told)
     if told.kind == EXISTENCE:
-        return verify_existence(arm, told), tuple(_rows_left_out(told))
+        return _existence(told)
+    arm = _arm(told)
     assumed = [*_rows_left_out(told), *_rank_is_generic(arm, told), *_model(told)]
     if told.kind == BALL:
         claim = verify_ball(arm, told, work)
@@ -196,6 +197,22 @@ def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple
     if told.kind == PATH:
         claim = "; ".join(filter(None, (claim, verify_distance(arm, told, work))))
     return claim, tuple(assumed)
+
+
+def _existence(told: Told) -> tuple[str, tuple[str, ...]]:
+    """By Krawczyk's test, else in rational numbers.
+
+    Raises:
+        Unproven: by neither.
+    """
+    try:
+        return verify_existence(_arm(told), told), tuple(_rows_left_out(told))
+    except Unproven as error:
+        why = str(error)
+    try:
+        return verify_in_minors(told), ()
+    except Unproven as error:
+        raise Unproven(f"{why}; {error}") from error
 
 
 def _same_arm(told: Told, robot: Robot | None) -> None:

@@ -26,7 +26,7 @@ FLOORS = {
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,
     "compare": 6,
-    "results": 7, "schema": 7,
+    "text": 7, "results": 7, "schema": 7,
     "verbs": 8, "motion": 8,
     "designs": 9,
     "cli": 10, "__main__": 10, "report": 10, "viewer": 10, "reproduce": 10,

@@ -26,13 +26,13 @@ from rankdrop.cli import exits
 from rankdrop.compare.comparison import AGREES, NOT_DERIVED
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.families.cells import share_text
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.known import conditions_names, shipped_conditions
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
+from rankdrop.text.cells import share_text
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 
@@ -126,8 +126,8 @@ def explained(found: Analysis) -> str:
     shares = [one.completeness for one in found.coranks if one.completeness.tested]
     if not shares:
         return "–"
-    least = min(shares, key=lambda one: one.explained / one.tested)
-    return share_text(least.explained, least.tested)
+    least = min(shares, key=lambda one: one.agree / one.tested)
+    return share_text(least.agree, least.tested)
 
 
 def exactness(found: Analysis, derived: Conditions) -> str:
@@ -145,12 +145,12 @@ def exactness(found: Analysis, derived: Conditions) -> str:
 def _reasons(found: Analysis, derived: Conditions) -> Iterable[str]:
     """Why one of the two did not end well."""
     for one in found.coranks:
-        if one.completeness.explained < one.completeness.tested:
-            yield f"corank {one.corank}: {one.completeness.explained} of {one.completeness.tested} points explained"
+        if one.completeness.agree < one.completeness.tested:
+            yield f"corank {one.corank}: {one.completeness.agree} of {one.completeness.tested} points explained"
     yield from (f"row {row.id} has no name" for row in found.families if not row.named)
     for row in found.families:
-        if row.soundness.singular < row.soundness.tested:
-            yield f"row {row.id}: {row.soundness.singular} of {row.soundness.tested} solutions singular"
+        if row.soundness.agree < row.soundness.tested:
+            yield f"row {row.id}: {row.soundness.agree} of {row.soundness.tested} solutions singular"
     if found.exact is not None and not found.exact.holds:
         yield from found.exact.disagreements or (found.exact.reason,)
     yield from (*derived.left, *derived.disagreements)

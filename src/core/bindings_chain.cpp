@@ -1,5 +1,8 @@
 // A chain and what it does at configurations: poses, Jacobians, singular values, the block.
 #include "bindings.hpp"
+#include "bindings_numpy.hpp"
+
+#include <unordered_map>
 
 namespace rankdrop {
 namespace {
@@ -73,43 +76,78 @@ nb::object jacobian(const Chain& chain, const View& view, const In2& q, const nb
     return out.give();
 }
 
-// The memory of an array while it is looked at. nanobind's own view of an array costs as much as a Jacobian.
-class Borrowed {
-  public:
-    Borrowed(nb::handle array, int flags) { held_ = PyObject_GetBuffer(array.ptr(), &buffer_, flags | PyBUF_FORMAT) == 0; }
-    Borrowed(const Borrowed&) = delete;
-    Borrowed& operator=(const Borrowed&) = delete;
-    ~Borrowed() {
-        if (held_)
-            PyBuffer_Release(&buffer_);
-        else
-            PyErr_Clear();  // not contiguous, or no buffer: whoever asked is told by has()
-    }
-
-    bool has(std::initializer_list<std::size_t> shape) const {
-        return held_ && std::strcmp(buffer_.format, "d") == 0 && static_cast<std::size_t>(buffer_.ndim) == shape.size() &&
-               std::equal(shape.begin(), shape.end(), buffer_.shape,
-                          [](std::size_t wanted, Py_ssize_t there) { return static_cast<Py_ssize_t>(wanted) == there; });
-    }
-
-    double* data() const { return static_cast<double*>(buffer_.buf); }
-
-  private:
-    Py_buffer buffer_;
-    bool held_;
+// What Python keeps for a robot, by the robot's address: found here in less time than in a dictionary. Both are kept alive by
+// whoever calls `keep`, until it calls `let_go`.
+struct Kept {
+    const Chain* chain;
+    const View* world;  // all six rows, world-aligned
 };
 
-// One configuration into an array that is there already: the shortest way from Python to the kernel and back. The
-// narrowest lanes serve a single row best, and give the same bits. False for a q or an out that is not finite, contiguous,
-// of doubles and of the right shape: the long way says what is wrong.
-bool jacobian_one(const Chain& chain, const View& view, nb::handle q, nb::handle out) {
-    fit(chain, view);
-    const auto [m, n, s] = Sizes(chain, view);
-    const Borrowed from(q, PyBUF_C_CONTIGUOUS), to(out, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE);
-    if (!from.has({n}) || !to.has({m, n})) return false;
-    if (!std::all_of(from.data(), from.data() + n, [](double value) { return std::isfinite(value); })) return false;
-    narrowest().jacobian(chain, view, from.data(), 0, 1, to.data());
-    return true;
+std::unordered_map<std::uintptr_t, Kept>& kept() {
+    static std::unordered_map<std::uintptr_t, Kept> robots;
+    return robots;
+}
+
+// One configuration, the shortest way from Python to the kernel and back: `kernel` fills an array of the given shape. The
+// table for single rows gives the same bits as any other. None for a q or an out that is not finite, contiguous, of doubles
+// and of the right shape, and for memory that both share: the long way says what is wrong.
+template <class Kernel, std::size_t ND>
+PyObject* one(const Chain& chain, PyObject* q, PyObject* out, const Py_ssize_t (&shape)[ND], Kernel kernel) {
+    const ArrayFields* from = plain_array(q);
+    if (!from || from->nd != 1 || from->dimensions[0] != chain.variables) Py_RETURN_NONE;
+    const double* x = reinterpret_cast<const double*>(from->data);
+    if (!std::all_of(x, x + chain.variables, [](double value) { return std::isfinite(value); })) Py_RETURN_NONE;
+    if (out == Py_None) {
+        PyObject* fresh = new_array(shape, static_cast<int>(ND));
+        if (fresh) kernel(x, reinterpret_cast<double*>(reinterpret_cast<ArrayFields*>(fresh)->data));
+        return fresh;
+    }
+    const ArrayFields* to = plain_array(out);
+    if (!to || !to->writable() || to->nd != static_cast<int>(ND) || !std::equal(shape, shape + ND, to->dimensions)) Py_RETURN_NONE;
+    const double *first = reinterpret_cast<const double*>(to->data), *last = first;
+    last += std::accumulate(shape, shape + ND, Py_ssize_t{1}, std::multiplies<>());
+    if (std::less<>()(x, last) && std::less<>()(first, x + chain.variables)) Py_RETURN_NONE;
+    kernel(x, reinterpret_cast<double*>(to->data));
+    Py_INCREF(out);
+    return out;
+}
+
+// (robot, q, out or None, view or None for the world-aligned one) -> an array or None; also where the robot is not kept.
+template <auto KERNEL, int ORDER>
+PyObject* one_of(PyObject*, PyObject* const* arguments, Py_ssize_t count) {
+    if (count != 4) return PyErr_Format(PyExc_TypeError, "robot, q, out and view, not %zd arguments", count);
+    const auto found = kept().find(reinterpret_cast<std::uintptr_t>(arguments[0]));
+    if (found == kept().end()) Py_RETURN_NONE;
+    const Chain& chain = *found->second.chain;
+    const View* view = found->second.world;
+    if (arguments[3] != Py_None) {
+        if (!nb::isinstance<View>(arguments[3])) return PyErr_Format(PyExc_TypeError, "view is a View or None");
+        view = nb::inst_ptr<View>(arguments[3]);
+        if (view->links != chain.links())
+            return PyErr_Format(PyExc_ValueError, "the view is of a chain with another number of links");
+    }
+    const auto run = [&](const double* x, double* to) { (narrowest().*KERNEL)(chain, *view, x, 0, 1, to); };
+    try {
+        if constexpr (ORDER == 1) {
+            const Py_ssize_t shape[] = {view->m, chain.variables};
+            return one(chain, arguments[1], arguments[2], shape, run);
+        } else {
+            const Py_ssize_t shape[] = {view->m, chain.variables, chain.variables};
+            return one(chain, arguments[1], arguments[2], shape, run);
+        }
+    } catch (const std::bad_alloc&) {
+        return PyErr_NoMemory();
+    }
+}
+
+using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t);
+
+// A function that takes its arguments as they come: naming and converting them would cost as much as what it does.
+template <auto FUNCTION>
+void define(nb::module_& module, const char* name) {
+    static PyMethodDef method{name, reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(static_cast<FastCall>(FUNCTION))),
+                              METH_FASTCALL, nullptr};
+    module.attr(name) = nb::steal(PyCFunction_NewEx(&method, nullptr, nullptr));
 }
 
 nb::object derivative(const Chain& chain, const View& view, const In2& q, const nb::object& given, int threads) {
@@ -200,7 +238,13 @@ void bind_chain(nb::module_& module) {
                nb::arg("threads") = 0);
     module.def("jacobian", &jacobian, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
                nb::arg("threads") = 0);
-    module.def("jacobian_one", &jacobian_one, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out"));
+    define<&one_of<&Kernels::jacobian, 1>>(module, "jacobian_one");
+    define<&one_of<&Kernels::derivative, 2>>(module, "derivative_one");
+    module.def("keep", [](std::uintptr_t robot, const Chain& chain, const View& world) {
+        fit(chain, world);
+        kept()[robot] = {&chain, &world};
+    }, nb::arg("robot"), nb::arg("chain"), nb::arg("world"));
+    module.def("let_go", [](std::uintptr_t robot) { kept().erase(robot); }, nb::arg("robot"));
     module.def("derivative", &derivative, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),
                nb::arg("threads") = 0);
     module.def("singular_values", &singular_values, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("out").none() = nb::none(), nb::kw_only(),

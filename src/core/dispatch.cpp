@@ -5,6 +5,7 @@
 
 namespace rankdrop {
 
+namespace single { extern const Kernels table; }
 namespace baseline { extern const Kernels table; }
 #if defined(RANKDROP_HAVE_X86_SETS)
 namespace avx2 { extern const Kernels table; }
@@ -15,7 +16,7 @@ namespace {
 
 // The tables that this processor can run, narrowest first.
 std::vector<const Kernels*> runnable() {
-    std::vector<const Kernels*> tables{&baseline::table};
+    std::vector<const Kernels*> tables{&single::table, &baseline::table};
 #if defined(RANKDROP_HAVE_X86_SETS)
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx2")) tables.push_back(&avx2::table);
@@ -41,10 +42,10 @@ const Kernels& watching() {
     return *best;
 }
 
-const Kernels& narrowest() { return baseline::table; }
+const Kernels& narrowest() { return single::table; }
 
 const Kernels& kernels(std::size_t rows) {
-    return rows <= static_cast<std::size_t>(baseline::table.width) ? narrowest() : kernels();
+    return rows <= 1 ? narrowest() : rows <= static_cast<std::size_t>(baseline::table.width) ? baseline::table : kernels();
 }
 
 std::vector<std::string> available() {

@@ -71,11 +71,11 @@ struct Kernels {
 
 // The table in use: the widest set this processor has, or the one asked for by name.
 const Kernels& kernels();
-// The table with the narrowest lanes, for single rows.
+// The table with one lane, for single rows.
 const Kernels& narrowest();
 // The table for one configuration after the other: as many lanes as it has walks, if that many were asked for.
 const Kernels& watching();
-// The quicker of the two for so many rows: both give the same bits.
+// The quickest table for so many rows: all give the same bits.
 const Kernels& kernels(std::size_t rows);
 // Names of the sets this processor can run, narrowest first.
 std::vector<std::string> available();

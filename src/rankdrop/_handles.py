@@ -20,12 +20,11 @@ _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "entry", "ranks", "views", "world")
+    __slots__ = ("chain", "ranks", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
         self.chain = _make_chain(robot)
-        self.entry = (6, robot.n)  # shape of a Jacobian
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
         self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
@@ -50,8 +49,14 @@ def handles_of(robot: Robot) -> Handles:
     handles = _handles.get(id(robot))
     if handles is None:
         handles = _handles[id(robot)] = Handles(robot)
-        weakref.finalize(robot, _handles.pop, id(robot), None)
+        _core.keep(id(robot), handles.chain, handles.world)  # for the calls of one configuration
+        weakref.finalize(robot, _let_go, id(robot))
     return handles
+
+
+def _let_go(robot: int) -> None:
+    _core.let_go(robot)
+    _handles.pop(robot, None)
 
 
 def chain_of(robot: Robot) -> _core.Chain:

@@ -10,12 +10,11 @@ Twists are (v; ω), linear part first. Leading batch axes are kept; empty batche
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._core import jacobian_one
-from rankdrop._handles import chain_of, configurations, frame_view, handles_of, rows_of, task_view
+from rankdrop._core import derivative_one, jacobian_one
+from rankdrop._handles import chain_of, configurations, frame_view, rows_of, task_view
 from rankdrop.frames import WORLD_ALIGNED, Frame
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -92,14 +91,11 @@ def jacobian(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED, *, out: A
         >>> jacobian(open_robot("pa10"), [0.0] * 7).shape
         (6, 7)
     """
-    handles = handles_of(robot)
-    view = handles.world if frame is WORLD_ALIGNED else frame_view(robot, frame)
-    if out is None and type(q) is np.ndarray:
-        single = np.empty(handles.entry)
-        if jacobian_one(handles.chain, view, q, single):
-            return single
+    single = jacobian_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
-    found = _core.jacobian(handles.chain, view, rows, rows_of(out, rows, batch, (6, robot.n)))
+    found = _core.jacobian(chain_of(robot), frame_view(robot, frame), rows, rows_of(out, rows, batch, (6, robot.n)))
     return found.reshape(*batch, 6, robot.n) if out is None else out
 
 
@@ -123,6 +119,9 @@ def jacobian_derivative(robot: Robot, q: ArrayLike, frame: Frame = WORLD_ALIGNED
         OptionError: out has another shape or type, or shares memory with q.
         TaskError: the frame names a link that does not exist.
     """
+    single = derivative_one(robot, q, out, None if frame is WORLD_ALIGNED else frame_view(robot, frame))
+    if single is not None:
+        return single
     rows, batch = configurations(robot, q)
     into = rows_of(out, rows, batch, (6, robot.n, robot.n))
     derivative = _core.derivative(chain_of(robot), frame_view(robot, frame), rows, into)

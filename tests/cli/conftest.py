@@ -15,7 +15,7 @@ import pytest
 from rankdrop.cli import main
 from rankdrop.families.linear import vanishing_on
 from rankdrop.family.equation import Equation, Term
-from rankdrop.family.record import CorankSummary, Family, Pin, Sampled, Share, Soundness, Unseen
+from rankdrop.family.record import Check, CorankSummary, Family, Pin, Sampled, Unseen
 from rankdrop.results.analysis import Analysis, Settings
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -91,7 +91,7 @@ def family(
         equations=(*conditions, *equations) if named else (),
         witness=tuple(pins.get(j, (0.3,))[0] for j in range(1, 8)), lost_directions=np.eye(6)[: len(words)],
         lost_words=words, named=named,
-        evidence=Sampled("made up", Soundness(200, singular) if named else Soundness(0, 0), Share(1000, 250)),
+        evidence=Sampled("made up", Check(200, singular) if named else Check(0, 0), Check(1000, 250)),
     )  # fmt: skip
 
 
@@ -101,8 +101,8 @@ def made_up(*rows: Family, explained: int = 1000, complete: bool = True) -> Anal
     task = resolve_task(None, robot, length_scale=1.4)
     unseen = Unseen(0.0, 0.003, "Good–Turing: 0 of 8 pieces met once in 1000 points; rule of three")
     coranks = (
-        CorankSummary(1, 5, 10_000, 9_999, 1, 0, 0.0053, Share(1000, explained), 0, unseen),
-        CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Share(0, 0), 0, Unseen(1.0, 1.0, "no point was found")),
+        CorankSummary(1, 5, 10_000, 9_999, 1, 0, 0.0053, Check(1000, explained), 0, unseen),
+        CorankSummary(2, 4, 10_000, 0, 10_000, 0, 0.3273, Check(0, 0), 0, Unseen(1.0, 1.0, "no point was found")),
     )
     return Analysis(
         robot, task, 6, Settings(0, 10_000, False, 1.4, DEFAULT, "0.1.0"), coranks, rows,

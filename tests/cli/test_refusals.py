@@ -12,10 +12,10 @@ import pytest
 import rankdrop
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, ResultFileError, RobotError
-from rankdrop.families.cells import rounded_share, share_text
-from rankdrop.family.record import Share
+from rankdrop.family.record import Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
+from rankdrop.text.cells import rounded_share, share_text
 
 from .conftest import command
 
@@ -87,8 +87,8 @@ def test_a_full_stdout_is_one_line_and_files_are_written(argv: tuple[str, ...], 
 
 
 def test_the_share_of_a_row_is_rounded_and_completeness_is_not() -> None:
-    assert rounded_share(Share(3000, 2000)) == "66.7 %"
-    assert rounded_share(Share(0, 0)) == "–"
+    assert rounded_share(Check(3000, 2000)) == "66.7 %"
+    assert rounded_share(Check(0, 0)) == "–"
     assert share_text(9999, 10_000) == "99.9 %"
 
 

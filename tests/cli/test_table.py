@@ -9,12 +9,13 @@ import pytest
 
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.compare.comparison import Comparison, ExactRow, conditions_of
+from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.compare.match import Match, Wider
-from rankdrop.families.cells import coupled_conditions, joint_cell
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Sampled
 from rankdrop.results.analysis import Analysis
+from rankdrop.text.cells import coupled_conditions, joint_cell
+from rankdrop.text.families import conditions_of
 
 
 @pytest.fixture
@@ -105,7 +106,7 @@ def test_of_very_many_rows_three_are_shown_and_the_others_counted_by_their_kind(
     one = shapes.families[1]
     console = results()
     for count, told in ((24, 24), (30, 3)):
-        shares = [replace(one.explained, explained=number) for number in range(count)]
+        shares = [replace(one.explained, agree=number) for number in range(count)]
         rows = tuple(
             replace(one, id=f"k1.f{i}", evidence=Sampled("made up", one.soundness, share))
             for i, share in enumerate(shares)

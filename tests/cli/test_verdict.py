@@ -10,8 +10,7 @@ import pytest
 import rankdrop
 from rankdrop.cli import exits
 from rankdrop.compare.comparison import DIFFERS, NOT_DERIVED
-from rankdrop.exact.arm.verify import Check
-from rankdrop.family.record import Sampled, Share, Soundness
+from rankdrop.family.record import Check, Sampled
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
@@ -40,12 +39,12 @@ def differs(found: Analysis) -> Analysis:
 
 
 def unsound(found: Analysis) -> Analysis:
-    evidence = Sampled("made up", Soundness(176, 141), Share(1, 1))
+    evidence = Sampled("made up", Check(176, 141), Check(1, 1))
     return replace(found, families=(replace(found.families[0], evidence=evidence),))
 
 
 def unexplained(found: Analysis) -> Analysis:
-    summary = replace(found.coranks[0], completeness=Share(1150, 928))
+    summary = replace(found.coranks[0], completeness=Check(1150, 928))
     return replace(found, coranks=(summary, *found.coranks[1:]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop import _core
+from rankdrop import _core, _handles
 from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose
@@ -75,5 +76,47 @@ def test_the_core_never_writes_to_a_copy() -> None:
         with pytest.raises(TypeError, match="out is"):
             _core.jacobian(chain_of(ROBOT), task_view(ROBOT, TASK), q, out)
     for out in (np.zeros((6, 7), np.float32), np.zeros((6, 14))[:, ::2], np.zeros((6, 7), ">f8"), np.zeros((7, 6))):
-        assert not _core.jacobian_one(chain_of(ROBOT), task_view(ROBOT, TASK), q[0], out)
+        assert _core.jacobian_one(ROBOT, q[0], out, None) is None
         assert not out.any()
+
+
+class Own(np.ndarray):  # type: ignore[type-arg]
+    """A subclass, whose results NumPy would make in its own way."""
+
+
+@pytest.mark.parametrize(("function", "entry"), [(_core.jacobian_one, (6, 7)), (_core.derivative_one, (6, 7, 7))])
+def test_one_configuration_takes_the_short_way_only_as_plain_memory(function: Function, entry: tuple[int, ...]) -> None:
+    view, q = task_view(ROBOT, TASK), np.linspace(-1, 1, 7)
+    truth = function(ROBOT, q, None, view)
+    assert type(truth) is np.ndarray
+    assert truth.shape == entry
+    memory = np.zeros(7 + int(np.prod(entry)))
+    memory[-7:] = q
+    locked = np.zeros(entry)
+    locked.flags.writeable = False
+    for refused in (q.astype(np.float32), q.astype(">f8"), np.repeat(q, 2)[::2], q.view(Own), q[None], q[:6], [*q],
+                    q * np.nan, None):  # fmt: skip
+        assert function(ROBOT, refused, None, view) is None
+    for out in (locked, np.zeros(entry).view(Own), np.zeros((*entry, 1)), memory[2:-5].reshape(entry), "out"):
+        assert function(ROBOT, memory[-7:], out, view) is None
+    there = memory[:-7].reshape(entry)
+    assert function(ROBOT, memory[-7:], there, view) is there
+    np.testing.assert_array_equal(there, truth)
+    with pytest.raises(TypeError, match="a View"):
+        function(ROBOT, q, None, "view")
+    with pytest.raises(TypeError, match="not 2 arguments"):
+        function(ROBOT, q)
+
+
+def test_a_robot_that_is_gone_is_forgotten() -> None:
+    """Another object at its address is no robot."""
+    robot = arms.puma()
+    jacobian(robot, np.zeros(6))
+    address = id(robot)
+    assert _core.jacobian_one(robot, np.zeros(6), None, None) is not None
+    assert address in _handles._handles
+    del robot
+    gc.collect()
+    assert address not in _handles._handles
+    other = arms.puma()
+    assert _core.jacobian_one(other, np.zeros(6), None, None) is None, "nothing was asked of this one yet"

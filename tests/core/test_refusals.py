@@ -53,12 +53,13 @@ def test_a_view_from_a_link_that_is_not_there_is_refused(which: str) -> None:
 
 def test_a_view_of_another_chain_is_refused() -> None:
     view = view_of({"axes": 8})
-    puma = chain_of(arms.puma())
+    robot = arms.puma()
+    puma = chain_of(robot)
     for function in (_core.jacobian, _core.derivative, _core.singular_values, _core.decompose):
         with pytest.raises(ValueError, match="another number of links"):
             function(puma, view, np.zeros((2, 6)))
     with pytest.raises(ValueError, match="another number of links"):
-        _core.jacobian_one(puma, view, np.zeros(6), np.empty((2, 6)))
+        _core.jacobian_one(robot, np.zeros(6), None, view)
 
 
 def settings(**changed: Any) -> _core.SearchSettings:

@@ -14,7 +14,7 @@ from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Family, Soundness
+from rankdrop.family.record import Check, Family
 from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
@@ -61,7 +61,7 @@ def test_pa10_has_exactly_the_rows_of_am_tables_3_to_5(corank):
     assert all(family.soundness.holds and family.named for family in found.families)
     share = found.summary.completeness
     assert share.tested >= 1000
-    assert share.explained == share.tested
+    assert share.agree == share.tested
 
 
 def test_pa10_has_nothing_at_corank_4():
@@ -111,13 +111,13 @@ def test_known_dimensions_and_full_completeness(name, corank, dimensions):
     found = table(name, corank)
     assert [family.dimension for family in found.families] == dimensions
     assert all(family.named and family.soundness.holds for family in found.families)
-    assert found.summary.completeness.explained == found.summary.completeness.tested >= 1000
+    assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
 
 
 def test_canadarm2_families_of_kg_with_eq_26_in_half_angles():
     """KG's five families; eq. 15 splits by θ4 = 0, π, and at θ4 = π gives off θ3 + θ5 = 0, on which D vanishes."""
     found = table("canadarm2", 1, starts=1500)
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
     by_pins = [(pins(family), family.coupled) for family in found.families]
     assert ({2: STRAIGHT, 6: STRAIGHT}, ()) in by_pins
     assert ({2: STRAIGHT}, (3, 4, 5)) in by_pins
@@ -138,7 +138,7 @@ def test_a_condition_that_is_a_square_is_recognised():
     """Stanford arm: det is q3²·sin θ2·sin θ5 up to a constant, D vanishes all over q3 = 0."""
     found = table("stanford", 1)
     assert sorted(str(family.equations[0]) for family in found.families) == ["q3", "sin θ2", "sin θ5"]
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
 
 
 def test_generic_6r_has_one_long_equation():
@@ -147,7 +147,7 @@ def test_generic_6r_has_one_long_equation():
     assert family.named
     assert family.coupled == (2, 3, 4, 5)
     assert 150 < len(family.equations[0].terms) <= 225
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
 
 
 @pytest.mark.slow
@@ -155,8 +155,8 @@ def test_generic_6r_has_one_long_equation():
 def test_generic_redundant_arms_run_to_an_honest_end(n):
     found = table(random_arm(n, 0), 1, starts=2000)
     share = found.summary.completeness
-    unnamed = sum(family.explained.explained for family in found.families if not family.named)
-    assert share.explained + unnamed >= share.tested >= 1000
+    unnamed = sum(family.explained.agree for family in found.families if not family.named)
+    assert share.agree + unnamed >= share.tested >= 1000
     assert all(family.soundness.holds for family in found.families if family.named)
 
 
@@ -200,7 +200,7 @@ def test_a_broken_coefficient_is_unsound(name, rng):
             equations = (*family.equations[:i], wrong, *family.equations[i + 1 :])
             verdict, strangers = soundness(problem, System(equations), robot.n - family.dimension, rng)
             assert not verdict.holds
-            assert len(strangers) == verdict.tested - verdict.singular
+            assert len(strangers) == verdict.tested - verdict.agree
             broken += 1
     assert broken
 
@@ -217,7 +217,7 @@ def test_a_row_without_solutions_is_not_sound(rng):
         }
     )
     verdict, _ = soundness(problem, System((never,)), 1, rng)
-    assert verdict == Soundness(0, 0)
+    assert verdict == Check(0, 0)
     assert not verdict.holds
 
 
@@ -230,8 +230,8 @@ def test_what_cannot_be_fitted_is_shown_without_a_name(monkeypatch):
     assert unnamed.dimension == 5
     assert unnamed.free == (1, 4, 5, 6)
     assert unnamed.coupled == (2, 3)
-    assert unnamed.explained.explained == share.tested - share.explained > 0
-    assert unnamed.soundness == Soundness(0, 0)
+    assert unnamed.explained.agree == share.tested - share.agree > 0
+    assert unnamed.soundness == Check(0, 0)
     robot = open_robot("puma560")
     assert singular_values(robot, np.array(unnamed.witness), resolve_task(None, robot))[5] <= 1e-9
 
@@ -241,7 +241,7 @@ def test_within_limits_no_value_outside_them_is_claimed():
     assert [pins(family) for family in found.families] == [
         {4: {0.0}}, {2: {0.0}, 3: SQUARE}, {2: {0.0}, 6: {0.0}}, {5: SQUARE, 6: {0.0}},
     ]  # fmt: skip
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
     robot = open_robot("iiwa14")
     for family in found.families:
         assert ((robot.lower <= family.witness) & (family.witness <= robot.upper)).all()
@@ -277,7 +277,7 @@ def test_few_points_are_enough_for_the_pieces_they_meet():
 def test_rows_half_a_turn_apart_become_one():
     """UR5, elbow and shoulder: (a2 ± a3)c2 ± d5·s24 = 0 at θ3 = 0, π is a2c2 + a3c23 + d5s234 = 0 at both."""
     found = table("ur5", 2)
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
     (row,) = (family for family in found.families if family.coupled == (2, 4, 5))
     assert pins(row) == {3: STRAIGHT}
     assert "merged" in row.evidence.how
@@ -292,7 +292,7 @@ def test_values_on_which_d_has_too_low_a_rank_are_sharpened():
         (0.0, q, 0.488),
     ]  # fmt: skip
     found = table(from_dh([(a, alpha, d, 0.0) for a, alpha, d in rows], convention="standard", name="offset7r"), 1)
-    assert found.summary.completeness.explained == found.summary.completeness.tested >= 1000
+    assert found.summary.completeness.agree == found.summary.completeness.tested >= 1000
     (row,) = (family for family in found.families if "double zero" in family.evidence.how)
     assert pins(row)[2] == SQUARE
     assert all(abs(v) not in (0.0, pi) for v in pins(row)[4])
@@ -304,5 +304,5 @@ def test_a_helical_joint_enters_through_waves_and_powers():
     screw = joints[2].screw + 0.05 * np.concatenate([joints[2].screw[3:], np.zeros(3)])
     joints[2] = replace(joints[2], kind="helical", screw=screw)
     found = table(replace(robot, joints=tuple(joints), name="puma, joint 3 helical"), 1, starts=800)
-    assert found.summary.completeness.explained == found.summary.completeness.tested
+    assert found.summary.completeness.agree == found.summary.completeness.tested
     assert [family.dimension for family in found.families] == [5, 5, 5]

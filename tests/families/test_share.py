@@ -10,7 +10,6 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.errors import OptionError
-from rankdrop.families.cells import inside_limits, outside_text
 from rankdrop.families.distance import family_distances
 from rankdrop.families.share import _near, near_shares
 from rankdrop.local.block import joint_scale, sample
@@ -21,6 +20,7 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
+from rankdrop.text.cells import inside_limits, outside_text
 from rankdrop.verbs.analyze import analyze
 
 

@@ -115,7 +115,7 @@ def test_a_row_that_holds_at_regular_places_takes_the_exact_conditions_or_is_tol
     meddle(lambda exact: [replace(one, pins=(AnglePin(2, ("0",)),)) for one in exact])
     half = analyze(open_robot("planar3r"), starts=200)
     share = half.coranks[0].completeness
-    assert 0.2 * share.tested < share.explained < 0.8 * share.tested, "counted on the rows as they are now"
+    assert 0.2 * share.tested < share.agree < 0.8 * share.tested, "counted on the rows as they are now"
     meddle(lambda exact: [])
     row = analyze(open_robot("planar3r"), starts=200).of_corank(1)[0]
     assert [str(one) for one in row.equations] == [str(too_wide)]

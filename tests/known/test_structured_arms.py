@@ -73,7 +73,7 @@ def uncovered(found: Analysis, rng: np.random.Generator, count: int = 400) -> di
         kept = back.q[(back.outcome == 0) & (back.sigma[:, found.generic_rank - k - 1] > 1e-5)]
         rows = [row.equations for row in found.families if row.corank >= k and row.named]
         _, over = explained(Cloud(found.robot, found.task, kept, np.full(len(kept), k)), rows)
-        if len(over) and share.explained == share.tested:
+        if len(over) and share.agree == share.tested:
             missed[k] = len(over)
     return missed
 
@@ -89,8 +89,8 @@ def test_a_condition_squared_that_binds_four_joints_is_found() -> None:
     assert [(one.number, one.values) for one in row.pinned] == [(5, (np.pi,))]
     assert row.coupled == (2, 3, 4, 6)
     assert row.soundness.holds
-    assert row.explained.explained > 0.15 * row.explained.tested
-    assert all(one.completeness.explained == one.completeness.tested for one in found.coranks)
+    assert row.explained.agree > 0.15 * row.explained.tested
+    assert all(one.completeness.agree == one.completeness.tested for one in found.coranks)
 
 
 def test_a_squared_condition_on_one_joint_at_no_simple_value_is_found() -> None:
@@ -122,7 +122,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     (wide,) = families(cloud).families
     assert len(wide.equations) < len(row.equations)
     assert wide.named
-    assert 0 < wide.soundness.singular < wide.soundness.tested
+    assert 0 < wide.soundness.agree < wide.soundness.tested
 
 
 @pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])

@@ -95,7 +95,7 @@ def all_explained(analysis: Analysis, at_least: int) -> bool:
     """Completeness 1.000 at every corank that exists, on at least so many fresh points."""
     summaries = [summary for summary in analysis.coranks if summary.converged]
     return bool(summaries) and all(
-        summary.completeness.tested >= at_least and summary.completeness.explained == summary.completeness.tested
+        summary.completeness.tested >= at_least and summary.completeness.agree == summary.completeness.tested
         for summary in summaries
     )
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from rankdrop.results.known import shipped
-from rankdrop.results.latex import as_text, mathematics
 from rankdrop.robot.open import open_robot
+from rankdrop.text.latex import as_text, mathematics
 from rankdrop.verbs.analyze import analyze
 
 LATEX = shutil.which("pdflatex")
@@ -56,7 +56,7 @@ def test_a_table_for_each_corank_with_columns_dimension_and_loss() -> None:
     coranks = sorted({family.corank for family in found.families})
     assert text.count(r"\begin{table}") == len(coranks)
     heads = "".join(f" & $\\theta_{{{i}}}$" for i in range(1, 8))
-    assert text.count(f"{heads} & dim & motion") == len(coranks)
+    assert text.count(f"{heads} & dim & lost direction") == len(coranks)
     for corank in coranks:
         assert f"singularities of corank {corank} " in text
     elbow = next(line for line in text.splitlines() if line.startswith("1 & \\raggedright elbow"))

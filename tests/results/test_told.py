@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.report.tables import row_conditions
 from rankdrop.results.conditions.known import LONGEST, shipped_conditions, told_conditions
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task
+from rankdrop.text.families import conditions_of
 
 pytestmark = pytest.mark.shipped
 
@@ -60,10 +60,11 @@ def test_no_line_is_longer_than_can_be_read(name: str) -> None:
 
 def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> None:
     found, derived = shipped("panda"), shipped_conditions("panda")
-    labels = {label for family in found.families for label, _ in row_conditions(found, derived, family)}
+    assert derived is not None
+    labels = {label for family in found.families for label, _ in conditions_of(family, found.exact, derived.families)}
     assert labels == {"exactly"}
     (fifth,) = (one for one in found.families if one.id == "k1.f5")
-    assert row_conditions(found, derived, fifth) == [
+    assert conditions_of(fifth, found.exact, derived.families) == [
         ("exactly", "a3 c4 (a6 + s6 (d3 + d5)) − s4 (a3² s6 − a6 d3 − d3 d5 s6) = 0")
     ]
-    assert row_conditions(found, None, fifth)[0][0] != "exactly"
+    assert conditions_of(fifth, found.exact)[0][0] != "exactly"

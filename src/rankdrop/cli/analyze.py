@@ -110,13 +110,12 @@ def _print(
     from rich.text import Text
 
     from rankdrop.cli.arm import arm_section
-    from rankdrop.cli.exact_text import exact_section
     from rankdrop.cli.ideal import near_line, of_ideal
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
-    from rankdrop.cli.terminal import results, show, verdict_line
-    from rankdrop.families import legend, near_overview
+    from rankdrop.cli.terminal import BAD, results, show, verdict_line
     from rankdrop.results import sampled, unseen
+    from rankdrop.text import agreement, legend, near_overview
     from rankdrop.verbs import moved_section, there_section
 
     console, settings = results(), analysis.settings
@@ -134,7 +133,8 @@ def _print(
     if there:
         print_sections([there_section(there)], first=False)
     key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
-    told = list(exact_section(analysis))
+    compared = agreement(analysis.exact, analysis.robot, analysis.families)
+    told = [Text(line, style=BAD if differs else "") for line, differs in compared]
     if analysis.near is not None and analysis.families:
         print_sections([near_overview(analysis.near, analysis.families)], first=False)
     checked = " ".join(filter(None, (sampled(analysis), unseen(analysis), f"Time taken: {seconds:.1f} s.")))

@@ -309,7 +309,7 @@ def _configurations(found: Search) -> Table:
     from rich import box
     from rich.table import Table
 
-    from rankdrop.families import joint_symbol
+    from rankdrop.text import joint_symbol
 
     kinds = [str(joint.kind) for joint in found.robot.variables]
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)

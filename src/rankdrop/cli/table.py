@@ -6,8 +6,7 @@ then one; and where even that is too wide, a list.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -15,17 +14,24 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from rankdrop.compare import conditions_of
-from rankdrop.families import (
+from rankdrop.cli.terminal import BAD
+from rankdrop.text import (
     MET,
     TESTED,
-    inside_limits,
-    joint_cell,
-    joint_symbol,
-    outside_text,
-    rounded_share,
-    share_text,
-    values_text,
+    asked,
+    at_witness,
+    columns,
+    conditions_of,
+    examples,
+    explained,
+    folded,
+    joint_cells,
+    nothing_found,
+    number_of,
+    row_cells,
+    starts,
+    title,
+    within,
 )
 
 if TYPE_CHECKING:
@@ -39,11 +45,7 @@ if TYPE_CHECKING:
 _NAME_COLUMN = 28
 _LOST_COLUMN = 30  # a lost direction in words wraps well from this width on
 _BOUNDLESS = 10_000
-_MANY = 24  # rows of one corank: of more, those of calibrated arms, some stand for all
-_SHOWN = 3
-_KINDS = 3  # kinds of rows that are told apart when they are counted
 _LONGEST_UNBROKEN = 6  # "0, π" and "±π/2" stay on one line
-_BAD = "bold red"
 
 
 def corank_section(
@@ -55,108 +57,61 @@ def corank_section(
     one is asked for.
     """
     rows = analysis.of_corank(summary.corank)
-    shown = dict(enumerate(rows, start=1)) if every else _examples(rows)
+    shown = dict(enumerate(rows, start=1)) if every else examples(rows)
     yield ""
-    yield _title(analysis, summary, len(rows))
+    yield _title(analysis, summary, rows)
     if rows:
-        kept, outside = _inside(analysis, shown)
-        yield from _rows(console, analysis.robot, kept, analysis.exact, outside, lost=len(shown) == len(rows))
+        kept = {i: within(row, analysis.robot, limits=analysis.settings.limits) for i, row in shown.items()}
+        yield from _rows(console, analysis.robot, kept, analysis.exact, lost=len(shown) == len(rows))
     if len(shown) < len(rows):
         others = [row for number, row in enumerate(rows, start=1) if number not in shown]
-        yield Text(_folded(analysis.robot, others), style="dim")
-    yield Text(_starts_line(summary), style="dim")
+        yield Text(folded(analysis.robot, others), style="dim")
+    yield Text(starts(summary), style="dim")
 
 
-def _inside(analysis: Analysis, shown: Mapping[int, Family]) -> tuple[dict[int, Family], dict[int, str]]:
-    """The rows with their values inside the limits, where these were asked for, and what of them lies outside."""
-    if not analysis.settings.limits:
-        return dict(shown), {}
-    inside = {number: inside_limits(row, analysis.robot) for number, row in shown.items()}
-    outside = {number: outside_text(one, analysis.robot) for number, one in inside.items() if one.outside}
-    return {number: inside[number].shown(row) for number, row in shown.items()}, outside
-
-
-def _title(analysis: Analysis, summary: CorankSummary, rows: int) -> Text:
-    title = Text.assemble((f"Corank {summary.corank}", "bold"), f" (rank {summary.rank} of {analysis.generic_rank}): ")
+def _title(analysis: Analysis, summary: CorankSummary, rows: Sequence[Family]) -> Text:
+    head, where = title(summary, analysis.generic_rank).split(" (")
+    line = Text.assemble((head, "bold"), f" ({where}: ")
     if not rows:
-        title.append(f"none found of {_count(summary.starts, 'start')}")
-        if summary.smallest_near_miss is not None:
-            title.append(f", smallest σ{summary.rank + 1} met {summary.smallest_near_miss:.4g}")
-        return title.append("; absence of a find is not a proof")
+        return line.append(nothing_found(summary))
     share = summary.completeness
-    title.append(f"{_count(rows, 'family', 'families')}, ")
-    counts = f"{share.explained:,} of {share.tested:,} fresh points explained"
-    style = "" if share.explained == share.tested else _BAD
-    return title.append(counts, style)
-
-
-def _examples(rows: tuple[Family, ...]) -> dict[int, Family]:
-    """The rows to show, by their number: all, or of very many those of the largest shares, unsound ones first."""
-    numbered = enumerate(rows, start=1)
-    if len(rows) <= _MANY:
-        return dict(numbered)
-    told = sorted(numbered, key=lambda one: (not _unsound(one[1]), not one[1].named, -one[1].explained.explained))
-    return dict(sorted(told[:_SHOWN]))
-
-
-def _folded(robot: Robot, rows: list[Family]) -> str:
-    """Rows that are not shown, counted by their kind."""
-    kinds = Counter(_kind(robot, row) for row in rows).most_common()
-    parts = [f"{count:,} {words}" for words, count in kinds[:_KINDS]]
-    rest = sum(count for _, count in kinds[_KINDS:])
-    parts += [f"{rest:,} of other kinds"] * (rest > 0)
-    unsound = sum(map(_unsound, rows))
-    sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
-    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them with --all."
-
-
-def _kind(robot: Robot, row: Family) -> str:
-    """What rows have in common: which joints are fixed, which coupled, and of what dimension they are."""
-    if not row.named:
-        return f"without a condition, of dimension {row.dimension} at most"
-    kinds = [str(joint.kind) for joint in robot.variables]
-    parts = []
-    for numbers, word in (([one.number for one in row.pinned], "fixed"), (row.coupled, "coupled")):
-        if numbers:
-            parts.append(f"{', '.join(joint_symbol(number, kinds[number - 1]) for number in numbers)} {word}")
-    return f"with {' and '.join(parts)}, of dimension {row.dimension}"
+    return line.append(f"{number_of(rows)}, ").append(explained(share), "" if share.agree == share.tested else BAD)
 
 
 def _rows(
-    console: Console, robot: Robot, shown: Mapping[int, Family], exact: Comparison | None, outside: Mapping[int, str],
-    *, lost: bool,
+    console: Console, robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
 ) -> Iterator[RenderableType]:
+    """The table as the window has room for it; each row comes with what of it lies outside the limits."""
+    shown = {number: row for number, (row, _) in kept.items()}
     roomy, tight = _family_table(robot, shown, gap=1), _family_table(robot, shown, gap=0)
     boundless = console.options.update(max_width=_BOUNDLESS)
     if lost and console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN:
         yield _family_table(robot, shown, gap=1, lost=True)
-        yield from _footnotes(shown, exact, outside, lost=False)
+        yield from _footnotes(kept, exact, lost=False)
         return
     fitting = [
         table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width
     ]
     yield fitting[0] if fitting else _family_list(robot, shown)
-    yield from _footnotes(shown, exact, outside, lost=lost)
+    yield from _footnotes(kept, exact, lost=lost)
 
 
 def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
     rows = tuple(shown.values())
     table = Table(box=box.SIMPLE_HEAD, padding=(0, gap, 0, 0), pad_edge=False, show_edge=False)
-    table.add_column("", justify="right", no_wrap=True)
-    table.add_column("family", min_width=min(14, max(len(row.name) for row in rows)), max_width=_NAME_COLUMN)
-    for number, joint in enumerate(robot.variables, start=1):
-        cells = [joint_cell(row, number, str(joint.kind)) for row in rows]
-        table.add_column(joint_symbol(number, str(joint.kind)), justify="center", min_width=max(map(_unbroken, cells)))
-    table.add_column("dim", justify="right", no_wrap=True, min_width=3)
+    number, name, *joints, dimension, direction, tested, met = columns(robot, rows[0].corank)
+    table.add_column(number, justify="right", no_wrap=True)
+    table.add_column(name, min_width=min(14, max(len(row.name) for row in rows)), max_width=_NAME_COLUMN)
+    for joint, asks in zip(joints, zip(*(joint_cells(robot, row) for row in rows), strict=True), strict=True):
+        table.add_column(joint, justify="center", min_width=max(map(_unbroken, asks)))
+    table.add_column(dimension, justify="right", no_wrap=True, min_width=3)
     if lost:
-        table.add_column("lost direction" if rows[0].corank == 1 else "lost directions", ratio=1)
-    table.add_column(TESTED, justify="right", no_wrap=True, min_width=5)
-    table.add_column(MET, justify="right", no_wrap=True, min_width=5)
+        table.add_column(direction, ratio=1)
+    table.add_column(tested, justify="right", no_wrap=True, min_width=5)
+    table.add_column(met, justify="right", no_wrap=True, min_width=5)
     for index, row in shown.items():
-        joints = [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
-        words = ["\n".join(row.lost_words)] if lost else []
-        share = rounded_share(row.explained)
-        table.add_row(str(index), _name(row), *joints, str(row.dimension), *words, _sound(row), share)
+        _, _, *middle, words, _, share = row_cells(robot, row)
+        table.add_row(str(index), _name(row), *middle, *([words] if lost else []), _sound(robot, row), share)
     return table
 
 
@@ -165,31 +120,19 @@ def _family_list(robot: Robot, shown: Mapping[int, Family]) -> Table:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column()
-    kinds = [str(joint.kind) for joint in robot.variables]
     for index, row in shown.items():
-        parts = [
-            f"{joint_symbol(one.number, kinds[one.number - 1])} = {values_text(one.values, kinds[one.number - 1])}"
-            for one in row.pinned
-        ]
-        for numbers, word in ((row.coupled, "coupled"), (row.free, "free")):
-            if numbers:
-                parts.append(f"{', '.join(joint_symbol(number, kinds[number - 1]) for number in numbers)} {word}")
-        share = rounded_share(row.explained)
-        text = Text.assemble(_name(row), f": {'; '.join(parts)}; dim {row.dimension}, {TESTED} ", _sound(row))
-        grid.add_row(str(index), text.append(f", {MET} {share}"))
+        told = f": {asked(robot, row)}; dim {row.dimension}, {TESTED} "
+        text = Text.assemble(_name(row), told, _sound(robot, row))
+        grid.add_row(str(index), text.append(f", {MET} {row_cells(robot, row)[-1]}"))
     return grid
 
 
 def _name(row: Family) -> Text:
-    return Text(row.name, style="" if row.named else _BAD)
+    return Text(row.name, style="" if row.named else BAD)
 
 
-def _sound(row: Family) -> Text:
-    return Text(share_text(row.soundness.singular, row.soundness.tested), style="" if row.soundness.holds else _BAD)
-
-
-def _unsound(row: Family) -> bool:
-    return row.soundness.singular < row.soundness.tested
+def _sound(robot: Robot, row: Family) -> Text:
+    return Text(row_cells(robot, row)[-2], style="" if row.soundness.holds else BAD)
 
 
 def _unbroken(cell: str) -> int:
@@ -197,17 +140,17 @@ def _unbroken(cell: str) -> int:
 
 
 def _footnotes(
-    shown: Mapping[int, Family], exact: Comparison | None, outside: Mapping[int, str], *, lost: bool
+    kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
 ) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
     grid.add_column(no_wrap=True)
     grid.add_column()
-    for index, row in shown.items():
-        notes = [*(("limits", text) for text in (outside.get(index),) if text), *conditions_of(row, exact)]
+    for index, (row, outside) in kept.items():
+        notes = [*((("limits", outside),) if outside else ()), *conditions_of(row, exact)]
         if lost:
             notes += [("lost", text) for text in row.lost_words]
-        if any("witness" in text for _, text in notes) or any("witness" in text for text in row.lost_words):
+        if any("witness" in text for _, text in notes) or at_witness(row):
             notes.append(("at", _witness(row)))
         for place, (label, text) in enumerate(notes):
             grid.add_row(str(index) if place == 0 else "", label, text)
@@ -218,15 +161,3 @@ def _footnotes(
 
 def _witness(row: Family) -> str:
     return f"witness q = ({', '.join(f'{value:.4g}' for value in row.witness)}) [rad, m]".replace("-", "−")
-
-
-def _starts_line(summary: CorankSummary) -> str:
-    near = _count(summary.near_misses, "near miss", "near misses")
-    line = f"Of {_count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
-    if summary.converged and summary.smallest_near_miss is not None:
-        line += f" Smallest near miss: σ{summary.rank + 1} = {summary.smallest_near_miss:.4g}, not singular."
-    return line
-
-
-def _count(number: int, one: str, many: str = "") -> str:
-    return f"{number:,} {one if number == 1 else many or one + 's'}"

@@ -24,6 +24,8 @@ _ASCII = {
     "µ": "u", "∥": "||", "⟂": "perp", "√": "sqrt", "ᵀ": "^T", "⁺": "^+", "†": "^+",
     "ᵖ": "^p", "⁴": "^4", "⁵": "^5", "⁶": "^6", "\u0307": "'",
 }  # fmt: skip
+BAD = "bold red"
+"""Style of what fails a test."""
 
 
 def say(text: str, *, bare: bool = False) -> None:

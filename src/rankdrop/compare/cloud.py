@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from rankdrop.exact.algebra.field import PRIMES
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import real_points
 from rankdrop.exact.tree import Tree
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
+from rankdrop.family.record import Check
 from rankdrop.family.system import System
 from rankdrop.family.which import on_one_of
 from rankdrop.local.block import generic_rank, singular_values

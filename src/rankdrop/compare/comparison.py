@@ -1,7 +1,6 @@
 """The exact conditions beside an analysis: what was derived, whether it is what was found, and one partition for both.
 
-`Comparison` is the record for JSON. The conditions of a row for people are the exact ones where they are known, the
-fitted ones otherwise.
+`Comparison` is the record for JSON; what is said of it stands in `text/families.py`.
 
 Sampling sees a set by its values: it lists θ3 = 0.4 and θ3 = −1.9 apart where one irreducible condition holds both, and
 puts two conditions into one row where their joints are the same; and fitted equations may hold at a few regular places.
@@ -19,11 +18,9 @@ import numpy as np
 
 from rankdrop.compare.cloud import Cloud, explained
 from rankdrop.compare.match import Agreement, Match, Wider, lies_on, solutions
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.cells import COUPLED, coupled_conditions
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import CorankFamilies, CorankSummary, Family, Pin, Sampled, Share, Soundness, numbered
+from rankdrop.family.record import Check, CorankFamilies, CorankSummary, Family, Pin, Sampled, numbered
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array
 
@@ -108,66 +105,7 @@ class Comparison:
         return (), ()
 
 
-EXACTLY = "exactly"
-"""Label of an exact condition; a fitted one has that of a coupled joint."""
-_LONGEST = 300  # characters of a condition that is printed
 _SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
-
-
-def conditions_of(row: Family, comparison: Comparison | None) -> list[tuple[str, str]]:
-    """(label, text) of every condition of a row that its table does not say.
-
-    Exact ones stand in place of fitted ones. Where they hold on more than the row, the fitted ones stay, and long ones
-    are only counted: programs find them in the JSON.
-    """
-    exactly, instead = exact_conditions(row, comparison)
-    fitted = [] if instead else coupled_conditions(row, folded=bool(exactly))
-    return [*((COUPLED, text) for text in fitted), *((EXACTLY, text) for text in exactly)]
-
-
-def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[str], bool]:
-    """The exact conditions of a row: (lines, whether they may stand in place of the fitted ones).
-
-    No line where the table says it all: joints at simple values.
-    """
-    if comparison is None:
-        return [], False
-    whole, parts = comparison.of_row(row.id)
-    wider = {one.family for one in comparison.wider}
-    lines = [_line(row, family, alone=len(whole) == 1) for family in whole]
-    lines = [
-        text + (" (and elsewhere, see the end)" if family.id in wider else "")
-        for text, family in zip(lines, whole, strict=True)
-        if text
-    ]
-    lines += [f"part of {' and '.join(map(readable, family.conditions))}" for family in parts]
-    said = [f"or {text}" if place else text for place, text in enumerate(lines)]
-    return said, bool(lines) and not parts and not wider & {family.id for family in whole}
-
-
-def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
-    """A family's conditions, without those of joints that the row has at the same values."""
-    same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
-    rest = [readable(text) for text in family.conditions[len(same) :]]
-    pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
-    if not pins and not rest and not alone:
-        return " and ".join((*family.conditions[: len(same)], *rest))
-    return " and ".join((*pins, *rest)) + (f"; {family.reality}" if family.reality and (pins or rest) else "")
-
-
-def readable(text: str) -> str:
-    """A condition for reading; a very long one is only counted."""
-    whole = "whole with --json, or with `rankdrop conditions --latex`"
-    return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
-
-
-def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
-    for pinned in row.pinned:
-        if pinned.number == number and len(pinned.values) == len(values):
-            return bool(np.abs(np.sort(pinned.values) - np.sort(values)).max() <= _SAME)
-    return False
-
-
 _POINTS = 24  # random points of a family that its lost motions are told from
 
 
@@ -222,15 +160,15 @@ def _recounted(problem: Problem, sampled: CorankFamilies, rows: Sequence[Family]
         return sampled.summary
     fresh = Cloud(problem.robot, problem.task, sampled.fresh, np.full(len(sampled.fresh), problem.corank))
     check, _ = explained(fresh, [row.equations for row in rows if row.equations], problem.tolerances)
-    return replace(sampled.summary, completeness=Share(check.tested, check.agree))
+    return replace(sampled.summary, completeness=Check(check.tested, check.agree))
 
 
 def _judged(row: Family, loose: Wider | None) -> Family:
     """A row with the regular solutions of its equations that were met since counted in its soundness."""
     if loose is None:
         return row
-    tested, singular = row.soundness.tested, row.soundness.singular
-    sound = Soundness(tested + loose.solved, singular + loose.solved - loose.elsewhere)
+    tested, singular = row.soundness.tested, row.soundness.agree
+    sound = Check(tested + loose.solved, singular + loose.solved - loose.elsewhere)
     return replace(row, evidence=Sampled(row.evidence.how, sound, row.explained))
 
 
@@ -267,8 +205,8 @@ def _measured(
         lost_words=sentences,
         evidence=Sampled(
             f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
-            Soundness(points.solved, points.solved - points.elsewhere),
-            Share(sampled.summary.completeness.tested, share),
+            Check(points.solved, points.solved - points.elsewhere),
+            Check(sampled.summary.completeness.tested, share),
         ),
     )
 

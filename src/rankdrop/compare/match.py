@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.compare.cloud import WITHIN, Cloud, explained
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.signature import HIGHER
 from rankdrop.family.equation import normalised
-from rankdrop.family.record import Family
+from rankdrop.family.record import Check, Family
 from rankdrop.family.system import REACHED, Mask, System
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array

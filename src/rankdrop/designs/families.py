@@ -91,4 +91,4 @@ def _once(
 def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
     """Whether every row has conditions and is sound, and every fresh point is explained."""
     sound = all(row.named and row.soundness.holds for row in rows)
-    return sound and summary.completeness.explained == summary.completeness.tested
+    return sound and summary.completeness.agree == summary.completeness.tested

@@ -16,7 +16,6 @@ from rankdrop.designs.families import Effort, families_of
 from rankdrop.designs.poses import reached, targets_of
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
-from rankdrop.families.cells import condition_text
 from rankdrop.families.memory import Memory
 from rankdrop.families.share import NearShare, near_shares
 from rankdrop.family.record import Family
@@ -26,6 +25,7 @@ from rankdrop.motion.data import FREE
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.task import Task
+from rankdrop.text.cells import condition_text
 
 Record = dict[str, Any]
 STARTS, FRESH = 300, 300
@@ -97,8 +97,8 @@ def _family(one: Family, robot: Robot) -> Record:
         "coupled": list(one.coupled),
         "conditions": [condition_text(x) for x in one.equations if coupled & set(x.joints)],
         "named": one.named,
-        "sound": [one.soundness.singular, one.soundness.tested],
-        "explained": [one.explained.explained, one.explained.tested],
+        "sound": [one.soundness.agree, one.soundness.tested],
+        "explained": [one.explained.agree, one.explained.tested],
         "witness": list(one.witness),
     }
 

@@ -22,13 +22,14 @@ from rankdrop.exact.algebra.split import with_points
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.verify import Check, rank_agreement
+from rankdrop.exact.arm.verify import rank_agreement
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
 from rankdrop.family.naming import told_apart
+from rankdrop.family.record import Check
 from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.robot.model import Array

@@ -14,11 +14,10 @@ import numpy as np
 
 from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.family.equation import Equation
 from rankdrop.family.naming import lost_motions, name_family
-from rankdrop.family.record import Order, Pin, place_of
+from rankdrop.family.record import Check, Order, Pin, place_of
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot

@@ -1,17 +1,3 @@
-from .cells import COUPLED as COUPLED
-from .cells import FREE as FREE
-from .cells import MET as MET
-from .cells import NOTHING as NOTHING
-from .cells import TESTED as TESTED
-from .cells import Inside as Inside
-from .cells import inside_limits as inside_limits
-from .cells import joint_cell as joint_cell
-from .cells import joint_symbol as joint_symbol
-from .cells import legend as legend
-from .cells import outside_text as outside_text
-from .cells import rounded_share as rounded_share
-from .cells import share_text as share_text
-from .cells import values_text as values_text
 from .curves import Curve as Curve
 from .curves import Sweep as Sweep
 from .curves import singular_curves as singular_curves
@@ -28,7 +14,6 @@ from .search_record import Search as Search
 from .searching import MOST_STARTS as MOST_STARTS
 from .searching import refine as refine
 from .searching import search as search
-from .share import near_overview as near_overview
 from .slices import Slice as Slice
 from .slices import telling_slices as telling_slices
 from .solid import Solid as Solid

@@ -14,7 +14,7 @@ import numpy as np
 from rankdrop.families.linear import Linear, Values
 from rankdrop.families.signature import HIGHER, Signature
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Soundness
+from rankdrop.family.record import Check
 from rankdrop.family.system import Mask, System
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
@@ -151,7 +151,7 @@ def _tested(
     return [bool(ok) if used >= 3 else None for ok, used in zip(holds, count, strict=True)]
 
 
-def soundness(problem: Problem, system: System, codimension: int, rng: np.random.Generator) -> tuple[Soundness, Array]:
+def soundness(problem: Problem, system: System, codimension: int, rng: np.random.Generator) -> tuple[Check, Array]:
     """Solve equations from random starts and look at the rank there.
 
     Solutions where the equations' Jacobian is badly conditioned (sheets crossing) are known too inexactly to be judged
@@ -164,10 +164,10 @@ def soundness(problem: Problem, system: System, codimension: int, rng: np.random
     q, slope, solved = _solved(start, system.equations, codimension, np.eye(problem.n))
     q = q[solved & (slope > CONDITIONED)]
     if not len(q):
-        return Soundness(0, 0), q
+        return Check(0, 0), q
     sigma = problem.sigma(q)
     singular = sigma[:, problem.rank] <= problem.tolerances.singular
-    return Soundness(len(q), int(singular.sum())), q[~singular]
+    return Check(len(q), int(singular.sum())), q[~singular]
 
 
 TRIES = 64  # round configurations that are looked at

@@ -7,34 +7,23 @@ divided by the length scale, to the family itself, which may go on beyond the li
 singularity that is just out of reach is beside it all the same. For coupled joints the nearest point is walked to from
 each configuration and from others around it; a nearer one may be missed, so that a share of such a row is a lower
 bound.
-
-The table of families and that of the shares, as sections of text: what a notebook shows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import degrees, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
-from rankdrop.families.cells import (
-    COUPLED,
-    coupled_conditions,
-    joint_cell,
-    joint_symbol,
-    rounded_share,
-    share_text,
-)
-from rankdrop.family.record import CorankSummary, Family, family_in_units
+from rankdrop.family.record import Family, family_in_units
 from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import Section
 from rankdrop.solve import shortest
 from rankdrop.task import Task
 from rankdrop.units import in_units, task_in_units
@@ -231,72 +220,3 @@ def _may_be_near(system: System, q: Array, scale: Array, moves: NDArray[np.intp]
 def _onto(system: System, x: Array, moves: NDArray[np.intp]) -> tuple[Array, Mask]:
     """The last steps, onto the set itself, pinned joints held."""
     return system.solve(x, along=np.eye(x.shape[1])[:, moves], iterations=20)
-
-
-AT_LEAST = "≥"
-_MANY, _LARGEST = 24, 8  # of more rows, those of calibrated arms, so many are told
-
-
-def overview(
-    robot: Robot, generic_rank: int, coranks: Sequence[CorankSummary], families: Sequence[Family]
-) -> Iterator[Section]:
-    """One section per corank: its rows as a table, conditions of coupled joints and lost motions under it."""
-    about = f": {robot.about}" if robot.about else ""
-    yield Section(f"{robot.name}{about}", f"rank {generic_rank} almost everywhere")
-    kinds = [str(joint.kind) for joint in robot.variables]
-    symbols = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]
-    for summary in coranks:
-        rows = [family for family in families if family.corank == summary.corank]
-        title = f"Corank {summary.corank} (rank {summary.rank} of {generic_rank})"
-        if not rows:
-            yield Section(title, f"none found of {summary.starts:,} starts; absence of a find is not a proof")
-            continue
-        share = summary.completeness
-        yield Section(
-            title,
-            f"completeness {share_text(share.explained, share.tested)} ({share.explained:,} of {share.tested:,})",
-            columns=("", "family", *symbols, "dim", "sound", "share"),
-            rows=tuple(_row(family, kinds) for family in rows),
-            texts=(0, 1),
-            after=tuple(line for family in rows for line in _under(family)),
-        )
-
-
-def _row(family: Family, kinds: Sequence[str]) -> tuple[str, ...]:
-    joints = (" ".join(joint_cell(family, number, kind).split()) for number, kind in enumerate(kinds, start=1))
-    sound = share_text(family.soundness.singular, family.soundness.tested)
-    return family.id, family.name, *joints, str(family.dimension), sound, rounded_share(family.explained)
-
-
-def _under(family: Family) -> Iterator[str]:
-    if family.coupled or not family.named:
-        yield from (f"{family.id} {COUPLED}: {text}" for text in coupled_conditions(family))
-    yield from (f"{family.id} lost: {text}" for text in family.lost_words)
-
-
-def near_overview(near: Near, families: Sequence[Family]) -> Section:
-    """Shares of the joint space near the families."""
-    names = {family.id: family.name for family in families}
-    where = "the joint space inside the limits" if near.limits else "the joint space"
-    told = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
-    rows = [*((one.id, names.get(one.id, ""), one) for one in told), ("any", "", near.any)]
-    notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
-    if len(told) < len(near.families):
-        notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")
-    if near.any.bound:
-        notes.append(f"{AT_LEAST}: coupled joints, whose nearest point may be missed, or a row without conditions")
-    return Section(
-        f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
-        columns=("", "family", "share", "±", "95 %"),
-        rows=tuple((id, name, _percent(one), f"{100 * one.error:.2g} %", _between(one)) for id, name, one in rows),
-        texts=(0, 1), notes=tuple(notes),
-    )  # fmt: skip
-
-
-def _percent(one: NearShare) -> str:
-    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
-
-
-def _between(one: NearShare) -> str:
-    low, high = (100 * end for end in one.interval)
-    return f"{low:.2g} … {high:.2g} %"

@@ -31,13 +31,12 @@ from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.naming import lost_motions, name_family, told_apart
 from rankdrop.family.record import (
+    Check,
     CorankFamilies,
     CorankSummary,
     Family,
     Pin,
     Sampled,
-    Share,
-    Soundness,
     family_out_of_units,
     numbered,
 )
@@ -104,7 +103,7 @@ def families(
     cover = membership(problem, inspection.q)
     rows = find_rows(problem, inspection, cover, seed, lambda done, total: report(60 * done // max(total, 1), STEPS),
                      memory)  # fmt: skip
-    sounds: dict[Row, Soundness] = {}
+    sounds: dict[Row, Check] = {}
     samples: dict[Row, Array] = {}
     marks = _marks(rows)
     for i, row in enumerate(rows):
@@ -113,7 +112,7 @@ def families(
         points = _generic(problem, row, inspection.q[cover(row)], rng)
         if sound.holds and len(points):
             tested, strangers = elsewhere(problem, row.linear, row.combinations, row.residual, marks, rng)
-            sounds[row] = Soundness(sound.tested + tested, sound.singular + tested - len(strangers))
+            sounds[row] = Check(sound.tested + tested, sound.agree + tested - len(strangers))
             samples[row] = points
     kept = list(sounds)
     report(60, STEPS)
@@ -123,10 +122,10 @@ def families(
     new = membership(problem, checked.q)
     on_rows = on_any(new, kept, len(checked.q))
     rest = leftovers(problem, inspection, ~on_any(cover, kept, len(inspection.q)), checked, ~on_rows)
-    share = Share(int(checked.exact.sum()), int((checked.exact & on_rows).sum()))
+    share = Check(int(checked.exact.sum()), int((checked.exact & on_rows).sum()))
     found = []
     for count, row in enumerate(sorted(kept, key=_order)):
-        per_row = Share(share.tested, int((checked.exact & new(row)).sum()))
+        per_row = Check(share.tested, int((checked.exact & new(row)).sum()))
         shown = witness(problem, row, np.random.default_rng([seed, cloud.corank, 8, count]))
         at = samples[row][0] if shown is None else shown
         found.append(_family(problem, row, sounds[row], per_row, samples[row], at, memory))
@@ -206,7 +205,7 @@ def _order(row: Row) -> tuple[int, tuple[int, ...], tuple[int, ...], tuple[tuple
 
 
 def _family(
-    problem: Problem, row: Row, sound: Soundness, share: Share, generic: Array, at: Array, memory: Memory | None
+    problem: Problem, row: Row, sound: Check, share: Check, generic: Array, at: Array, memory: Memory | None
 ) -> Family:
     """A row as a family; its id comes when all of them are known."""
     signature, robot = row.signature, problem.robot
@@ -268,7 +267,7 @@ def _labels(row: Row, q: Array) -> NDArray[np.int64]:
     return labels
 
 
-def _summary(cloud: Search, share: Share, higher: int, pieces: list[int], near_misses: bool) -> CorankSummary:
+def _summary(cloud: Search, share: Check, higher: int, pieces: list[int], near_misses: bool) -> CorankSummary:
     return CorankSummary(
         corank=cloud.corank,
         rank=cloud.rank,

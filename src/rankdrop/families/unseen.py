@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rankdrop.families.linear import Linear
 from rankdrop.families.signature import Inspection, inspect
 from rankdrop.family.naming import lost_motions
-from rankdrop.family.record import Family, Pin, Sampled, Share, Soundness, Unseen
+from rankdrop.family.record import Check, Family, Pin, Sampled, Unseen
 from rankdrop.family.system import Mask
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
@@ -124,8 +124,8 @@ def _unnamed(
         lost_words=sentences,
         evidence=Sampled(
             f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
-            Soundness(0, 0),
-            Share(tested, len(members) - cloud),
+            Check(0, 0),
+            Check(tested, len(members) - cloud),
         ),
         named=False,
     )

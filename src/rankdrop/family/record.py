@@ -68,24 +68,16 @@ Condition = Pin | Relation | Equation
 
 
 @dataclass(frozen=True, slots=True)
-class Soundness:
-    """Solutions of a family's equations from random starts: `singular` of `tested` have the corank or more."""
+class Check:
+    """Of `tested` points that were tried, `agree` are as claimed: singular, on the family, of the rank expected."""
 
     tested: int
-    singular: int
+    agree: int
 
     @property
     def holds(self) -> bool:
-        """Every solution was singular, and there was at least one."""
-        return 0 < self.tested == self.singular
-
-
-@dataclass(frozen=True, slots=True)
-class Share:
-    """`explained` of `tested` independent singular configurations."""
-
-    tested: int
-    explained: int
+        """All of them, and there was at least one."""
+        return 0 < self.tested == self.agree
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,13 +101,13 @@ class Sampled:
 
     Attributes:
         how: the conditions were obtained.
-        soundness: the equations solved from random starts, and the rank there.
-        explained: share of the fresh points of this corank that lie on this family.
+        soundness: the equations solved from random starts, and how many solutions have the corank or more.
+        explained: the fresh points of this corank, and how many lie on this family.
     """
 
     how: str
-    soundness: Soundness
-    explained: Share
+    soundness: Check
+    explained: Check
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,14 +172,14 @@ class Family:
         object.__setattr__(self, "lost_directions", directions)
 
     @property
-    def soundness(self) -> Soundness:
+    def soundness(self) -> Check:
         """Its equations solved from random starts, and the rank there; none were for a `Local` one."""
-        return self.evidence.soundness if isinstance(self.evidence, Sampled) else Soundness(0, 0)
+        return self.evidence.soundness if isinstance(self.evidence, Sampled) else Check(0, 0)
 
     @property
-    def explained(self) -> Share:
+    def explained(self) -> Check:
         """The share of fresh points of its corank that lie on it; none were tried for a `Local` one."""
-        return self.evidence.explained if isinstance(self.evidence, Sampled) else Share(0, 0)
+        return self.evidence.explained if isinstance(self.evidence, Sampled) else Check(0, 0)
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -213,8 +205,8 @@ def _section(family: Family) -> Section:
     told += [f"lost: {words}" for words in family.lost_words]
     at = ", ".join(f"{value:.4g}".replace("-", "−") for value in family.witness)
     tested = (
-        f"{family.soundness.singular:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
-        f"it explains {family.explained.explained:,} of {family.explained.tested:,} fresh singular points"
+        f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
+        f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
     )
     return Section(
         f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
@@ -243,7 +235,7 @@ class CorankSummary:
     near_misses: int
     slow: int
     smallest_near_miss: float | None
-    completeness: Share
+    completeness: Check
     higher: int
     unseen: Unseen
 

@@ -6,10 +6,11 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
+from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.report.data import pieces
 from rankdrop.report.svg import Chart, angle_ticks, plain_ticks
 from rankdrop.robot import Array, Robot
+from rankdrop.text import joint_symbol
 
 COLOURS = 8
 _SMALL = 130.0

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families import Solid, joint_symbol
+from rankdrop.families import Solid
 from rankdrop.family import Family
 from rankdrop.local import sampling_box, skeleton, start_posture
 from rankdrop.problem import wrap
@@ -20,6 +20,7 @@ from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
 from rankdrop.task import Task
+from rankdrop.text import joint_symbol
 
 LIVE = 1e-7
 """σ at or below this is shown as zero while a slider moves [1]: the page's own arithmetic is good to 1e-9 there."""

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.families import joint_cell, joint_symbol
 from rankdrop.report.content import Content, standing
-from rankdrop.report.tables import row_conditions
+from rankdrop.text import conditions_of, joint_cell, joint_symbol
 
 
 def families_csv(content: Content) -> str:
@@ -20,6 +19,7 @@ def families_csv(content: Content) -> str:
     c coupled, else the values in rad or m).
     """
     analysis = content.analysis
+    derived = () if content.exact is None else content.exact.families
     robot = analysis.robot
     kinds = [str(joint.kind) for joint in robot.variables]
     joints = [joint_symbol(number, kind) for number, kind in enumerate(kinds, start=1)]
@@ -32,11 +32,11 @@ def families_csv(content: Content) -> str:
     ])  # fmt: skip
     for family in analysis.families:
         cells = [joint_cell(family, number, kind).replace("\n", ", ") for number, kind in enumerate(kinds, start=1)]
-        conditions = "; ".join(text for _, text in row_conditions(analysis, content.exact, family))
+        conditions = "; ".join(text for _, text in conditions_of(family, analysis.exact, derived))
         at = np.where([unit == "deg" for unit in units], np.degrees(family.witness), family.witness)
         rows.writerow([
             family.id, family.name, family.corank, family.dimension, *cells, conditions, "; ".join(family.lost_words),
-            family.soundness.singular, family.soundness.tested, family.explained.explained, family.explained.tested,
+            family.soundness.agree, family.soundness.tested, family.explained.agree, family.explained.tested,
             standing(analysis, family), *(f"{value:.6g}" for value in at),
         ])  # fmt: skip
     return buffer.getvalue()

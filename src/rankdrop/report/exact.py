@@ -7,6 +7,7 @@ from html import escape
 from rankdrop.compare import Comparison, ExactRow
 from rankdrop.exact import ExactFamily, typeset
 from rankdrop.report.content import Content
+from rankdrop.text import letters_text
 
 _SHORT = 70  # characters of LaTeX; conditions up to this stand side by side
 _LONG = 420  # a longer one is folded
@@ -23,7 +24,7 @@ def exact_section(content: Content) -> str:
     found = content.exact
     if found is None:
         return f"{head}<p>Not derived: {escape(content.exact_missing)}</p></section>"
-    numbers = ", ".join(f"{name} = {value:.6g} m" for name, value in found.letters.items())
+    numbers = letters_text(found.letters)
     shifts = [
         f"θ{i} = q{i} {'−' if x < 0 else '+'} {abs(x):.4g}"
         for i, x in enumerate(found.shifts, start=1)
@@ -56,7 +57,7 @@ def exact_section(content: Content) -> str:
 
 def _joined(found: Comparison) -> str:
     """Those that the analysis holds, derived with it and held against its families."""
-    letters = ", ".join(f"{name} = {value:.6g} m" for name, value in (found.letters or {}).items())
+    letters = letters_text(found.letters)
     told = (
         f"Derived exactly and held against the families found: {found.status}. {found.numeric.agree:,} of "
         f"{found.numeric.tested:,} points of the families lie on an exact one, {found.exact.agree:,} of "

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.families import Slice, Solid, Sweep, Workspace, joint_symbol
+from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.family import Family
 from rankdrop.report.arm_figure import arm_figure
 from rankdrop.report.content import Content
@@ -21,6 +21,7 @@ from rankdrop.report.data import pieces
 from rankdrop.report.svg import angle_ticks
 from rankdrop.results import Analysis
 from rankdrop.robot import Robot
+from rankdrop.text import joint_symbol
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -199,9 +199,9 @@ def pa10_tables(sheet: Sheet) -> None:
         summary = analysis.coranks[corank - 1]
         sheet.claim(
             f"Table {corank + 2}", "is the table complete", f"all rank-{corank} singularities, {len(printed)} rows",
-            f"{len(ours)} rows, which explain {summary.completeness.explained} of {summary.completeness.tested} fresh "
+            f"{len(ours)} rows, which explain {summary.completeness.agree} of {summary.completeness.tested} fresh "
             "singular points",
-            len(ours) == len(printed) and summary.completeness.explained == summary.completeness.tested,
+            len(ours) == len(printed) and summary.completeness.agree == summary.completeness.tested,
         )  # fmt: skip
     table_5(sheet, analysis)
     equal = [(*row[:2], "0.45" if number == 5 else row[2], 0) for number, row in enumerate(TABLE_2, start=1)]

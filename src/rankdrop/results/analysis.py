@@ -13,13 +13,14 @@ import numpy as np
 
 from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import ResultFileError
-from rankdrop.families.cells import inside_limits, share_text
-from rankdrop.families.share import Near, overview
+from rankdrop.families.share import Near
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.local.block import singular_values
 from rankdrop.results.believed import at, check_analysis, check_record
 from rankdrop.results.codec import (
     Record,
+    corank_from_dict,
+    corank_to_dict,
     family_from_dict,
     family_to_dict,
     near_to_dict,
@@ -31,13 +32,16 @@ from rankdrop.results.codec import (
     save_record,
     task_from_dict,
 )
-from rankdrop.results.latex import latex_tables
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
 from rankdrop.sections import html
 from rankdrop.task import Task
+from rankdrop.text.cells import inside_limits, share_text
+from rankdrop.text.families import overview
+from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -147,8 +151,8 @@ class Analysis:
     @property
     def sound_and_complete(self) -> bool:
         """Whether every fresh point is explained, every row has equations, and every row is sound."""
-        explained = all(row.completeness.explained == row.completeness.tested for row in self.coranks)
-        sound = all(row.named and row.soundness.singular == row.soundness.tested for row in self.families)
+        explained = all(row.completeness.agree == row.completeness.tested for row in self.coranks)
+        sound = all(row.named and row.soundness.agree == row.soundness.tested for row in self.families)
         return explained and sound
 
     def of_corank(self, corank: int) -> tuple[Family, ...]:
@@ -180,14 +184,14 @@ class Analysis:
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md and schema/analysis.schema.json."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
             "settings": plain(self.settings),
             **self.verdict.to_dict(),
             "complete": self.complete,
             "unfinished": self.unfinished,
             "notes": list(self.notes),
-            "coranks": plain(self.coranks),
+            "coranks": [corank_to_dict(one) for one in self.coranks],
             "families": [self._row(family) for family in self.families],
             **({} if self.exact is None else {"exact": plain(self.exact)}),
             **({} if self.near is None else {"near": near_to_dict(self.near)}),
@@ -238,7 +242,7 @@ class Analysis:
             task=at("$.robot.frame", lambda: task_from_dict(record["robot"], settings.length_scale)),
             generic_rank=record["robot"]["generic_rank"],
             settings=settings,
-            coranks=restored(tuple[CorankSummary, ...], record["coranks"]),
+            coranks=tuple(corank_from_dict(one) for one in record["coranks"]),
             families=tuple(at(f"$.families[{i}]", partial(family_from_dict, one)) for i, one in families),
             complete=record["complete"],
             unfinished=record["unfinished"],
@@ -249,13 +253,11 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         """For notebooks: one table per corank."""
-        rows = self.families
-        if self.settings.limits:
-            rows = tuple(inside_limits(family, self.robot).shown(family) for family in rows)
-        return html(overview(self.robot, self.generic_rank, self.coranks, rows))
+        return html(overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                             limits=self.settings.limits))  # fmt: skip
 
     def latex(self) -> str:
-        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.results.latex_tables`."""
+        """Its tables as AM print them, one for each corank, for a paper: see `rankdrop.text.latex.latex_tables`."""
         return latex_tables(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
                             limits=self.settings.limits)  # fmt: skip
 
@@ -288,9 +290,9 @@ def sampled(analysis: Analysis) -> str:
     if not analysis.families:
         return ""
     solved = sum(row.soundness.tested for row in analysis.families)
-    singular = sum(row.soundness.singular for row in analysis.families)
+    singular = sum(row.soundness.agree for row in analysis.families)
     fresh = sum(row.completeness.tested for row in analysis.coranks)
-    explained = sum(row.completeness.explained for row in analysis.coranks)
+    explained = sum(row.completeness.agree for row in analysis.coranks)
     return (
         f"Tested: {singular:,} of {solved:,} points solved from the rows' conditions are singular "
         f"(σ ≤ {analysis.settings.tolerances.singular:g}). "

@@ -201,7 +201,7 @@ def _check_coranks(analysis: _Read) -> None:
                           (i + 1, analysis.generic_rank - i - 1))  # fmt: skip
         if row.converged + row.near_misses + row.slow > row.starts:
             raise damaged("there are more ends than starts", f"{where}.starts", row.starts)
-        if row.completeness.explained > row.completeness.tested:
+        if row.completeness.agree > row.completeness.tested:
             raise damaged("more points are explained than tested", f"{where}.completeness")
         if row.unseen.estimate > row.unseen.upper:
             raise damaged("the estimate is above its upper bound", f"{where}.unseen.estimate", row.unseen.estimate)
@@ -227,7 +227,7 @@ def _check_family(analysis: _Read, family: Family, where: str) -> None:
     kinds = sorted([*(pin.number for pin in family.pinned), *family.free, *family.coupled])
     if kinds != list(range(1, n + 1)):
         raise damaged("each joint is pinned, free or coupled, once", where, kinds, f"1 … {n}")
-    if family.soundness.singular > family.soundness.tested or family.explained.explained > family.explained.tested:
+    if family.soundness.agree > family.soundness.tested or family.explained.agree > family.explained.tested:
         raise damaged("more points hold than were tested", where)
     _check_equations(family, n, where)
     _check_rank(analysis, family, where)

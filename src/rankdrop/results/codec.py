@@ -26,7 +26,7 @@ from rankdrop.disk import replace_file
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.equation import Equation
-from rankdrop.family.record import Family, Sampled
+from rankdrop.family.record import Check, CorankSummary, Family, Sampled
 from rankdrop.robot.files import read_text
 from rankdrop.robot.ideal import near_ideal
 from rankdrop.robot.model import Robot
@@ -209,12 +209,36 @@ def task_from_dict(record: Record, length_scale: float) -> Task:
     return task
 
 
+def counted(check: Check, agree: str) -> Record:
+    """A check in a file: those that agree stand under a word that says in what."""
+    return {"tested": check.tested, agree: check.agree}
+
+
+def _check(record: Record, agree: str) -> Check:
+    return Check(record["tested"], record[agree])
+
+
+def corank_to_dict(summary: CorankSummary) -> Record:
+    """What the search met at one corank."""
+    record: Record = plain(summary)
+    return record | {"completeness": counted(summary.completeness, "explained")}
+
+
+def corank_from_dict(record: Record) -> CorankSummary:
+    """The summary of a record made by `corank_to_dict`."""
+    completeness = plain(_check(record["completeness"], "explained"))
+    summary: CorankSummary = restored(CorankSummary, record | {"completeness": completeness})
+    return summary
+
+
 def family_to_dict(family: Family) -> Record:
     """One row of a table; `equations` are for reading and for eval, `terms` say the same as data."""
     record: Record = {}
     for name in (field.name for field in fields(Family)):
         if name == "evidence":
-            record |= {"soundness": plain(family.soundness), "explained": plain(family.explained)}
+            record |= {
+                "soundness": counted(family.soundness, "singular"), "explained": counted(family.explained, "explained"),
+            }
             record[name] = family.evidence.how
             continue
         record[name] = plain(getattr(family, name))
@@ -229,7 +253,9 @@ def family_from_dict(record: Record) -> Family:
     Raises:
         ResultFileError: an equation whose text and terms say different things.
     """
-    evidence = restored(Sampled, record | {"how": record["evidence"]})
+    evidence = Sampled(
+        record["evidence"], _check(record["soundness"], "singular"), _check(record["explained"], "explained")
+    )
     family: Family = restored(Family, record | {"equations": record["terms"], "evidence": evidence})
     if plain(family.equations) != record["equations"]:
         raise ResultFileError("equations and terms of a family disagree", where=f"family {record['id']}")

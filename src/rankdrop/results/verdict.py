@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from rankdrop.compare.comparison import AGREES, DIFFERS, NOT_DERIVED, Comparison
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import ExactFamily
-from rankdrop.family.record import CorankSummary, Family
+from rankdrop.family.record import Check, CorankSummary, Family
 from rankdrop.robot.model import Robot
 
 VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
@@ -184,13 +183,13 @@ def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
         for text in comparison.disagreements:
             yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
     for row in analysis.families:
-        if row.named and row.soundness.singular < row.soundness.tested:
-            regular = row.soundness.tested - row.soundness.singular
+        if row.named and row.soundness.agree < row.soundness.tested:
+            regular = row.soundness.tested - row.soundness.agree
             yield UNSOUND, f"{row.id} also holds at {regular:,} of {row.soundness.tested:,} solutions that are regular"
     for one in analysis.coranks:
         share = one.completeness
-        if share.explained < share.tested:
-            missed = share.tested - share.explained
+        if share.agree < share.tested:
+            missed = share.tested - share.agree
             yield INCOMPLETE, f"corank {one.corank}, {missed:,} of {share.tested:,} fresh singular points on no row"
     for row in analysis.families:
         if not row.named:

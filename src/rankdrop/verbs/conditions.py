@@ -13,7 +13,6 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.structure import structure_of
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.derivation import METHODS, CorankOne, check_method, corank_one
 from rankdrop.exact.determinants import Determinants, determinants_of
 from rankdrop.exact.families import families, real_sets
@@ -21,6 +20,7 @@ from rankdrop.exact.family import Assumption, ExactFamily, described
 from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.families.searching import check_numbers
+from rankdrop.family.record import Check
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import ConditionSettings
 from rankdrop.results.conditions.known import known_conditions

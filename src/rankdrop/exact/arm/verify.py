@@ -8,24 +8,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from rankdrop.exact.algebra.field import P, Point, complete, modulus, rank, residue, value_at
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.family.record import Check
 from rankdrop.robot.model import JointKind
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """Of `tested` random points `agree` behaved as claimed."""
-
-    tested: int
-    agree: int
-
-    @property
-    def holds(self) -> bool:
-        """All of them, and there was at least one."""
-        return 0 < self.tested == self.agree
 
 
 def random_points(chain: Chain, count: int, seed: int = 0) -> list[Point]:

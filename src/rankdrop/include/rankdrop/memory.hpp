@@ -24,7 +24,7 @@ inline constexpr std::size_t kLarge = 2 * kHugePage;        // results from here
 
 struct Release {
     void operator()(void* memory) const noexcept {
-#if defined(_MSC_VER)
+#if defined(_WIN32)
         _aligned_free(memory);
 #else
         std::free(memory);
@@ -37,7 +37,7 @@ using Memory = std::unique_ptr<void, Release>;
 // At least `bytes`, not initialised, aligned for the widest pack.
 inline Memory allocate(std::size_t bytes) {
     const std::size_t whole = (bytes / kAlignment + 1) * kAlignment;
-#if defined(_MSC_VER)
+#if defined(_WIN32)
     Memory memory(_aligned_malloc(whole, kAlignment));
 #else
     Memory memory(std::aligned_alloc(kAlignment, whole));
@@ -50,7 +50,7 @@ inline Memory allocate(std::size_t bytes) {
 // Jacobians; huge pages, where the system has them, cost one every 2 MiB. They are asked for inside the block as malloc
 // gives it: a block with an alignment of its own would be mapped anew every time, where malloc has a used one.
 inline Memory allocate_result(std::size_t bytes) {
-#if defined(_MSC_VER)
+#if defined(_WIN32)
     return allocate(bytes);
 #else
     Memory memory(std::malloc(std::max<std::size_t>(bytes, 1)));
@@ -75,7 +75,7 @@ class Arena {
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
     ~Arena() {
-        if (!blocks_.empty() && blocks_.front().size == kBlock) spare() = std::move(blocks_.front().memory);
+        if (first_.memory && first_.size == kBlock) spare() = std::move(first_.memory);
     }
 
     // `count` of T, not initialised, aligned for packs
@@ -108,12 +108,17 @@ class Arena {
 
     void more(std::size_t bytes) {
         const std::size_t size = std::max(bytes, kBlock);
-        blocks_.push_back({size == kBlock && spare() ? std::move(spare()) : allocate(size), size});
-        next_ = static_cast<std::byte*>(blocks_.back().memory.get());
+        Block block{size == kBlock && spare() ? std::move(spare()) : allocate(size), size};
+        next_ = static_cast<std::byte*>(block.memory.get());
         left_ = size;
+        if (first_.memory)
+            more_.push_back(std::move(block));
+        else
+            first_ = std::move(block);
     }
 
-    std::vector<Block> blocks_;
+    Block first_{nullptr, 0};
+    std::vector<Block> more_;  // seldom any: a vector would be allocated anew every time
     std::byte* next_ = nullptr;
     std::size_t left_ = 0;
 };

@@ -12,15 +12,20 @@ inline constexpr int kMaxPairs = kMaxColumns / 2;
 // When the Jacobi sweeps may stop.
 struct Precision {
     double orthogonal;  // cosine of two columns that are left alone
-    double settled;     // a sweep that met no larger cosine is the last one
+    double settled;     // a sweep that met no larger cosine, and turned by no larger angle, is the last one
+    double turned;      // that angle, as the tangent of its half
 };
-// What rounding leaves.
-inline constexpr Precision kExact{3e-16, 3e-16};
+// What rounding leaves. Cosines of 3e-9 are squared by the sweep that meets them, unless equal lengths make it turn by
+// more than that.
+inline constexpr Precision kExact{3e-16, 3e-9, 3e-9};
+// Columns whose lengths are below this part of the longest, squared, are rounding noise of it, a quarter of eps: nothing
+// orders them, and they would turn, ever shorter and at last as subnormal numbers, until the sweeps end.
+inline constexpr double kNoise = 0x1p-108;
 // For the search. Convergence is quadratic, so that cosines end near 1e-10. A singular value is off by the square of that
 // and a subspace by the cosine itself, relative to their sizes: F and D keep nine digits, sigma all of them.
-inline constexpr Precision kSearch{1e-9, 1e-5};
+inline constexpr Precision kSearch{1e-9, 1e-5, 2.0};
 
-// (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c)
+// (x, y) <- (c x - s y, s x + c y), with h = s / (1 + c): lengths drift least in this form
 inline void turn_pair(Pack* x, Pack* y, int length, Pack s, Pack h) {
     for (int k = 0; k < length; ++k) {
         const Pack a = x[k], b = y[k];
@@ -83,10 +88,18 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
             for (int j = 0; j < columns; ++j) basis[i * columns + j] = fill(i == j ? 1.0 : 0.0);
     const Pack tolerance = fill(precision.orthogonal * precision.orthogonal);
     const Pack coarse = fill(precision.settled * precision.settled), one = fill(1.0), zero = fill(0.0);
+    const Pack angle = fill(precision.turned);
+    Pack noise = zero;
+    for (int i = 0; i < columns; ++i) {
+        Pack sum = zero;
+        for (int k = 0; k < rows; ++k) sum = sum + w[i * rows + k] * w[i * rows + k];
+        noise = max(noise, sum * fill(kNoise));
+    }
     constexpr Pairs<COLUMNS ? COLUMNS : 2> fixed;
     const RoundRobin schedule(columns);
-    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-        bool settled = true;
+    Mask open = zero == zero;  // lanes that are not settled: one that is turns no more, whatever its neighbours need
+    for (int sweep = 0; sweep < kMaxSweeps && any(open); ++sweep) {
+        Mask unsettled = zero > zero;
         for (int round = 0; round < schedule.rounds; ++round) {
             // all sums first, then all angles: the chains of one stage overlap
             Pack difference[kMaxPairs], product[kMaxPairs], sine[kMaxPairs], half[kMaxPairs];
@@ -102,15 +115,16 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
                     yy = yy + y[k] * y[k];
                     xy = xy + x[k] * y[k];
                 }
-                const Mask turn = xy * xy > tolerance * (xx * yy);
+                const Mask turn = (xy * xy > tolerance * (xx * yy)) & (min(xx, yy) > noise) & open;
                 turns[pair] = any(turn);
-                settled = settled && !any(xy * xy > coarse * (xx * yy));
+                unsettled = unsettled | ((xy * xy > coarse * (xx * yy)) & turn);
                 difference[pair] = yy - xx, product[pair] = select(turn, xy + xy, zero);
             }
             for (int pair = 0; pair < schedule.pairs; ++pair) {
                 // sine and half tangent: the form of a rotation in which lengths drift least (Rutishauser)
                 const Pack h = select(product[pair] == zero, zero, half_tangent(difference[pair], product[pair]));
                 half[pair] = h, sine[pair] = (h + h) / (one + h * h);
+                unsettled = unsettled | (abs(h) > angle);
             }
             for (int pair = 0; pair < schedule.pairs; ++pair) {
                 if (!turns[pair]) continue;
@@ -119,7 +133,7 @@ inline void one_sided_jacobi(Pack* w, int rows_, int columns_, Precision precisi
                 if (basis) turn_pair(basis + i * columns, basis + j * columns, columns, sine[pair], half[pair]);
             }
         }
-        if (settled) break;
+        open = open & unsettled;
     }
     for (int i = 0; i < columns; ++i) {
         Pack sum = zero;

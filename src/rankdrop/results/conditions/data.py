@@ -9,14 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
-from rankdrop.results.codec import Record, plain, robot_to_dict
+from rankdrop.family.record import Check
+from rankdrop.results.codec import Record, counted, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +124,7 @@ SCHEMA = "rankdrop/conditions/1"
 def conditions_to_dict(found: ConditionsData) -> Record:
     """All of it but the time spent: the same robot and settings give the same record."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
         **_entries(found, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
         "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),
@@ -131,7 +132,7 @@ def conditions_to_dict(found: ConditionsData) -> Record:
         **_entries(found, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
         "families": [_family(found, family) for family in found.families],
         **_entries(found, "assumptions", "not_real"),
-        "explained": {"tested": found.explained.tested, "explained": found.explained.agree},
+        "explained": counted(found.explained, "explained"),
     }
 
 

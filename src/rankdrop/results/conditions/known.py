@@ -29,12 +29,11 @@ from rankdrop.errors import ResultFileError
 from rankdrop.exact.algebra.polynomial import Polynomial, flint
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import Chain, exact_chain
-from rankdrop.exact.arm.verify import Check
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Family
+from rankdrop.family.record import Check, Family
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict

@@ -11,9 +11,10 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 
 from rankdrop.compare.comparison import Comparison, ExactRow
-from rankdrop.families.cells import COUPLED, FREE, inside_limits, joint_cell, share_text
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import JointKind, Robot
+from rankdrop.text.cells import COUPLED, FREE, share_text
+from rankdrop.text.families import columns, joint_cells, row_cells, within
 
 _PLAIN = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -62,29 +63,29 @@ def _table(
     robot: Robot, rank: int, summary: CorankSummary, rows: Sequence[Family], exact: Comparison | None, *, limits: bool
 ) -> str:
     heads = [f"${_symbol(robot, number)}$" for number in range(1, robot.n + 1)]
-    lost = "motion lost" if summary.corank == 1 else "motions lost"
+    lost = columns(robot, summary.corank)[-3]
     share = summary.completeness
     caption = (
         f"{as_text(robot.name)}: singularities of corank {summary.corank} (rank {summary.rank} of {rank}). "
         "$\\times$: any value; c: coupled, see below the table; dim: dimension of the family. "
-        f"The rows explain {share.explained} of {share.tested} fresh singular points "
-        f"({as_text(share_text(share.explained, share.tested))})."
+        f"The rows explain {share.agree} of {share.tested} fresh singular points "
+        f"({as_text(share_text(share.agree, share.tested))})."
     )
     name = re.sub(r"[^A-Za-z0-9-]+", "-", robot.name)
-    joints = zip(*(_values(robot, one) for one in rows), strict=True)
+    joints = zip(*(joint_cells(robot, one) for one in rows), strict=True)
     decimals = sum(any("(" in cell for cell in joint) for joint in joints)
     words = max(0.3, _WORDS - _COLUMN * robot.n - _DEGREES * decimals)
-    columns = f"rp{{{0.4 * words:.3f}\\linewidth}}*{{{robot.n}}}{{c}}cp{{{0.6 * words:.3f}\\linewidth}}"
+    shape = f"rp{{{0.4 * words:.3f}\\linewidth}}*{{{robot.n}}}{{c}}cp{{{0.6 * words:.3f}\\linewidth}}"
     size = r"\footnotesize" if decimals else r"\small"
     lines = [
         r"\begin{table}[htbp]", r"\centering", size, r"\setlength{\tabcolsep}{3pt}", f"\\caption{{{caption}}}",
         f"\\label{{tab:{name}-corank-{summary.corank}}}",
-        f"\\begin{{tabular}}{{{columns}}}", r"\hline",
+        f"\\begin{{tabular}}{{{shape}}}", r"\hline",
         " & ".join(["", "family", *heads, "dim", lost]) + r" \tabularnewline", r"\hline",
     ]  # fmt: skip
     notes = []
     for number, family in enumerate(rows, start=1):
-        inside = inside_limits(family, robot).shown(family) if limits else family
+        inside, _ = within(family, robot, limits=limits)
         lines.append(" & ".join(_cells(robot, number, inside)) + r" \tabularnewline")
         told = list(_conditions(family, exact))
         if told:
@@ -105,18 +106,13 @@ def _letters_in(notes: Sequence[str], exact: Comparison | None) -> Iterator[tupl
             yield name, value
 
 
-def _values(robot: Robot, family: Family) -> Iterator[str]:
-    """What the columns of the joints say."""
-    for place, joint in enumerate(robot.variables, start=1):
-        yield joint_cell(family, place, str(joint.kind))
-
-
 def _cells(robot: Robot, number: int, family: Family) -> Iterator[str]:
+    _, name, *joints, dimension, lost, _, _ = row_cells(robot, family)
     yield str(number)
-    yield rf"\raggedright {as_text(family.name)}"
-    yield from map(_cell, _values(robot, family))
-    yield str(family.dimension)
-    yield rf"\raggedright {'; '.join(map(as_text, family.lost_words))}"
+    yield rf"\raggedright {as_text(name)}"
+    yield from map(_cell, joints)
+    yield dimension
+    yield rf"\raggedright {'; '.join(map(as_text, lost.splitlines()))}"
 
 
 def _cell(text: str) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.record import Family, Pin, Share
+from rankdrop.family.record import Check, Family, Pin
 from rankdrop.robot.model import Robot
 from rankdrop.units import counted_length
 
@@ -80,9 +80,9 @@ def share_text(part: int, whole: int) -> str:
     return f"{floor(1000 * part / whole) / 10:g} %" if whole else NOTHING
 
 
-def rounded_share(share: Share) -> str:
+def rounded_share(share: Check) -> str:
     """A share in percent, to a tenth; – for a share of nothing."""
-    return f"{round(100 * share.explained / share.tested, 1):g} %" if share.tested else NOTHING
+    return f"{round(100 * share.agree / share.tested, 1):g} %" if share.tested else NOTHING
 
 
 def coupled_conditions(family: Family, *, folded: bool = False) -> list[str]:

@@ -1,0 +1,344 @@
+"""The tables of families, one for each corank, as AM print them (Tables 3–5): what terminal, page, paper lay out.
+
+Title, headings, cells, footnotes and what the starts did are said here; a face chooses type, colour and breaks. The
+conditions under a table are the exact ones where they are known, the fitted ones otherwise; how the two agree is told
+after it. The shares of the joint space near families are a table of their own.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from math import degrees
+
+import numpy as np
+
+from rankdrop.compare.comparison import AGREES, NOT_DERIVED, Comparison, ExactRow
+from rankdrop.exact.family import ExactFamily
+from rankdrop.families.share import Near, NearShare
+from rankdrop.family.record import Check, CorankSummary, Family
+from rankdrop.robot.model import Robot
+from rankdrop.sections import Section
+from rankdrop.text.cells import (
+    COUPLED,
+    MET,
+    TESTED,
+    coupled_conditions,
+    inside_limits,
+    joint_cell,
+    joint_symbol,
+    legend,
+    outside_text,
+    rounded_share,
+    share_text,
+    values_text,
+)
+
+_MANY = 24  # rows of one corank: of more, those of calibrated arms, some stand for all
+_SHOWN, _LARGEST = 3, 8  # so many rows of a table, so many of the shares near families
+_KINDS = 3  # kinds of rows that are told apart when they are counted
+AT_LEAST = "≥"
+EXACTLY = "exactly"
+"""Label of an exact condition; a fitted one has that of a coupled joint."""
+_LONGEST = 300  # characters of a condition that is printed
+_SAME = 1e-6  # values of a pinned joint that differ by less are the same [rad, m]
+
+
+def title(summary: CorankSummary, generic_rank: int) -> str:
+    """ "Corank 1 (rank 5 of 6)"."""
+    return f"Corank {summary.corank} (rank {summary.rank} of {generic_rank})"
+
+
+def nothing_found(summary: CorankSummary) -> str:
+    """What is said where a corank has no row."""
+    smallest = summary.smallest_near_miss
+    met = "" if smallest is None else f", smallest σ{summary.rank + 1} met {smallest:.4g}"
+    return f"none found of {_count(summary.starts, 'start')}{met}; absence of a find is not a proof"
+
+
+def number_of(rows: Sequence[Family]) -> str:
+    """ "1 family", "4 families"."""
+    return _count(len(rows), "family", "families")
+
+
+def explained(share: Check) -> str:
+    """How many fresh points the rows of a corank explain."""
+    return f"{share.agree:,} of {share.tested:,} fresh points explained"
+
+
+def starts(summary: CorankSummary) -> str:
+    """What came of the random starts of a corank."""
+    near = _count(summary.near_misses, "near miss", "near misses")
+    line = f"Of {_count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
+    if summary.converged and summary.smallest_near_miss is not None:
+        line += f" Smallest near miss: σ{summary.rank + 1} = {summary.smallest_near_miss:.4g}, not singular."
+    return line
+
+
+def _count(number: int, one: str, many: str = "") -> str:
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+def symbols(robot: Robot) -> tuple[str, ...]:
+    """The joints as conditions write them: "θ1", "q3" for a slide."""
+    return tuple(joint_symbol(number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1))
+
+
+def columns(robot: Robot, corank: int) -> tuple[str, ...]:
+    """Headings: id, family, a column for each joint, dimension, what is lost, the two tests."""
+    lost = "lost direction" if corank == 1 else "lost directions"
+    return ("", "family", *symbols(robot), "dim", lost, TESTED, MET)
+
+
+def joint_cells(robot: Robot, row: Family) -> list[str]:
+    """What a row asks of each joint."""
+    return [joint_cell(row, number, str(joint.kind)) for number, joint in enumerate(robot.variables, start=1)]
+
+
+def row_cells(robot: Robot, row: Family) -> tuple[str, ...]:
+    """A row under `columns`; several values, or several lost directions, stand on lines of their own."""
+    sound = share_text(row.soundness.agree, row.soundness.tested)
+    lost = "\n".join(row.lost_words)
+    return row.id, row.name, *joint_cells(robot, row), str(row.dimension), lost, sound, rounded_share(row.explained)
+
+
+def within(row: Family, robot: Robot, *, limits: bool) -> tuple[Family, str]:
+    """The row with its values inside the limits where these were asked for, and what of it lies outside, or ""."""
+    if not limits:
+        return row, ""
+    inside = inside_limits(row, robot)
+    return inside.shown(row), outside_text(inside, robot) if inside.outside else ""
+
+
+def at_witness(row: Family) -> bool:
+    """Whether what is lost is told for the witness, which has to be named then."""
+    return any("witness" in text for text in row.lost_words)
+
+
+def asked(robot: Robot, row: Family) -> str:
+    """What a row asks of the joints, in a line: "θ3 = 0, π; θ5, θ6 coupled; θ1 free"."""
+    names = symbols(robot)
+    kinds = [str(joint.kind) for joint in robot.variables]
+    parts = [f"{names[one.number - 1]} = {values_text(one.values, kinds[one.number - 1])}" for one in row.pinned]
+    for numbers, word in ((row.coupled, "coupled"), (row.free, "free")):
+        if numbers:
+            parts.append(f"{', '.join(names[number - 1] for number in numbers)} {word}")
+    return "; ".join(parts)
+
+
+def examples(rows: Sequence[Family]) -> dict[int, Family]:
+    """The rows to show, by their number: all, or of very many those of the largest shares, unsound ones first."""
+    numbered = enumerate(rows, start=1)
+    if len(rows) <= _MANY:
+        return dict(numbered)
+    ordered = sorted(numbered, key=lambda one: (not _unsound(one[1]), not one[1].named, -one[1].explained.agree))
+    return dict(sorted(ordered[:_SHOWN]))
+
+
+def folded(robot: Robot, rows: Sequence[Family]) -> str:
+    """Rows that are not shown, counted by their kind."""
+    kinds = Counter(_kind(robot, row) for row in rows).most_common()
+    parts = [f"{count:,} {words}" for words, count in kinds[:_KINDS]]
+    others = sum(count for _, count in kinds[_KINDS:])
+    parts += [f"{others:,} of other kinds"] * (others > 0)
+    unsound = sum(map(_unsound, rows))
+    sound = f"{unsound:,} of them failed their test" if unsound else "all passed their test"
+    return f"and {len(rows):,} more rows, {sound}: {'; '.join(parts)}. All of them with --all."
+
+
+def _unsound(row: Family) -> bool:
+    return row.soundness.agree < row.soundness.tested
+
+
+def _kind(robot: Robot, row: Family) -> str:
+    """What rows have in common: which joints are fixed, which coupled, and of what dimension they are."""
+    if not row.named:
+        return f"without a condition, of dimension {row.dimension} at most"
+    names, parts = symbols(robot), []
+    for numbers, word in (([one.number for one in row.pinned], "fixed"), (row.coupled, "coupled")):
+        if numbers:
+            parts.append(f"{', '.join(names[number - 1] for number in numbers)} {word}")
+    return f"with {' and '.join(parts)}, of dimension {row.dimension}"
+
+
+def conditions_of(
+    row: Family, comparison: Comparison | None, derived: Sequence[ExactFamily] = ()
+) -> list[tuple[str, str]]:
+    """(label, text) of every condition of a row that its table does not say.
+
+    Exact ones stand in place of fitted ones. Where they hold on more than the row, the fitted ones stay, and long ones
+    are only counted: programs find them in the JSON.
+
+    Args:
+        row: a family of an analysis.
+        comparison: exact conditions that the analysis holds.
+        derived: exact families derived apart from it; one of the row's id, name and corank is the row.
+    """
+    for one in derived:
+        if (one.id, one.name, one.corank) == (row.id, row.name, row.corank):
+            held = {pin.number for pin in row.pinned}
+            pins = [text for (joint, _), text in zip(one.pins, one.texts, strict=False) if joint not in held]
+            return [(EXACTLY, readable(text)) for text in (*pins, *one.texts[len(one.pins) :])]
+    exactly, instead = exact_conditions(row, comparison)
+    fitted = [] if instead else coupled_conditions(row, folded=bool(exactly))
+    return [*((COUPLED, text) for text in fitted), *((EXACTLY, text) for text in exactly)]
+
+
+def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[str], bool]:
+    """The exact conditions of a row: (lines, whether they may stand in place of the fitted ones).
+
+    No line where the table says it all: joints at simple values.
+    """
+    if comparison is None:
+        return [], False
+    whole, parts = comparison.of_row(row.id)
+    wider = {one.family for one in comparison.wider}
+    lines = [_line(row, family, alone=len(whole) == 1) for family in whole]
+    lines = [
+        text + (" (and elsewhere, see the end)" if family.id in wider else "")
+        for text, family in zip(lines, whole, strict=True)
+        if text
+    ]
+    lines += [f"part of {' and '.join(map(readable, family.conditions))}" for family in parts]
+    said = [f"or {text}" if place else text for place, text in enumerate(lines)]
+    return said, bool(lines) and not parts and not wider & {family.id for family in whole}
+
+
+def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
+    """A family's conditions, without those of joints that the row has at the same values."""
+    same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
+    others = [readable(text) for text in family.conditions[len(same) :]]
+    pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
+    if not pins and not others and not alone:
+        return " and ".join((*family.conditions[: len(same)], *others))
+    return " and ".join((*pins, *others)) + (f"; {family.reality}" if family.reality and (pins or others) else "")
+
+
+def readable(text: str) -> str:
+    """A condition for reading; a very long one is only counted."""
+    whole = "whole with --json, or with `rankdrop conditions --latex`"
+    return text if len(text) <= _LONGEST else f"a condition of {len(text):,} characters ({whole})"
+
+
+def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
+    for pinned in row.pinned:
+        if pinned.number == number and len(pinned.values) == len(values):
+            return bool(np.abs(np.sort(pinned.values) - np.sort(values)).max() <= _SAME)
+    return False
+
+
+def agreement(
+    comparison: Comparison | None, robot: Robot, families: Sequence[Family]
+) -> Iterator[tuple[str, bool]]:
+    """How the exact derivation and the rows of an analysis agree: sentences, and whether one says that they do not.
+
+    Args:
+        comparison: of the analysis; None where exact conditions were not asked for.
+        robot: the arm.
+        families: the rows.
+    """
+    if comparison is None:
+        return
+    if comparison.status == NOT_DERIVED:
+        yield f"Exact conditions: not derived; {comparison.reason}.", False
+        return
+    if comparison.disagreements:
+        yield "The exact derivation and the numeric search DIFFER; at least one of them is wrong:", True
+        yield from ((f"  {text}", True) for text in comparison.disagreements)
+    verdict = "agree with every row" if comparison.status == AGREES else "do not agree with the rows"
+    numeric, exact = comparison.numeric, comparison.exact
+    points = (
+        f"{numeric.agree:,} of {numeric.tested:,} points of the rows lie on exact families, "
+        f"{exact.agree:,} of {exact.tested:,} points of these on the rows"
+    )
+    points = f"{points[0].upper()}{points[1:]}"
+    printed = any(exact_conditions(row, comparison)[0] for row in families)
+    symbols = _symbols(comparison, robot) if printed else ""
+    yield f"Exact conditions, derived apart from the search, {verdict}. {points}.{symbols}", False
+    for one in comparison.wider:
+        told = (
+            f"The conditions of the exact family {one.family} also hold where less is lost ({one.elsewhere} of "
+            f"{one.solved} random solutions): it is what of them is singular to its corank."
+        )
+        yield told, False
+
+
+def letters_text(letters: Mapping[str, float] | None) -> str:
+    """Lengths that stand as letters: "a2 = 0.4318 m, d3 = −0.1 m"."""
+    return ", ".join(f"{name} = {value:.6g} m".replace("-", "−") for name, value in (letters or {}).items())
+
+
+def _symbols(comparison: Comparison, robot: Robot) -> str:
+    """What the letters of exact conditions mean."""
+    kinds = [str(joint.kind) for joint in robot.variables]
+    shifted = [
+        f"{joint_symbol(i, kind)} = q{i} {'+' if shift > 0 else '−'} {abs(shift):.6g}"
+        for i, (shift, kind) in enumerate(zip(comparison.shifts, kinds, strict=True), 1)
+        if shift
+    ]
+    letters = letters_text(comparison.letters)
+    text = " In them s2 is sin θ2, c23 cos(θ2+θ3)" + (f", {letters}" if letters else "")
+    return text + (f"; there {', '.join(shifted)}." if shifted else ".")
+
+
+def overview(
+    robot: Robot, generic_rank: int, coranks: Sequence[CorankSummary], families: Sequence[Family],
+    exact: Comparison | None = None, *, limits: bool = False,
+) -> Iterator[Section]:  # fmt: skip
+    """One section for each corank, for a notebook: its table, the conditions under it, what the starts did.
+
+    Args:
+        robot, generic_rank, coranks, families: of an analysis.
+        exact: exact conditions held against the families, if there are any.
+        limits: values of pinned joints inside the joint limits only.
+    """
+    about = f": {robot.about}" if robot.about else ""
+    yield Section(f"{robot.name}{about}", f"rank {generic_rank} almost everywhere")
+    for summary in coranks:
+        rows = [family for family in families if family.corank == summary.corank]
+        if not rows:
+            yield Section(title(summary, generic_rank), nothing_found(summary))
+            continue
+        shown = [within(row, robot, limits=limits) for row in rows]
+        under = [
+            f"{row.id} {label}: {text}"
+            for row, outside in shown
+            for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
+        ]
+        heads = columns(robot, summary.corank)
+        yield Section(
+            title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}", columns=heads,
+            rows=tuple(tuple("; ".join(one.split("\n")) if i == len(heads) - 3 else " ".join(one.split())
+                             for i, one in enumerate(row_cells(robot, row))) for row, _ in shown),
+            texts=(0, 1, len(heads) - 3), after=tuple(under), notes=(starts(summary),),
+        )  # fmt: skip
+    if families:
+        yield Section("", lines=(legend(robot, families),))
+
+
+def near_overview(near: Near, families: Sequence[Family]) -> Section:
+    """Shares of the joint space near the families."""
+    names = {family.id: family.name for family in families}
+    where = "the joint space inside the limits" if near.limits else "the joint space"
+    shown = sorted(near.families, key=lambda one: -one.near)[:_LARGEST] if len(near.families) > _MANY else near.families
+    rows = [*((one.id, names.get(one.id, ""), one) for one in shown), ("any", "", near.any)]
+    notes = [f"{near.samples:,} random configurations, seed {near.seed}; ± standard error; 95 % by Wilson's rule"]
+    if len(shown) < len(near.families):
+        notes.append(f"the {_LARGEST} largest of {len(near.families)}; all of them in the JSON")
+    if near.any.bound:
+        notes.append(f"{AT_LEAST}: coupled joints, whose nearest point may be missed, or a row without conditions")
+    return Section(
+        f"Within {degrees(near.within):.4g}° of singularities", f"share of {where}, distance over all joints",
+        columns=("", "family", "share", "±", "95 %"),
+        rows=tuple((id, name, _percent(one), f"{100 * one.error:.2g} %", _between(one)) for id, name, one in rows),
+        texts=(0, 1), notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _percent(one: NearShare) -> str:
+    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
+
+
+def _between(one: NearShare) -> str:
+    low, high = (100 * end for end in one.interval)
+    return f"{low:.2g} … {high:.2g} %"

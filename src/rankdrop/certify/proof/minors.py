@@ -13,7 +13,6 @@ number is rounded, and neither rows, dimensions, nor the shape of the Jacobian p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from math import pi
 from typing import Any
@@ -31,6 +30,8 @@ Rational = Any
 """A `flint.fmpq`."""
 Vector = list[Rational]
 Rotation = list[Vector]
+Value = tuple[Rational, Rational, Interval]
+"""Where a joint stands: what ad and ad² are multiplied by (of a slide the shift and zero), and its angle [rad, m]."""
 
 
 def verify_in_minors(told: Told) -> str:
@@ -60,20 +61,6 @@ def verify_in_minors(told: Told) -> str:
 
 
 _ANYWHERE = tuple(np.random.default_rng(2).uniform(-1.5, 1.5, 32).tolist())
-
-
-@dataclass(frozen=True, eq=False)
-class _Value:
-    """Where a joint stands.
-
-    Attributes:
-        sine, versine: what ad and ad² are multiplied by; of a slide the shift and zero.
-        angle: as an interval [rad, m].
-    """
-
-    sine: Rational
-    versine: Rational
-    angle: Interval
 
 
 class _Exact:
@@ -119,32 +106,32 @@ class _Exact:
         foot = [x / _dot(w, w) for x in _cross(w, v)]
         return _cross(foot, w) + w
 
-    def rational(self, k: int, value: float, *, snap: bool) -> _Value:
+    def rational(self, k: int, value: float, *, snap: bool) -> Value:
         """A rational place of a joint next to a value."""
         f, square = self._f, self._squares[k]
         zero, one = f.fmpq(0), f.fmpq(1)
         length = float(square.p) / float(square.q)
         if self._links[k].kind == SLIDE:
             shift = self._number(value / length**0.5)
-            return _Value(shift, zero, f.arb(shift) * f.arb(square).sqrt())
+            return (shift, zero, f.arb(shift) * f.arb(square).sqrt())
         quarter = round(value / (pi / 2))
         if snap and abs(value - quarter * (pi / 2)) <= _SNAP and (quarter % 2 == 0 or square == 1):
             sine, cosine = ((0, 1), (1, 0), (0, -1), (-1, 0))[quarter % 4]
-            return _Value(sine * one, (1 - cosine) / square, quarter * f.arb.pi() / 2)
+            return (sine * one, (1 - cosine) / square, quarter * f.arb.pi() / 2)
         turns = round(value / (2 * pi))
         x = self._number(np.tan((value - turns * 2 * pi) / 2) / length**0.5)
         angle = 2 * (f.arb(x) * f.arb(square).sqrt()).atan() + 2 * turns * f.arb.pi()
         return self._turned(x, k, angle)
 
-    def _turned(self, x: Rational, k: int, angle: Interval) -> _Value:
+    def _turned(self, x: Rational, k: int, angle: Interval) -> Value:
         below = 1 + x * x * self._squares[k]
-        return _Value(2 * x / below, 2 * x * x / below, angle)
+        return (2 * x / below, 2 * x * x / below, angle)
 
-    def distance(self, one: _Value, value: float) -> float:
+    def distance(self, one: Value, value: float) -> float:
         """How far a place is from a value, at most."""
-        return float(abs(one.angle - self._f.arb(value)).upper())
+        return float(abs(one[2] - self._f.arb(value)).upper())
 
-    def jacobian(self, given: list[_Value], moved: int = -1, by: _Value | None = None) -> Any:
+    def jacobian(self, given: list[Value], moved: int = -1, by: Value | None = None) -> Any:
         """(m, n) the rows of the task, columns as long as their axes are; `moved` goes on by a second motion."""
         f = self._f
         turn = [[f.fmpq(int(r == c)) for c in range(3)] for r in range(3)]
@@ -168,10 +155,10 @@ class _Exact:
                          if row < 3 else _dot(axis, one[3:]) for one in columns])  # fmt: skip
         return f.fmpq_mat(rows)
 
-    def _after(self, turn: Rotation, shift: Vector, k: int, value: _Value) -> tuple[Rotation, Vector]:
+    def _after(self, turn: Rotation, shift: Vector, k: int, value: Value) -> tuple[Rotation, Vector]:
         screw = self._screws[k]
         if self._links[k].kind == SLIDE:
-            go = _times(turn, [value.sine * x for x in screw[:3]])
+            go = _times(turn, [value[0] * x for x in screw[:3]])
             return turn, [x + y for x, y in zip(shift, go, strict=True)]
         w = screw[3:]
         # exp takes p to p + s ω × (p − f) + c ω × (ω × (p − f))
@@ -179,14 +166,14 @@ class _Exact:
         for c in range(3):
             unit = [self._f.fmpq(int(r == c)) for r in range(3)]
             once = _cross(w, unit)
-            own.append([p + value.sine * x + value.versine * y
+            own.append([p + value[0] * x + value[1] * y
                         for p, x, y in zip(unit, once, _cross(w, once), strict=True)])  # fmt: skip
         foot = [x / self._squares[k] for x in _cross(w, screw[:3])]
         there = [sum((own[c][r] * foot[c] for c in range(3)), self._f.fmpq(0)) for r in range(3)]
         go = _times(turn, [x - y for x, y in zip(foot, there, strict=True)])
         return _turned_over([_times(turn, one) for one in own]), [x + y for x, y in zip(shift, go, strict=True)]
 
-    def singular(self, given: list[_Value], moved: int, radius: float) -> float | None:
+    def singular(self, given: list[Value], moved: int, radius: float) -> float | None:
         """How far a joint goes at most to a configuration of lower rank; None where that is not shown within radius."""
         f = self._f
         slides = self._links[moved].kind == SLIDE
@@ -198,7 +185,7 @@ class _Exact:
         below = [f.fmpq(1) if slides else 1 + x * x * self._squares[moved] for x in points]
         scale = [one ** (twice * self._size) for one in below]
         zero = f.arb(0)
-        seen = [self.jacobian(given, moved, _Value(x, f.fmpq(0), zero) if slides else self._turned(x, moved, zero))
+        seen = [self.jacobian(given, moved, (x, f.fmpq(0), zero) if slides else self._turned(x, moved, zero))
                 for x in points]  # fmt: skip
         entries = [one.tolist() for one in seen]
         inverse = f.fmpq_mat([[x**k for k in range(degree + 1)] for x in points]).inv()

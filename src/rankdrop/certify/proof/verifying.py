@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -136,14 +137,14 @@ def verify(
         _check_whole("sample", sample)
     module = flint()
     work = Work(int(enclosures), progress)
-    asked = _Asked(sample, every, None if journal is None else Path(journal))
+    covers = partial(verify_covering, sample=sample, every=every, journal=None if journal is None else Path(journal))
     try:
         told = read_certificate(Path(file))
     except Damaged as error:
         return Verified(False, "", "", "", str(error), (), 0)
     try:
         with module.ctx.workprec(BITS):
-            claim, assumed = _proven(told, robot, work, asked)
+            claim, assumed = _proven(told, robot, work, covers)
     except Unproven as error:
         return Verified(False, told.kind, told.name, "", str(error), (), work.done)
     except (KeyError, TypeError, ValueError) as error:
@@ -162,23 +163,16 @@ def _check_whole(name: str, value: int) -> None:
         raise OptionError("this is a whole number from 1 up", where=name, got=repr(value))
 
 
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """How a covering is checked."""
-
-    sample: int | None
-    every: bool
-    journal: Path | None
-
-
-def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple[str, tuple[str, ...]]:
+def _proven(
+    told: Told, robot: Robot | None, work: Work, covers: partial[str]
+) -> tuple[str, tuple[str, ...]]:
     """The claim in words, and what it rests on.
 
     Raises:
         Unproven: it does not hold, or could not be confirmed.
     """
-    if asked.journal is not None and (told.kind != COVERING or asked.sample is not None):
-        got = f"a {told.kind}" if asked.sample is None else "a sample"
+    if covers.keywords["journal"] is not None and (told.kind != COVERING or covers.keywords["sample"] is not None):
+        got = f"a {told.kind}" if covers.keywords["sample"] is None else "a sample"
         raise OptionError("a journal is kept of all boxes of a covering", where="journal", got=got, mend="leave it out")
     _same_arm(told, robot)
     if told.kind == EXISTENCE:
@@ -188,7 +182,7 @@ def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple
     if told.kind == BALL:
         claim = verify_ball(arm, told, work)
     elif told.kind == COVERING:
-        claim = verify_covering(arm, told, work, asked.sample, every=asked.every, journal=asked.journal)
+        claim = covers(arm, told, work)
     else:
         claim = verify_path(arm, told, work)
     if told.tolerance is not None:

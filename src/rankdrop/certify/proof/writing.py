@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
-from rankdrop.certify.comparison import regular
 from rankdrop.certify.coverfile import Plan
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
 from rankdrop.certify.enclosed import viewed
 from rankdrop.certify.proof.reading import BALL, COVERING, EXISTENCE, SCHEMA, Record, sealed
 from rankdrop.certify.proof.regions import FREE, LETTERS, OUTSIDE
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.kinematics import task_jacobian

@@ -15,8 +15,8 @@ from rankdrop.cli.whole import Whole
 if TYPE_CHECKING:
     from rankdrop.cli.progress import Report
     from rankdrop.results import Analysis, Verdict
+    from rankdrop.robot import Mesh
     from rankdrop.verbs import Idealised
-    from rankdrop.viewer.meshes import Mesh
 
 Format = Literal["html", "pdf", "png", "svg"]
 _ANALYSIS = ".json"
@@ -169,8 +169,7 @@ def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Mesh, ...]:
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
     from rankdrop.report.meshes import simplified
-    from rankdrop.viewer.meshes import meshes_of
-    from rankdrop.viewer.visuals import visuals_of
+    from rankdrop.robot import meshes_of, visuals_of
 
     visuals, left_out = visuals_of(analysis.robot, packages_of(arm), arguments_of(arm))
     try:

@@ -24,6 +24,7 @@ from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SHARES = (0.99, 0.97, 0.94, 0.9, 0.8, 0.65, 0.5, 0.3)
@@ -68,7 +69,7 @@ def record_of(
     if tolerance is not None:
         near = {"length": tolerance.length, "angle": tolerance.angle, "points": points_of(robot).tolist()}
     return sealed({
-        "schema": SCHEMA, "kind": kind, "version": VERSION, "arm": arm_record(robot),
+        **heading(SCHEMA), "kind": kind, "version": VERSION, "arm": arm_record(robot),
         "task": {"name": task.name, "rows": list(task.rows), "frame": {
             "axes": task.frame.axes, "origin": task.frame.origin, "point": list(task.frame.point)}},
         "rank": setting.rank,

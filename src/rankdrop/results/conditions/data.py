@@ -17,6 +17,7 @@ from rankdrop.results.codec import Record, counted, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +124,7 @@ SCHEMA = "rankdrop/conditions/1"
 def conditions_to_dict(found: ConditionsData) -> Record:
     """All of it but the time spent: the same robot and settings give the same record."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
         **_entries(found, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
         "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),

@@ -58,7 +58,7 @@ def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row
     moving = [int(j) for j in np.flatnonzero(~problem.idle)]
     units = np.eye(n, dtype=np.int64)[moving]
     angles = [j for j in moving if problem.robot.periodic[j]]
-    covectors = np.concatenate([units, candidates(angles, n)])
+    covectors = np.concatenate([units, candidates(tuple(angles), n)])
     shared = np.stack([_shared(Linear.of(problem.robot, [tuple(m)]).values(q)[:, 0]) for m in covectors], axis=1)
     patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
     rows: list[Row] = []

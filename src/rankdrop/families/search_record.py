@@ -126,8 +126,8 @@ class Search:
         if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
             return float(self.sigma[lowest[0], self.rank])
         lowest = lowest[:_LOWEST]
-        _, first = np.unique(np.round(self.sigma[lowest], _SAME), axis=0, return_index=True)
-        lowest = lowest[np.sort(first)]  # often all of them are one minimum, met again and again
+        _, members = np.unique(np.round(self.sigma[lowest], _SAME), axis=0, return_index=True)
+        lowest = lowest[np.sort(members)]  # often all of them are one minimum, met again and again
         own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
         q = into_units(self.robot, self.q[lowest])
         quick = brought_down(own, q, iterations=60, effort=3)

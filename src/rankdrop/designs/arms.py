@@ -18,6 +18,7 @@ from rankdrop.results.codec import save_record
 from rankdrop.robot.drawing import Drawing
 from rankdrop.sections import Section, html, text
 from rankdrop.task import resolve_task
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/side-by-side/1"
@@ -89,7 +90,7 @@ class SideBySide:
     def to_dict(self) -> dict[str, Any]:
         """The record of a JSON file: docs/json.md."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "version": VERSION,
             "task": self.task,
             "length_scale": self.length_scale,

@@ -54,6 +54,10 @@ class System:
         """(N, e) values and (N, e, n) derivatives at once."""
         return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64))
 
+    def residuals(self, q: Array) -> tuple[Mask, Array, Array]:
+        """As `linear`, for `solve.newton`: no start is ever done before its steps are."""
+        return np.ones(len(q), dtype=np.bool_), *self.linear(q)
+
     def zero(self, q: Array) -> Mask:
         """(N,) whether every equation is zero at q (N, n), to rounding or to first order.
 

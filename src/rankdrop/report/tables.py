@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from math import degrees
-
-import numpy as np
 
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis, Conditions
@@ -19,6 +16,7 @@ from rankdrop.text import (
     at_witness,
     columns,
     conditions_of,
+    degrees_text,
     explained,
     legend,
     near_overview,
@@ -112,15 +110,6 @@ def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Itera
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if at_witness(row):
         yield f"witness q = {degrees_text(robot, row.witness)}"
-
-
-def degrees_text(robot: Robot, q: Sequence[float]) -> str:
-    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
-    parts = (
-        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
-        for joint, value in zip(robot.variables, np.array(q) + 0.0, strict=True)
-    )
-    return f"({', '.join(parts)})".replace("-", "−")
 
 
 def _cell(text: str) -> str:

@@ -25,7 +25,7 @@ from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import inverse, nearer
+from rankdrop.solve import iterate, nearer, newton
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
@@ -35,6 +35,7 @@ _RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
 _ITERATIONS = 25
 _STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
+_LANDING = 3  # Newton steps onto the family at the end
 _DIFFERENCE = 1e-5  # of the gradients [rad, or length scales]
 
 
@@ -61,13 +62,13 @@ class Coupled:
     def points(self) -> Array:
         """Ends of all starts."""
         starts = self._starts(np.resize(_RADII, STARTS))
-        first = np.concatenate([self._walk(starts.copy(), system) for system in self.ways])
+        first = np.concatenate([self._walk(starts, system) for system in self.ways])
         solved = np.abs(self.system.values(first)).max(axis=1) <= REACHED
         distance = np.linalg.norm((first - self.target) / self.scale, axis=1)[solved]
         if not len(distance) or distance.min() == 0:
             return first
         starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
-        return np.concatenate([first, *(self._walk(starts.copy(), system) for system in self.ways)])
+        return np.concatenate([first, *(self._walk(starts, system) for system in self.ways)])
 
     def _starts(self, radii: Array) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
@@ -86,21 +87,12 @@ class Coupled:
 
     def _walk(self, q: Array, system: System) -> Array:
         """Newton steps of all starts until they stand still, then straight onto the family."""
-        active = np.arange(len(q))
-        for _ in range(_ITERATIONS):
-            step = self._step(q[active], system)
-            length = np.linalg.norm(step, axis=1)
-            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-            q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
-            active = active[length > _STILL]
-            if not len(active):
-                break
-        q = self._brought_near(q)
-        for _ in range(3):
-            f, slopes = self.system.linear(q)
-            back = (inverse(slopes * self.scale)[0] @ f[..., None])[..., 0]
-            q = np.clip(q - back * self.scale, self.box[0], self.box[1])
-        return q
+        ends = iterate(lambda q, _: self._step(q, system), q, iterations=_ITERATIONS, longest=_LONGEST, still=_STILL,
+                       scale=self.scale, box=self.box)  # fmt: skip
+        return newton(
+            self.system.residuals, self._brought_near(ends), scale=self.scale, iterations=_LANDING, step=np.inf,
+            box=self.box,
+        )  # fmt: skip
 
     def _brought_near(self, q: Array) -> Array:
         near = q - whole_turns(self.robot, q - self.target)

@@ -51,6 +51,10 @@ class System:
         """(N, e) values and (N, e, n) derivatives at once."""
         return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64))
 
+    def residuals(self, q: Array) -> tuple[Mask, Array, Array]:
+        """As `linear`, for `solve.newton`: no start is ever done before its steps are."""
+        return np.ones(len(q), dtype=np.bool_), *self.linear(q)
+
     def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
         """(N, e) values, (N, e, n) first and (N, e, n, n) second derivatives at q (N, n), in one pass.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -161,12 +162,12 @@ class Robot:
                     allowed=", ".join(sorted(leaders)),
                 )
 
-    @property
+    @cached_property
     def variables(self) -> tuple[Joint, ...]:
         """The n joints that are variables of their own: the entries of q, in order."""
         return tuple(joint for joint in self.joints if joint.mimic is None)
 
-    @property
+    @cached_property
     def n(self) -> int:
         """Number of variables."""
         return len(self.variables)
@@ -181,7 +182,7 @@ class Robot:
         """(n,) upper limits [rad or m]."""
         return np.array([joint.upper for joint in self.variables])
 
-    @property
+    @cached_property
     def periodic(self) -> NDArray[np.bool_]:
         """(n,) whether adding 2π to a variable gives the same arm: revolute, and so is all that follows it."""
         whole = [joint.kind is JointKind.REVOLUTE for joint in self.variables]
@@ -190,7 +191,9 @@ class Robot:
             if joint.mimic is not None:
                 turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
                 whole[index[joint.mimic.leader]] &= turns
-        return np.array(whole)
+        turning = np.array(whole)
+        turning.flags.writeable = False
+        return turning
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""

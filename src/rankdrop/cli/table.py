@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rankdrop.cli.terminal import BAD
+from rankdrop.robot import degrees_text
 from rankdrop.text import (
     MET,
     TESTED,
@@ -22,7 +23,6 @@ from rankdrop.text import (
     at_witness,
     columns,
     conditions_of,
-    degrees_text,
     examples,
     explained,
     folded,

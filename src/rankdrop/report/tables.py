@@ -7,7 +7,7 @@ from html import escape
 
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Robot
+from rankdrop.robot import Robot, degrees_text
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
@@ -16,7 +16,6 @@ from rankdrop.text import (
     at_witness,
     columns,
     conditions_of,
-    degrees_text,
     explained,
     legend,
     near_overview,

@@ -14,14 +14,17 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
-from math import inf, isfinite, isinf, nan, pi, radians, sqrt
-from typing import Any
+from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
+from typing import TYPE_CHECKING, Any
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.budgets import LONGEST_TEXT, RANGE, allowed_range
+
+if TYPE_CHECKING:
+    from rankdrop.robot.model import Robot
 
 _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},
@@ -144,6 +147,15 @@ def _error(what: str, got: Any, measure: str, where: str, rate: bool) -> RobotEr
         got=got,
         allowed="a finite number, or text with + - * / ( ), pi, sqrt()" + (f" and a unit ({units})" if units else ""),
     )
+
+
+def degrees_text(robot: Robot, q: Sequence[float]) -> str:
+    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
+    parts = (
+        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
+        for joint, value in zip(robot.variables, (x + 0.0 for x in q), strict=True)
+    )
+    return f"({', '.join(parts)})".replace("-", "−")
 
 
 LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"

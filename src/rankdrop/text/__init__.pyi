@@ -4,7 +4,6 @@ from .cells import MET as MET
 from .cells import NOTHING as NOTHING
 from .cells import TESTED as TESTED
 from .cells import Inside as Inside
-from .cells import degrees_text as degrees_text
 from .cells import inside_limits as inside_limits
 from .cells import joint_cell as joint_cell
 from .cells import joint_symbol as joint_symbol

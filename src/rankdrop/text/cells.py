@@ -5,7 +5,7 @@ Values of pinned joints within the joint limits: moved by whole turns, and those
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import degrees, floor, isclose
 
@@ -65,15 +65,6 @@ def values_text(values: Iterable[float], kind: str = "revolute") -> str:
             left.remove(opposite)
             words.append("±" + value_text(abs(opposite), kind).replace("(", "(±"))
     return ", ".join(words)
-
-
-def degrees_text(robot: Robot, q: Sequence[float]) -> str:
-    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
-    parts = (
-        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
-        for joint, value in zip(robot.variables, np.array(q) + 0.0, strict=True)
-    )
-    return f"({', '.join(parts)})".replace("-", "−")
 
 
 def joint_cell(family: Family, number: int, kind: str) -> str:

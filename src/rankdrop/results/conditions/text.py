@@ -14,8 +14,8 @@ from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
 from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.robot.model import Robot
+from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section
-from rankdrop.text.cells import degrees_text
 
 _BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
 """Places for a break, the better kinds first."""

@@ -152,7 +152,7 @@ def _footnotes(
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or at_witness(row):
-            notes.append(("at", f"witness q = {degrees_text(robot, row.witness)}"))
+            notes.append(("at", f"witness q = {degrees_text(row.witness, robot.units)}"))
         for place, (label, text) in enumerate(notes):
             grid.add_row(str(index) if place == 0 else "", label, text)
     if grid.row_count:

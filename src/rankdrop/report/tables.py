@@ -108,7 +108,7 @@ def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Itera
         css = "bad" if label in (COUPLED, "limits") else "good"
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if at_witness(row):
-        yield f"witness q = {degrees_text(robot, row.witness)}"
+        yield f"witness q = {degrees_text(row.witness, robot.units)}"
 
 
 def _cell(text: str) -> str:

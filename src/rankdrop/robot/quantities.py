@@ -14,17 +14,14 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
 from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.budgets import LONGEST_TEXT, RANGE, allowed_range
-
-if TYPE_CHECKING:
-    from rankdrop.robot.model import Robot
 
 _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},
@@ -149,12 +146,19 @@ def _error(what: str, got: Any, measure: str, where: str, rate: bool) -> RobotEr
     )
 
 
-def degrees_text(robot: Robot, q: Sequence[float]) -> str:
-    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
-    parts = (
-        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
-        for joint, value in zip(robot.variables, (x + 0.0 for x in q), strict=True)
-    )
+def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
+    """A configuration as people set it.
+
+    Args:
+        q: values of the joints [rad, m].
+        units: of the joints: `Joint.unit`.
+
+    Example:
+        >>> degrees_text([0.0, -1.5707963267948966, 0.1], ["rad", "rad", "m"])
+        '(0°, −90°, 0.1 m)'
+    """
+    parts = (f"{degrees(x) + 0.0:.4g}°" if unit == "rad" else f"{x + 0.0:.4g} m"
+             for x, unit in zip(q, units, strict=True))  # fmt: skip
     return f"({', '.join(parts)})".replace("-", "−")
 
 

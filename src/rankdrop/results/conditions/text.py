@@ -228,7 +228,8 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
         told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
         yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        yield from sentence(f"{_INSET}witness: q = {degrees_text(family.witness, robot.units)}", width, len("witness: "))
+        at = degrees_text(family.witness, robot.units)
+        yield from sentence(f"{_INSET}witness: q = {at}", width, len("witness: "))
 
 
 def condition_lines(family: ExactFamily) -> list[str]:

@@ -173,6 +173,11 @@ class Robot:
         """Number of variables."""
         return len(self.variables)
 
+    @property
+    def units(self) -> list[str]:
+        """Of the variables: "rad" or "m"."""
+        return [joint.unit for joint in self.variables]
+
     @cached_property
     def lower(self) -> Array:
         """(n,) lower limits [rad or m]."""

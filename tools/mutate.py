@@ -3,6 +3,12 @@
     .venv/bin/python tools/mutate.py src/rankdrop/certify/bittree.py --tests tests/certify/test_covering.py --most 40
     .venv/bin/python tools/mutate.py src/core/readable.cpp --tests tests/local/test_readable_planted.py --most 20
 
+With several files, or whole folders, the tests of each line are those that reach it, as coverage.py recorded (`pip
+install pytest-cov`), the ones that reach least first; a line that none reaches is told:
+
+    COVERAGE_FILE=build/reached .venv/bin/pytest --cov=rankdrop --cov-context=test --cov-report= tests/exact
+    .venv/bin/python tools/mutate.py src/rankdrop/exact --reached build/reached --most 5
+
 Changes of Python are made in its syntax tree: comparisons, arithmetic, and/or, not, numbers, True and False,
 conditions. Changes of C++ are the same signs in its text; the core is built anew for each, in build/mutate. Both work
 on a copy of the package: the sources stay as they are. A change that no test sees is printed with its line: a test is
@@ -19,6 +25,7 @@ import os
 import random
 import re
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -34,6 +41,7 @@ COMPUTED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Add, ast.Div: ast.
             ast.BitOr: ast.BitAnd, ast.BitXor: ast.BitAnd, ast.MatMult: ast.Add, ast.Pow: ast.Mult}  # fmt: skip
 WRITTEN = (("<=", "<"), (">=", ">"), (" < ", " <= "), (" > ", " >= "), ("==", "!="), ("!=", "=="), (" + ", " - "),
            (" - ", " + "), (" * ", " + "), (" / ", " * "), ("&&", "||"), ("||", "&&"), ("++", "--"))  # fmt: skip
+ENDS = ("killed", "survived", "no build", "not reached")
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,21 +117,45 @@ def of_cpp(text: str) -> list[Mutant]:
     return found
 
 
+class Reached:
+    """Which tests reach a line: what `pytest --cov-context=test` recorded."""
+
+    def __init__(self, file: Path, most: int) -> None:
+        self.most = most
+        with sqlite3.connect(file) as data:
+            names = dict(data.execute("select id, context from context"))
+            asked = "select file.path, context_id, numbits from line_bits join file on file.id = file_id"
+            rows = list(data.execute(asked))
+        self.lines: dict[str, dict[str, set[int]]] = {}
+        size: dict[str, int] = {}
+        for path, context, bits in rows:
+            test = names[context].split("|")[0]
+            lines = {8 * at + bit for at, byte in enumerate(bits) for bit in range(8) if byte >> bit & 1}
+            size[test] = size.get(test, 0) + len(lines)
+            self.lines.setdefault(path.partition("/src/")[2], {}).setdefault(test, set()).update(lines)
+        self.size = size
+
+    def tests(self, file: Path, line: int) -> list[str]:
+        """The tests that reach a line and least else; of the whole file where it is run at import alone."""
+        there = self.lines.get(str(file.relative_to(ROOT / "src")), {})
+        found = [test for test, lines in there.items() if line in lines]
+        if "" in found:
+            found = list(there)
+        return sorted((test for test in found if test), key=lambda test: (self.size[test], test))[: self.most]
+
+
 class Copy:
     """A copy of the sources in which one file is another."""
 
-    def __init__(self, folder: Path, file: Path) -> None:
-        self.folder, self.file = folder, folder / file.relative_to(ROOT)
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
         for part in ("src", "tests", "tools"):
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         for part in ("CMakeLists.txt", "pyproject.toml", "README.md"):
             shutil.copy(ROOT / part, folder / part)
-        self.native = file.suffix in (".cpp", ".hpp")
 
     def build(self) -> bool:
-        """Build the core of the copy, where the file is part of it; False where it does not compile."""
-        if not self.native:
-            return True
+        """Build the core of the copy; False where it does not compile."""
         place = ROOT / "build" / "mutate"
         asked = [sys.executable, "-m", "nanobind", "--cmake_dir"]
         nanobind = subprocess.run(asked, text=True, capture_output=True, check=True)
@@ -137,11 +169,23 @@ class Copy:
             shutil.copy(core, self.folder / "src" / "rankdrop" / core.name)
         return True
 
-    def seen(self, text: str, tests: list[str], seconds: float) -> str:
-        """How the tests take a text: "killed", "survived", or "no build"."""
-        self.file.write_text(text, encoding="utf-8")
-        if not self.build():
-            return "no build"
+    def seen(self, file: Path, text: str, tests: list[str], seconds: float) -> str:
+        """How the tests take a text of a file: "killed", "survived" or "no build"; the copy is as before then."""
+        place = self.folder / file.relative_to(ROOT)
+        before = place.read_text(encoding="utf-8")
+        place.write_text(text, encoding="utf-8")
+        cores = {core: core.read_bytes() for core in (self.folder / "src" / "rankdrop").glob("_core*.so")}
+        try:
+            if file.suffix in (".cpp", ".hpp") and not self.build():
+                return "no build"
+            return self.judged(tests, seconds)
+        finally:
+            place.write_text(before, encoding="utf-8")
+            for core, kept in cores.items():
+                core.write_bytes(kept)
+
+    def judged(self, tests: list[str], seconds: float) -> str:
+        """What the tests say of the copy as it is."""
         environment = os.environ | {"PYTHONPATH": f"{self.folder / 'src'}{os.pathsep}{self.folder / 'tests'}",
                                     "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
@@ -154,33 +198,47 @@ class Copy:
         return "survived" if done.returncode == 0 else "killed"
 
 
+def mutants(files: list[Path], most: int, seed: int) -> Iterator[tuple[Path, int, Mutant]]:
+    """So many mutants of each file, by line, and how many there are in all of its places."""
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        every = of_python(text) if file.suffix == ".py" else of_cpp(text)
+        for mutant in sorted(random.Random(seed).sample(every, min(most, len(every))), key=lambda one: one.line):
+            yield file, len(every), mutant
+
+
 def main(argv: list[str] | None = None) -> int:
     """The command line; 1 where the tests fail without any change."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", type=Path, help="to change")
-    parser.add_argument("--tests", nargs="+", required=True, help="files of tests that are to see it")
-    parser.add_argument("--most", type=int, default=50, help="mutants tried, drawn at random of all there are")
+    parser.add_argument("files", type=Path, nargs="+", help="to change: files, or folders of Python")
+    asked = parser.add_mutually_exclusive_group(required=True)
+    asked.add_argument("--tests", nargs="+", default=[], help="files of tests that are to see it")
+    asked.add_argument("--reached", type=Path, help="what pytest --cov-context=test recorded")
+    parser.add_argument("--nearest", type=int, default=12, help="with --reached: tests of each line, at most")
+    parser.add_argument("--most", type=int, default=50, help="mutants tried of each file, drawn at random")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--seconds", type=float, default=120.0, help="after which a test run has not ended")
     given = parser.parse_args(argv)
-    file = given.file.resolve()
-    text = file.read_text(encoding="utf-8")
-    every = of_python(text) if file.suffix == ".py" else of_cpp(text)
-    tried = random.Random(given.seed).sample(every, min(given.most, len(every)))
-    counts = {"killed": 0, "survived": 0, "no build": 0}
+    reached = Reached(given.reached, given.nearest) if given.reached else None
+    files = [one.resolve() for file in given.files for one in (sorted(file.rglob("*.py")) if file.is_dir() else [file])]
+    counts: dict[Path, dict[str, int]] = {}
     with tempfile.TemporaryDirectory() as folder:
-        copied = Copy(Path(folder) / "copy", file)
-        if copied.seen(text, given.tests, 10 * given.seconds) != "survived":
+        copied = Copy(Path(folder) / "copy")
+        first = files[0].read_text(encoding="utf-8")
+        if given.tests and copied.seen(files[0], first, given.tests, 10 * given.seconds) != "survived":
             print("the tests fail as it is", file=sys.stderr)
             return 1
-        for mutant in sorted(tried, key=lambda one: one.line):
-            ended = copied.seen(mutant.text, given.tests, given.seconds)
-            counts[ended] += 1
-            if ended == "survived":
-                print(f"{given.file}:{mutant.line}: {mutant.what}", flush=True)
-    judged = counts["killed"] + counts["survived"]
-    print(json.dumps({"file": str(given.file), "of": len(every), "tried": len(tried), **counts,
-                      "score": round(counts["killed"] / max(1, judged), 3)}))  # fmt: skip
+        for file, places, mutant in mutants(files, given.most, given.seed):
+            tests = reached.tests(file, mutant.line) if reached else given.tests
+            ended = copied.seen(file, mutant.text, tests, given.seconds) if tests else "not reached"
+            counted = counts.setdefault(file, {"of": places} | dict.fromkeys(ENDS, 0))
+            counted[ended] += 1
+            if ended in ("survived", "not reached"):
+                print(f"{file.relative_to(ROOT)}:{mutant.line}: {ended}: {mutant.what}", flush=True)
+    for file, counted in counts.items():
+        judged = counted["killed"] + counted["survived"] + counted["not reached"]
+        score = round(counted["killed"] / max(1, judged), 3)
+        print(json.dumps({"file": str(file.relative_to(ROOT)), **counted, "score": score}))
     return 0
 
 

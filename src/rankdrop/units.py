@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from math import floor, log10
-from typing import TypeVar
+from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -24,6 +24,26 @@ from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
 from rankdrop.task import Task
 
 _Length = TypeVar("_Length", float, Array)
+
+WRITTEN = {
+    "angle": "rad",
+    "length": "m",
+    "time": "s",
+    "joint": "rad where it turns, m where it slides",
+    "distance": "rad over all joints, slides divided by the length scale",
+}
+"""Units of what every JSON file holds; `unit` in its schema says which of them an entry has (docs/json.md)."""
+
+
+def heading(schema: str) -> dict[str, Any]:
+    """The first entries of every JSON file: what it is, and in which units.
+
+    Example:
+        >>> heading("rankdrop/analysis/1")["units"]["angle"]
+        'rad'
+    """
+    return {"schema": schema, "units": dict(WRITTEN)}
+
 
 DECIMALS = 14
 """Places kept of a length in its arm's unit: some fifty times what rounding leaves, a tenth of `Tolerances.target`."""

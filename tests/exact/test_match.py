@@ -169,7 +169,7 @@ def test_what_is_all_but_a_zero_is_no_regular_solution() -> None:
     assert system.zero(places).tolist() == [False, True]
     problem = Problem(open_robot("planar3r"), resolve_task(None, open_robot("planar3r")))
     found, strangers = soundness(problem, system, 1, np.random.default_rng(0))
-    assert found.tested == found.singular > 20
+    assert found.tested == found.agree > 20
     assert not len(strangers)
 
 

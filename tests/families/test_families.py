@@ -200,7 +200,7 @@ def test_a_broken_coefficient_is_unsound(name, rng):
             equations = (*family.equations[:i], wrong, *family.equations[i + 1 :])
             verdict, strangers = soundness(problem, System(equations), robot.n - family.dimension, rng)
             assert not verdict.holds
-            assert len(strangers) == verdict.tested - verdict.singular
+            assert len(strangers) == verdict.tested - verdict.agree
             broken += 1
     assert broken
 

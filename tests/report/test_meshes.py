@@ -16,7 +16,7 @@ from rankdrop.report.meshes import MOST, meshes_data, simplified
 
 trimesh = pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
 
-from rankdrop.viewer.meshes import Mesh  # noqa: E402
+from rankdrop.robot.shapes import Mesh  # noqa: E402
 
 URDF = """<robot name="two">
   <link name="a"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>

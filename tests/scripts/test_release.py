@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+import sqlite3
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -97,6 +98,26 @@ def test_mutants_are_of_what_they_say() -> None:
     assert {one.what for one in mutate.of_cpp("if (a < b && c != d) return a + b;  // a < b\n#include <x>\n")} == {
         f"if (a < b && c != d) return a + b;: {change}" for change in ("< -> <=", "&& -> ||", "!= -> ==", "+ -> -")
     }
+
+
+def test_a_line_is_tried_by_the_tests_that_reach_it(tmp_path: Path) -> None:
+    """Those that reach least first; what runs at import alone by all of its file; bits as coverage.py writes them."""
+    mutate, recorded = tool("mutate"), tmp_path / "reached"
+    with sqlite3.connect(recorded) as data:
+        data.execute("create table context (id integer, context text)")
+        data.execute("create table file (id integer, path text)")
+        data.execute("create table line_bits (file_id integer, context_id integer, numbits blob)")
+        data.executemany("insert into context values (?, ?)", [(0, ""), (1, "a.py::wide|run"), (2, "a.py::narrow|run")])
+        data.execute("insert into file values (1, '/where/it/was/src/rankdrop/version.py')")
+        data.executemany("insert into line_bits values (1, ?, ?)", [(0, b"\x02"), (1, b"\xf0\x01"), (2, b"\x00\x01")])
+    data.close()
+    file = mutate.ROOT / "src" / "rankdrop" / "version.py"
+    reached = mutate.Reached(recorded, 2)
+    assert reached.tests(file, 8) == ["a.py::narrow", "a.py::wide"]
+    assert reached.tests(file, 4) == ["a.py::wide"]
+    assert reached.tests(file, 1) == ["a.py::narrow", "a.py::wide"]
+    assert reached.tests(file, 3) == []
+    assert mutate.Reached(recorded, 1).tests(file, 8) == ["a.py::narrow"]
 
 
 def test_memory_that_grows_is_not_flat() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from threading import Thread
+from threading import Event, Thread
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -29,6 +29,7 @@ pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed"),
 ]
 
+from rankdrop.viewer import session  # noqa: E402  # needs viser
 from rankdrop.viewer.server import Viewer, Wishes  # noqa: E402  # needs viser
 
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -123,6 +124,45 @@ def test_every_slider_has_its_joint_for_a_name_and_obeys_the_keyboard(laptop: tu
     slider.first.focus()
     slider.first.press("ArrowRight")
     tab.until(lambda: viewer.session.q[2] > before)
+    viewer.session.set(np.array(WRIST))
+
+
+LIT = """() => {
+    const page = document.body.cloneNode(true);
+    page.querySelectorAll('[style*="opacity:0.4"], [style*="opacity: 0.4"]').forEach((one) => one.remove());
+    return page.textContent;
+}"""
+
+
+def test_nearest_never_lags_behind_the_verdict(
+    laptop: tuple[Viewer, Tab], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While an explanation is under way nothing of an older one is on the page, but dimmed."""
+    viewer, tab = laptop
+    regular = np.array([0.3, 0.5, 0.4, 0.2, 0.9, 0.6])
+    viewer.session.set(regular)
+    told = "nearest singular configuration found"
+    tab.until(lambda: told in tab.page.evaluate(LIT) and "● regular" in tab.page.evaluate(LIT))
+    assert "proven free of any" in tab.page.evaluate(LIT)
+    held, explain = Event(), session.explain
+
+    def waiting(*args: Any, **named: Any) -> Any:
+        held.wait(timeout=60.0)
+        return explain(*args, **named)
+
+    monkeypatch.setattr(session, "explain", waiting)
+    try:
+        viewer.session.set(np.array(WRIST))
+        tab.until(lambda: "■ singular" in tab.page.evaluate(LIT))
+        tab.page.wait_for_timeout(500)
+        lit = tab.page.evaluate(LIT)
+        assert "● regular" not in lit
+        assert told not in lit
+        assert "proven free of any" not in lit
+        assert "proven free of any" in tab.page.evaluate("document.body.textContent")  # there, but dimmed
+    finally:
+        held.set()
+    tab.until(lambda: "to blame" in tab.page.evaluate(LIT))
     viewer.session.set(np.array(WRIST))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from http.client import HTTPConnection
+from threading import Thread
 from time import monotonic, sleep
 from types import SimpleNamespace
 
@@ -13,12 +14,14 @@ import pytest
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
+from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
 pytest.importorskip("viser", reason="viser and trimesh are not installed")
 
 from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.viewer.live import Now
 from rankdrop.viewer.pulled import pulled
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_share import path_csv, state_of, state_text
@@ -148,6 +151,33 @@ def test_status_and_details_are_of_one_configuration(viewer: Viewer) -> None:
     until(lambda: "nearest singular configuration found" in viewer.controls._status.content)
     assert f"{viewer.controls.found.verdict}" in viewer.controls._status.content
     assert "opacity:0.4" not in viewer.controls._details.content
+
+
+def test_what_is_told_of_an_older_configuration_does_not_stay(
+    viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An explanation that is told while the arm moves on: the panel ends with where the arm is."""
+    controls, other = viewer.controls, START + 0.1
+    looked, thought = viewer.session.looked, viewer.session.thought
+    viewer.session.set(START)
+    until(lambda: viewer.session.looked > looked and viewer.session.thought > thought)
+    found, tell = controls.found, controls._tell
+    assert found is not None
+    looking = Thread(target=controls.shown, args=(viewer.session.live.look(other), None))
+
+    def slowly(now: Now, of: Explanation | None) -> None:
+        if of is not None and not looking.ident:
+            looking.start()
+            looking.join(timeout=0.5)
+        tell(now, of)
+
+    monkeypatch.setattr(controls, "_tell", slowly)
+    controls.explained(found)
+    looking.join(timeout=10.0)
+    assert controls.now is not None
+    assert np.array_equal(controls.now.q, other)
+    assert "nearest singular configuration found" not in controls._status.content
+    assert "opacity:0.4" in controls._details.content
 
 
 def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:

@@ -16,6 +16,7 @@ from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
 from rankdrop.results.codec import save_record
 from rankdrop.sections import Section, html, text
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/sweep/1"
@@ -137,7 +138,7 @@ class Designs:
     def to_dict(self) -> dict[str, Any]:
         """The record of a JSON file: docs/json.md."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "version": VERSION,
             "robot": self.robot,
             "task": self.task,

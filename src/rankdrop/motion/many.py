@@ -14,6 +14,7 @@ from rankdrop.results.codec import Record, number_or_null
 from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/paths/1"
 
@@ -91,7 +92,7 @@ def many_section(many: Sequence[Judged]) -> Section:
 def paths_to_dict(robot: Robot, many: Sequence[Judged]) -> Record:
     """For a file: each path in short."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot.name,
         "paths": [
             {

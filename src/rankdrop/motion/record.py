@@ -5,6 +5,7 @@ from __future__ import annotations
 from rankdrop.local.block import generic_rank
 from rankdrop.motion.data import CROSSING, TOUCHING, PathData, Place, Stretch, ToolMotion
 from rankdrop.results.codec import Record, plain, robot_to_dict
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/path/1"
 
@@ -14,7 +15,7 @@ def path_to_dict(found: PathData) -> Record:
     met = [one for one in found.stretches if one.verdict in (CROSSING, TOUCHING)]
     met.sort(key=lambda one: (one.start.row, one.start.share))
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, generic_rank(found.robot, found.task)),
         "settings": plain(found.settings),
         "rows": found.rows,

@@ -21,7 +21,7 @@ from rankdrop.motion.data import VERDICTS, PathData
 from rankdrop.motion.stretches import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
-from rankdrop.units import in_metres, into_metres, task_in_metres
+from rankdrop.units import heading, in_metres, into_metres, task_in_metres
 
 SCHEMA = "rankdrop/path-rows/1"
 FORMATS = (".parquet", ".json", ".csv")
@@ -48,7 +48,7 @@ class PathRows:
         """The record of a JSON file: docs/json.md."""
         lists = [_plain(values) for values in self.columns.values()]
         return {
-            "schema": SCHEMA, "robot": self.robot, "verdict": self.verdict, "version": self.version,
+            **heading(SCHEMA), "robot": self.robot, "verdict": self.verdict, "version": self.version,
             "columns": [{"name": name, "meaning": self.about[name]} for name in self.columns],
             "rows": [list(row) for row in zip(*lists, strict=True)],
         }  # fmt: skip

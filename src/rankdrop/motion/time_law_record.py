@@ -14,6 +14,7 @@ from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import ROWS, Task
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/through/1"
@@ -91,7 +92,7 @@ class Through:
     def to_dict(self) -> Record:
         """Plain data: docs/json.md and schema/through.schema.json."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, generic_rank(self.robot, self.task)),
             "version": VERSION,
             "q": self.q.tolist(), "along": self.along.tolist(), "bend": self.bend.tolist(),

@@ -25,11 +25,10 @@ from rankdrop.kinematics import link_poses
 from rankdrop.local import LARGEST_CHAIN, blame, circuits_at, make_all
 from rankdrop.report.ways import Way, ways_out
 from rankdrop.results import Analysis, Conditions, Verdict, known_conditions, of_analysis
-from rankdrop.robot import Array
+from rankdrop.robot import Array, Mesh
 from rankdrop.sections import Section
 from rankdrop.text import inside_limits
 from rankdrop.verbs import Idealised, moved_section, nearby, there_section
-from rankdrop.viewer.meshes import Mesh
 
 Progress = Callable[[str, int, int], None]
 """progress(label, done, total)."""

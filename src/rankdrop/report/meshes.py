@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.robot import Array
-from rankdrop.viewer.meshes import Mesh
+from rankdrop.robot import Array, Mesh
 
 MOST = 6_000
 """Triangles of all links together: about 150 kB of the page."""

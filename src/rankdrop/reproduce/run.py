@@ -9,6 +9,7 @@ from importlib import import_module
 from rankdrop.errors import OptionError
 from rankdrop.reproduce.item import Item, Sheet, Verdict, count_words
 from rankdrop.results import Record
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/reproduced/1"
@@ -61,7 +62,7 @@ class Reproduction:
     def to_dict(self) -> Record:
         """Plain data: see schema/reproduced.schema.json."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "version": VERSION,
             "complete": self.complete,
             "documents": [

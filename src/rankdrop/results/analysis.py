@@ -41,6 +41,7 @@ from rankdrop.text.cells import inside_limits, share_text
 from rankdrop.text.families import overview
 from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/analysis/1"
 
@@ -183,7 +184,7 @@ class Analysis:
     def to_dict(self) -> Record:
         """The analysis as plain data: see docs/json.md and schema/analysis.schema.json."""
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, self.generic_rank),
             "settings": plain(self.settings),
             **self.verdict.to_dict(),
@@ -308,4 +309,4 @@ def unseen(analysis: Analysis) -> str:
     worst = max(found, key=lambda row: row.unseen.upper)
     share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
     how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
-    return f"Searches that end where none has ended: {share}, worst at corank {worst.corank}. {how}."
+    return f"What sampling may have missed: {share} of its searches, worst at corank {worst.corank}. {how}."

@@ -16,6 +16,7 @@ from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/cover/1"
 _SHOWN = 20  # places in the text
@@ -106,7 +107,7 @@ class Covered:
         """The record that `rankdrop cover --json` writes; docs/json.md. Boxes are in the file of `--out`."""
         covering, plan = self.covering, self.covering.plan
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, plan.rank),
             "settings": {"width": plan.width, "limits": plan.limits, "corank": 1, "version": plan.version},
             "method": plan.method,

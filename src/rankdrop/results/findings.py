@@ -10,6 +10,7 @@ import numpy as np
 
 from rankdrop.families.search_record import History, Outcome, Search
 from rankdrop.results.codec import Record, robot_to_dict
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/find/1"
@@ -18,7 +19,7 @@ SCHEMA = "rankdrop/find/1"
 def find_to_dict(found: Search) -> Record:
     """A search as plain data, starts that were not run left out: see docs/json.md and schema/find.schema.json."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, found.rank + found.corank),
         "settings": {
             "corank": found.corank,

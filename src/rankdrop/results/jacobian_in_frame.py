@@ -17,6 +17,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, text
 from rankdrop.task import ROWS, Task
 from rankdrop.tolerances import DEFAULT
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/jacobian/1"
 _WIDTH = 76  # characters up to which a matrix stands as a table
@@ -126,7 +127,7 @@ class LinkJacobian:
         """Plain data: see docs/json.md and schema/jacobian.schema.json."""
         closed = self.closed
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, min(self.task.m, self.robot.n)),
             "frame": self.frame,
             "at": self.at,

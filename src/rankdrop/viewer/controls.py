@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import degrees, radians
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,6 +45,7 @@ class Controls:
         gui = server.gui
         self._status = gui.add_html(panel.message_html("…"))
         self._details = gui.add_html("")
+        self._telling = Lock()  # two threads tell: what one says of an older configuration may not stay
         self._said = ""  # the details, while they are of the configuration that is shown
         self.message = gui.add_html("")
         self.tabs = gui.add_tab_group()
@@ -98,9 +100,10 @@ class Controls:
 
     def shown(self, now: Now, source: object) -> None:
         """A configuration was looked at."""
-        self.now = now
-        of_this = self.found is not None and np.array_equal(self.found.q, now.q)
-        self._tell(now, self.found if of_this else None)
+        with self._telling:
+            self.now = now
+            of_this = self.found is not None and np.array_equal(self.found.q, now.q)
+            self._tell(now, self.found if of_this else None)
         for index, slider in enumerate(self.sliders):
             if slider is not source:
                 self._place(index, float(now.q[index]) * self._unit[index])
@@ -127,9 +130,10 @@ class Controls:
 
     def explained(self, found: Explanation) -> None:
         """A configuration was explained."""
-        self.found = found
-        if self.now is not None and np.array_equal(self.now.q, found.q):
-            self._tell(self.now, found)
+        with self._telling:
+            self.found = found
+            if self.now is not None and np.array_equal(self.now.q, found.q):
+                self._tell(self.now, found)
 
     def _random(self) -> Array:
         low, high = sampling_box(self.robot, self.live.task, limits=True)

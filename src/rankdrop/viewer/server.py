@@ -13,7 +13,7 @@ from rankdrop.families import posed
 from rankdrop.local import start_posture
 from rankdrop.motion import Trajectory
 from rankdrop.results import Analysis, Explanation, known_families
-from rankdrop.robot import Array, Robot
+from rankdrop.robot import Array, Robot, meshes_of, visuals_of
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.viewer import panel
@@ -22,7 +22,6 @@ from rankdrop.viewer.gate import Gate, new_token
 from rankdrop.viewer.gated import bound_uploads, free_port, start_gated, stop
 from rankdrop.viewer.handle import Handle
 from rankdrop.viewer.live import Live, Now
-from rankdrop.viewer.meshes import meshes_of
 from rankdrop.viewer.session import Session
 from rankdrop.viewer.stage import Stage
 from rankdrop.viewer.tab_escape import EscapeTab
@@ -31,7 +30,6 @@ from rankdrop.viewer.tab_path import PathTab
 from rankdrop.viewer.tab_share import ShareTab, state_of
 from rankdrop.viewer.tab_slice import SliceTab
 from rankdrop.viewer.tab_tour import TourTab
-from rankdrop.viewer.visuals import visuals_of
 
 if TYPE_CHECKING:
     import viser

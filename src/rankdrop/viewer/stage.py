@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.kinematics import link_poses
-from rankdrop.robot import Array
+from rankdrop.robot import Array, Mesh
 from rankdrop.viewer.live import Live, Now
-from rankdrop.viewer.meshes import Mesh
 from rankdrop.viewer.panel import CIRCUITS, ORANGE, SKY, VERMILION
 from rankdrop.viewer.scene import HEAD, axis_lines, barrel_mesh, capsule_mesh, circuit_of, rods, wxyz
 

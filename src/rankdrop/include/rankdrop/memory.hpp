@@ -24,7 +24,7 @@ inline constexpr std::size_t kLarge = 2 * kHugePage;        // results from here
 
 struct Release {
     void operator()(void* memory) const noexcept {
-#if defined(_MSC_VER)
+#if defined(_WIN32)
         _aligned_free(memory);
 #else
         std::free(memory);
@@ -37,7 +37,7 @@ using Memory = std::unique_ptr<void, Release>;
 // At least `bytes`, not initialised, aligned for the widest pack.
 inline Memory allocate(std::size_t bytes) {
     const std::size_t whole = (bytes / kAlignment + 1) * kAlignment;
-#if defined(_MSC_VER)
+#if defined(_WIN32)
     Memory memory(_aligned_malloc(whole, kAlignment));
 #else
     Memory memory(std::aligned_alloc(kAlignment, whole));
@@ -50,7 +50,7 @@ inline Memory allocate(std::size_t bytes) {
 // Jacobians; huge pages, where the system has them, cost one every 2 MiB. They are asked for inside the block as malloc
 // gives it: a block with an alignment of its own would be mapped anew every time, where malloc has a used one.
 inline Memory allocate_result(std::size_t bytes) {
-#if defined(_MSC_VER)
+#if defined(_WIN32)
     return allocate(bytes);
 #else
     Memory memory(std::malloc(std::max<std::size_t>(bytes, 1)));

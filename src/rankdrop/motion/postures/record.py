@@ -14,6 +14,7 @@ from rankdrop.results.explanation.words import minus
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
 from rankdrop.task import Task
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/aspects/1"
 CUSPIDAL, NOT_CUSPIDAL, NOT_FOUND = "cuspidal", "not cuspidal", "none found"
@@ -128,7 +129,7 @@ class Postures:
         """Plain data: docs/json.md and schema/aspects.schema.json."""
         decision, change = self.decision, self.change
         return {
-            "schema": SCHEMA,
+            **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, generic_rank(self.robot, self.task)),
             "settings": plain(self.settings),
             "verdict": self.verdict,

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.record import Check
@@ -17,6 +17,10 @@ from rankdrop.results.codec import Record, counted, plain, robot_to_dict
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
+from rankdrop.units import heading
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Determinants
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +127,7 @@ SCHEMA = "rankdrop/conditions/1"
 def conditions_to_dict(found: ConditionsData) -> Record:
     """All of it but the time spent: the same robot and settings give the same record."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
         **_entries(found, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
         "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),

@@ -18,6 +18,7 @@ from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section, html, text
+from rankdrop.units import heading
 
 SCHEMA = "rankdrop/explanation/1"
 
@@ -26,7 +27,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
     """Every part; what is asked for most stands at the top level."""
     rank = found.rank
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, rank.generic_rank),
         "settings": plain(found.settings),
         "q": found.q.tolist(),
@@ -132,7 +133,7 @@ def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
         "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
         "nullity", "sigma",
     )  # fmt: skip
-    return {"schema": schema, **{name: whole[name] for name in (*always, *names, "disagreements")}}
+    return {**heading(schema), **{name: whole[name] for name in (*always, *names, "disagreements")}}
 
 
 def certificate_to_dict(certificate: Certificate) -> Record:

@@ -15,6 +15,7 @@ from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.words import fixed, numbers, plural, short
 from rankdrop.sections import Section
 from rankdrop.text.cells import FREE, joint_symbol
+from rankdrop.units import heading
 from rankdrop.version import VERSION
 
 
@@ -67,7 +68,7 @@ SCHEMA = "rankdrop/tolerant/1"
 def tolerant_to_dict(found: Tolerant) -> Record:
     """Plain data: see docs/json.md and schema/tolerant.schema.json."""
     return {
-        "schema": SCHEMA,
+        **heading(SCHEMA),
         "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
         "settings": {
             "measure": "relative" if found.relative else "sigma",

@@ -9,7 +9,7 @@ import pytest
 
 from rankdrop.kinematics import link_poses
 from rankdrop.robot.open import open_robot
-from rankdrop.viewer.visuals import Visual, visuals_of
+from rankdrop.robot.shapes import Visual, visuals_of
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 URDF = """<robot name="two">
@@ -54,7 +54,7 @@ def test_every_shape_is_on_its_link(tmp_path: Path) -> None:
 
 def test_meshes_are_read_with_scale_and_place(tmp_path: Path) -> None:
     pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
-    from rankdrop.viewer.meshes import meshes_of
+    from rankdrop.robot.shapes import meshes_of
 
     (tmp_path / "part.obj").write_text("mtllib ../../../etc/passwd\n" + TRIANGLE, encoding="utf-8")
     found, _ = shapes(tmp_path, '<mesh filename="part.obj" scale="2 2 -2"/>')
@@ -102,7 +102,7 @@ def test_packages_are_given_or_found_above_the_file(tmp_path: Path) -> None:
 
 def test_a_damaged_mesh_is_told(tmp_path: Path) -> None:
     pytest.importorskip("trimesh", reason="viser and trimesh are not installed")
-    from rankdrop.viewer.meshes import meshes_of
+    from rankdrop.robot.shapes import meshes_of
 
     bomb = '<?xml version="1.0"?><!DOCTYPE d [<!ENTITY a "aa">]><COLLADA>&a;</COLLADA>'
     (tmp_path / "part.dae").write_text(bomb, encoding="utf-8")

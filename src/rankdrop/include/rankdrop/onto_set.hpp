@@ -9,11 +9,10 @@ namespace rankdrop::RANKDROP_ISA {
 inline constexpr int kWalk = 8;          // Newton steps of a walk at most, by conditions
 inline constexpr int kWalkOnSet = 5;        // and by the kinematics, which cost as much as a hundred terms
 inline constexpr double kStill = 0.05;   // a step this much shorter than the distance changes that by a thousandth of it
-inline constexpr double kStillOnSet = 0.15;  // and by a hundredth
 inline constexpr double kStride = 0.7;   // of a step at most [rad]
 inline constexpr double kQuicken = 0.3;  // steps shorter than this are drawn from two tangent planes [rad]
 inline constexpr double kBack = 0.4;     // of a step that led away, what is tried instead
-inline constexpr double kHopeless = 1.02; // times the nearest value so far: a tangent plane that is farther is not gone to
+inline constexpr double kHopeless = 1.05; // times the nearest value so far: a tangent plane that is farther is not gone to
 inline constexpr double kBeside = 1e-2;  // of a family's conditions, where a walk of it ends [rad]
 inline constexpr double kOffOwn = 0.04, kOffPoint = 0.12;  // as far off the set as this, of the distance, it is believed
 inline constexpr int kStarts = 1 + kNearPoints;  // walks of one configuration, one a lane
@@ -103,7 +102,7 @@ class WalkOntoSet {
                 const Pack error = onto_tangent_plane(), length = size_of(room_.step), distance = size_of(way);
                 if (count == 0 && pack == 0) keep_first(out);
                 keep_end(pack, going[pack], distance, error, value[pack], off[pack], plane[pack]);
-                going[pack] = going[pack] & (length > distance * kStillOnSet + fill(1e-9));
+                going[pack] = going[pack] & (length > distance * kStill + fill(1e-9));
                 if (count + 1 < kWalkOnSet) advance(pack, count, going[pack], distance + error + error, length, merit[pack]);
             }
             double nearest = HUGE_VAL;

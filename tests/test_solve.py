@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.robot.model import Array
-from rankdrop.solve import iterate, nearer, newton, shortest, towards, trace
+from rankdrop.solve import iterate, newton, shortest, towards, trace
 
 RADIUS = 0.5
 
@@ -71,17 +71,6 @@ def test_where_curves_cross_the_walk_ends() -> None:
     line, closed = trace(cross, np.zeros(2), 0.1, zero=1e-13, most=10)
     assert len(line) == 1
     assert not closed
-
-
-def test_steps_lead_to_the_nearest_solution(rng: np.random.Generator) -> None:
-    """Of the circle about (1, 0.5): the point on the way to the origin, from starts all round it."""
-    centre = np.array([1.0, 0.5])
-    angle = rng.uniform(-1.0, 1.0, 20)[:, None] + np.arctan2(-0.5, -1.0)
-    x = centre + RADIUS * np.hstack([np.cos(angle), np.sin(angle)])
-    for _ in range(30):
-        f, slope = circle(x - centre)
-        x = x + nearer(x, f, slope, np.broadcast_to(2 * np.eye(2), (len(x), 1, 2, 2)))
-    np.testing.assert_allclose(x, np.broadcast_to(centre * (1 - RADIUS / np.linalg.norm(centre)), x.shape), atol=1e-9)
 
 
 def test_a_step_leaves_out_what_the_equations_do_not_bind(rng: np.random.Generator) -> None:

@@ -1,12 +1,12 @@
-"""The one solver: Newton from many starts at once, curves of solutions, and the nearest solution.
+"""The one solver: Newton from many starts at once, and curves of solutions.
 
 What is solved is a function of q (N, n) that gives values f (N, e) and derivatives A (N, e, n): equations of a family,
 or the block F with its derivative D. Nothing here knows what they mean.
 
 Newton's step is the shortest one that solves f + A·x = 0 in the least-squares sense, x = −A⁺f, capped. A curve is
-walked along the null vector of A and brought back by such steps. The nearest solution is where x = Aᵀλ, f = 0. Every
-such step, whatever it is made of, is repeated by `iterate`. The core has the same steps for equations of families and
-for the searches, where there are thousands of starts.
+walked along the null vector of A and brought back by such steps. Every such step, whatever it is made of, is repeated
+by `iterate`. The core has the same steps for equations of families and for the searches, where there are thousands of
+starts, and those to the nearest solution.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ Step = Callable[[Array, NDArray[np.intp]], Array]
 CUT = 1e-7  # singular values of A below this share of the largest are not inverted
 _SMALLEST = 1e-14  # nor are those below this
 FLAT = 1e-6  # a second vanishing singular value of A: curves cross there, or it is no curve
-FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 _CORRECTIONS = 8
 _EARLY = 3  # steps of a curve before which it is not closed
 
@@ -184,34 +183,3 @@ def _corrected(linear: Linear, x: Array, zero: float) -> tuple[Array, Array] | N
             return x, slope[0]
         x = x - shortest(slope, f)[0]
     return None
-
-
-def inverse(a: Array, cut: float = CUT) -> tuple[Array, Array]:
-    """A⁺ (N, c, e), and the projector A⁺A (N, c, c) on the row space; small singular values are left out."""
-    u, s, vt = np.linalg.svd(a, full_matrices=False)
-    keep = s > np.maximum(cut * s[:, :1], 1e-12)
-    v = vt.swapaxes(1, 2) * keep[:, None]
-    return (v / np.where(keep, s, 1.0)[:, None]) @ u.swapaxes(1, 2), v @ v.swapaxes(1, 2)
-
-
-def nearer(x: Array, f: Array, a: Array, hessians: Array) -> Array:
-    """(N, c) Newton's step towards the solution nearest to the origin: −A⁺f across the solutions, and along them to the
-    nearest point of the quadratic model.
-
-    With λ = (A⁺)ᵀx the Lagrangian ½‖x‖² − λ·f has the second derivative H = 1 − Σ λ_i ∇²f_i. Directions in which it is
-    not convex are turned round, so that every step goes down.
-
-    Args:
-        x: (N, c) where the starts are.
-        f, a, hessians: (N, e), (N, e, c) and (N, e, c, c) values and derivatives there.
-    """
-    back, across = inverse(a)
-    normal = -(back @ f[..., None])  # (N, c, 1)
-    multipliers = x[:, None] @ back  # (N, 1, e)
-    one = np.eye(x.shape[1])
-    curved = one - (multipliers[:, 0, :, None, None] * hessians).sum(axis=1)
-    along = one - across
-    size, axes = np.linalg.eigh(along @ curved @ along + across)
-    slope = along @ (x[..., None] + curved @ normal)
-    tangent = along @ (axes @ ((axes.swapaxes(1, 2) @ slope) / np.maximum(np.abs(size), FLATTEST)[..., None]))
-    return np.asarray((normal - tangent)[..., 0])

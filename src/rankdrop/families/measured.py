@@ -29,7 +29,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED, System
+from rankdrop.family.system import REACHED
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import iterate, newton, towards
@@ -291,7 +291,7 @@ class Ruler:
         if not family.named or not family.equations or not there.any():
             return np.zeros(len(points), dtype=np.bool_)
         rows = np.flatnonzero(there)
-        rows = rows[np.abs(System(family.equations).values(points[rows])).max(axis=1) <= REACHED]
+        rows = rows[np.abs(family.system.values(points[rows])).max(axis=1) <= REACHED]
         rows = rows[singular_values(self.robot, points[rows], self.task)[:, self._rank - family.corank] <= _LOST]
         return np.isin(np.arange(len(points)), rows)
 
@@ -334,7 +334,7 @@ class _Walk:
 
     def __init__(self, family: Family, robot: Robot, task: Task, scale: Array, box: Array, seed: int) -> None:
         self.robot, self.scale, self.box = robot, scale, box
-        self.system = System(family.equations)
+        self.system = family.system
         self.task, self.rank = task, generic_rank(robot, task) - family.corank
         moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:

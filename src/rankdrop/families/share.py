@@ -172,7 +172,7 @@ def _near(
 
 def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.random.Generator) -> Mask:
     """(N,) whether a zero of the equations was found so near, pinned joints held."""
-    system = System(family.equations)
+    system = family.system
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
     moving = np.isin(np.arange(q.shape[1]), moves)
     found = np.zeros(len(q), dtype=np.bool_)

@@ -13,11 +13,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import degrees
 
 import numpy as np
 
 from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.system import System
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
 from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
@@ -171,6 +173,11 @@ class Family:
         directions = np.array(self.lost_directions, dtype=np.float64)
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
+
+    @cached_property
+    def system(self) -> System:
+        """The equations, as they are solved: made once."""
+        return System(self.equations)
 
     @property
     def soundness(self) -> Check:

@@ -5,22 +5,26 @@ from __future__ import annotations
 import ast
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from reference import arms, region
+from reference.kinematics import jacobian as reference_jacobian
 
 from rankdrop.certify.coverfile import load
 from rankdrop.certify.displaced import ModelTolerance
-from rankdrop.certify.proof import covers, determinant, existence, intervals, reading, regions, verifying
-from rankdrop.certify.proof.reading import sealed
+from rankdrop.certify.enclosed import viewed
+from rankdrop.certify.proof import covers, determinant, existence, intervals, minors, reading, regions, verifying
+from rankdrop.certify.proof.reading import Unproven, read_certificate, sealed
 from rankdrop.certify.proof.verifying import verify
 from rankdrop.certify.proof.writing import (
     ball_certificate,
     covering_certificate,
     existence_certificate,
+    record_of,
     write_certificate,
 )
 from rankdrop.errors import OptionError, ResultFileError
@@ -303,30 +307,70 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
 
 @pytest.mark.parametrize(("name", "task"), [
     ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
-    ("stanford", None), ("canadarm2", None),
+    ("stanford", None), ("canadarm2", None), ("puma560", "position"), ("puma560", "orientation"), ("ur5", "position"),
+    ("xarm5", None), ("open_manipulator", None), ("panda", "orientation"), ("fetch", "vx,vy"),
 ])  # fmt: skip
 def test_a_singular_configuration_of_every_task_exists(tmp_path, name, task):
-    """Found by a search, proven where the equations are as many as the set lets them be; and nowhere beside it."""
+    """Found by a search, proven by intervals or in rational numbers; and nowhere beside it."""
     robot = open_robot(name)
     held = 0
     for q in search(robot, 1, task=task, starts=12, seed=3).converged[:4]:
         record = existence_certificate(robot, q, task)
         found = verify(write_certificate(record, tmp_path / "e.json"), robot)
         held += found.holds
-        assert found.holds or "more dimensions" in found.reason
-        beside = np.array(q) + 1e-3
-        record["claim"]["q"] = beside.tolist()
+        record["claim"]["q"] = (np.array(q) + 1e-3).tolist()
         assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
-    assert held >= (1 if name == "stanford" else 4)
+    assert held >= (1 if name == "stanford" else 4)  # there some lie where no single joint, the others kept, leads to
 
 
-def test_where_equations_depend_on_each_other_existence_is_not_shown(tmp_path):
-    """At a tool point on the last axes some columns vanish wherever the arm stands: no interval method can tell."""
+@pytest.mark.parametrize(("name", "task"), [
+    ("almarkhi4", None), ("puma560", None), ("stanford", None), ("scara", None), ("planar3r", "vx,vy"),
+    ("panda", None), ("ur5", "vx,wz"),
+])  # fmt: skip
+def test_jacobians_in_rational_numbers_are_those_of_an_independent_model(tmp_path, name, task):
+    """Columns are as long as axes in the file are, lengths in metres: the same rows to rounding."""
+    robot = open_robot(name)
+    resolved = resolve_task(task, robot)
+    told = read_certificate(write_certificate(record_of(
+        robot, resolved, "existence", replace(viewed(robot, resolve_task("pose", robot)), rank=1),
+        {"q": [0.0] * robot.n, "radius": 0.0}, {}), tmp_path / "e.json"))  # fmt: skip
+    arm = minors._Exact(told)
+    for q in np.random.default_rng(5).uniform(-1.5, 1.5, (3, robot.n)):
+        exact = arm.jacobian([arm.rational(k, x, snap=False) for k, x in enumerate(q)])
+        values = np.array([[float(x.p) / float(x.q) for x in row] for row in exact.tolist()])
+        expected = reference_jacobian(robot, q)[list(resolved.rows)]
+        np.testing.assert_allclose(values, expected, rtol=0, atol=1e-13)
+
+
+def test_how_far_a_joint_is_put_is_part_of_the_radius(tmp_path):
+    """A wrist 0.5e-9 from straight is put there exactly."""
     robot = open_robot("puma560")
-    q = search(robot, 1, task="position", starts=5, seed=3).converged[0]
-    found = verify(write_certificate(existence_certificate(robot, q, "position"), tmp_path / "e.json"), robot)
-    assert not found.holds
-    assert "more dimensions" in found.reason
+    for radius in (1e-9, 4e-10):
+        record = existence_certificate(robot, [0.1, 0.5, 0.4, 0.2, 5e-10, 0.6], radius=radius)
+        told = read_certificate(write_certificate(record, tmp_path / "e.json"))
+        if radius > 5e-10:
+            assert "exists within 1e-09" in minors.verify_in_minors(told)
+        else:
+            with pytest.raises(Unproven, match="no single joint"):
+                minors.verify_in_minors(told)
+
+
+def test_where_the_rank_is_lower_wherever_the_arm_stands_nothing_is_said_to_be_lost(tmp_path):
+    """A SCARA has no rank of 6 to lose: a certificate that names it, by intervals or in rational numbers, fails."""
+    for name, task, rank in (("scara", "pose", 5), ("planar3r", "pose", 4)):
+        robot = open_robot(name)
+        record = existence_certificate(robot, search(robot, 1, task=task, starts=12).converged[0], task)
+        record["rank"] = rank
+        assert not verify(write_certificate(sealed(record), tmp_path / "e.json"), robot).holds
+
+
+def test_joints_that_follow_others_are_left_to_intervals(tmp_path):
+    robot = region.coupled(np.random.default_rng(6), "r r r1:0.3 r r r r")
+    q = search(robot, 1, starts=12, seed=3).converged[0]
+    assert verify(write_certificate(existence_certificate(robot, q), tmp_path / "e.json"), robot).holds
+    record = existence_certificate(robot, q)
+    with pytest.raises(Unproven, match="each for itself"):
+        minors.verify_in_minors(read_certificate(write_certificate(record, tmp_path / "e.json")))
 
 
 def test_nothing_is_certified_at_a_singularity_and_nothing_singular_elsewhere():
@@ -344,7 +388,7 @@ def test_the_checker_shares_no_code_with_what_it_checks():
         "robot.model", "robot.fingerprint", "errors", "version", "sections",
         "certify.bittree", "certify.coverfile",  # the covering is read by them, which proves nothing
     }  # fmt: skip
-    for module in (intervals, reading, regions, existence, covers, determinant, verifying):
+    for module in (intervals, reading, regions, existence, minors, covers, determinant, verifying):
         for node in ast.walk(ast.parse(Path(module.__file__).read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rankdrop"):
                 name = node.module.removeprefix("rankdrop.")

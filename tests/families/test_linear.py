@@ -80,7 +80,7 @@ def test_boxes_cover_by_full_products():
 
 
 def test_candidates_are_primitive_and_simplest_first():
-    found = candidates([1, 2, 4], 5)
+    found = candidates((1, 2, 4), 5)
     assert [int(x) for x in found[0]] == [0, 1, 1, 0, 0]
     assert all(np.gcd.reduce(row) == 1 for row in found)
     assert independent(found) == ((0, 1, 1, 0, 0), (0, 1, 0, 0, 1), (0, 1, 0, 0, -1))

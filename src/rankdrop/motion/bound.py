@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of
-from rankdrop.certify.comparison import regular
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.local.taylor import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 

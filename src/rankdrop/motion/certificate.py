@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.ball import settings_of
-from rankdrop.certify.comparison import regular
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns
 from rankdrop.certify.proof.reading import PATH, Record
 from rankdrop.certify.proof.regions import CLEAR, CROSSING, OPEN
 from rankdrop.certify.proof.writing import record_of
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED
 from rankdrop.motion.curve import boxes, halves
 from rankdrop.motion.data import CROSSING as CROSSES

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.certify.comparison import regular
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED, Along, Enclosed
 from rankdrop.motion.curve import Curve, Index, boxes, halves, straightened
 from rankdrop.robot.model import Array, Robot

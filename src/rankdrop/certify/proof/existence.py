@@ -1,21 +1,26 @@
-"""A singular configuration proven to exist: Krawczyk's test on J^T u = 0.
+"""A singular configuration proven to exist: Krawczyk's test on J^T u = 0, or on J u = 0.
 
-Unknowns are the joints x that decide and a unit vector u; the equations J(x)^T u = 0 and |u|² = 1 are fewer, and as
-many planes through the point found are added as the set of solutions has dimensions. With Y nearly an inverse of F′ at
-x0, and X a box around it, K = x0 − Y F(x0) + (1 − Y F′(X)) (X − x0) in the inside of X proves that X holds a solution,
-whose rank is below the number of rows. Where the set has more dimensions than its equations let it have (the
-crossing of two families, many arms with spherical wrist and shoulder) F′ has no such inverse: nothing is proven.
+Unknowns are the joints x that decide and a unit vector u, a wrench, or of an arm of fewer joints than the task has rows
+a joint motion. The equations J(x)^T u = 0, or J(x) u = 0, and |u|² = 1 are fewer, and as many planes through the point
+found are added as the set of solutions has dimensions. With Y nearly an inverse of F′ at x0, and X a box around it,
+K = x0 − Y F(x0) + (1 − Y F′(X)) (X − x0) in the inside of X proves that X holds a solution, whose rank is below the
+number of rows, or of joints. A joint whose axis goes through the point of a translation has no equation.
+
+Where the set has more dimensions than its equations let it have (the crossing of two families, many arms with spherical
+wrist and shoulder) F′ has no such inverse: nothing is proven here, but perhaps in rational numbers
+(`rankdrop.certify.proof.minors`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.certify.proof.intervals import Arm, Interval, Matrix, flint
+from rankdrop.certify.proof.intervals import Arm, Interval, Matrix, Region, flint
 from rankdrop.certify.proof.reading import Told, Unproven, number, vector
 
 _ROUNDS = 8  # of Newton's iteration
 _LEAST = 1e-7  # share of the largest singular value of F' that the smallest must have
+_TRIED = 8  # configurations, of which one has to have the rank
 _WIDTHS = (1e-16, 1e-13, 1e-10)  # half-widths of X that are tried
 
 
@@ -28,15 +33,31 @@ def verify_existence(arm: Arm, told: Told) -> str:
     """
     q, radius = vector(told.claim["q"], told.variables, "q"), number(told.claim["radius"], 0.0, 1.0, "radius")
     rows = told.whole_rows
-    if len(rows) != told.rank:  # a planar task: its own rows, in base axes, where the others are zero
-        rows = list(told.rows)
-        if len(rows) != told.rank or told.frame[0] != 0:
-            raise Unproven(f"existence is shown where all {len(rows)} rows are independent almost everywhere, not for "
-                           f"rank {told.rank}")  # fmt: skip
+    if len(rows) != told.rank:
+        if len(told.rows) == told.rank and told.frame[0] == 0:
+            rows = list(told.rows)  # a planar task: its own rows, in base axes, where the others are zero
+        elif told.rank != told.variables:
+            raise Unproven(f"by intervals existence is shown where all {len(rows)} rows, or all {told.variables} "
+                           f"joints, are independent almost everywhere, not for rank {told.rank}")  # fmt: skip
+    _attained(arm, told, rows)
     far, width = _Zero(arm, q, rows).proven()
     if not far + width <= radius:
         raise Unproven(f"the singular configuration that exists is up to {far + width:.3g} away, not {radius:.3g}")
     return f"a configuration of rank below {told.rank} exists within {radius:.3g} of q, joint by joint [rad, m]"
+
+
+def _attained(arm: Arm, told: Told, rows: list[int]) -> None:
+    """Some configuration has the rank: of an arm that never has it a lower one would be no finding.
+
+    Raises:
+        Unproven: none of some taken at random.
+    """
+    f = flint()
+    zero = [f.arb(0)] * told.variables
+    for q in np.random.default_rng(2).uniform(-1.0, 1.0, (_TRIED, told.variables)):
+        if arm.keeps_rank(Region([f.arb(float(x)) for x in q], zero), rows, told.rank):
+            return
+    raise Unproven(f"the rank is below {told.rank} at {_TRIED} configurations taken at random")
 
 
 class _Zero:
@@ -47,6 +68,19 @@ class _Zero:
         self._given = q
         self._free = arm.moving
         self._d = len(self._free)
+        self._motion = len(rows) > arm.variables  # u is a joint motion that moves nothing
+        self._equation = {one: place for place, one in enumerate(self._moving())}  # of each variable
+        self._equals = (len(rows) if self._motion else len(self._equation)) + 1
+
+    def _moving(self) -> list[int]:
+        """Variables of which some column is not zero wherever the arm stands: exact zeros next to the link alone."""
+        zero, arm = [self._f.arb(0)] * self._arm.variables, self._arm
+        columns = arm.seen(zero, zero).columns
+        ends = {arm.link, arm.link - 1}  # these do not depend on the configuration
+        return sorted({
+            one.driver for i, one in enumerate(arm.links)
+            if i not in ends or not all(columns[i].entries()[row].is_zero() for row in self._rows)
+        })  # fmt: skip
 
     def proven(self) -> tuple[float, float]:
         """How far the zero is from q, and how well it is known: both in the largest of the joints.
@@ -75,7 +109,8 @@ class _Zero:
     def _start(self) -> list[Interval]:
         f, zero = self._f, [self._f.arb(0)] * self._arm.variables
         columns = self._arm.seen([f.arb(x) for x in self._given], zero).columns
-        u = np.linalg.svd(self._arm.jacobian(columns)[self._rows])[0][:, -1]
+        left, _, right = np.linalg.svd(self._arm.jacobian(columns)[self._rows])
+        u = right[-1] if self._motion else left[:, -1]
         return [f.arb(self._given[j]) for j in self._free] + [f.arb(float(x)) for x in u]
 
     def _configuration(self, x: list[Interval]) -> tuple[list[Interval], list[Interval]]:
@@ -86,24 +121,28 @@ class _Zero:
         return q, half
 
     def _equations(self, x: list[Interval]) -> tuple[Matrix, Matrix]:
-        """(n + 1, 1) F and (n + 1, d + m) F′ over a box."""
+        """(n + 1, 1) F and (n + 1, d + m) F′ over a box; n and m exchanged where u is a joint motion."""
         f, arm = self._f, self._arm
         columns = arm.seen(*self._configuration(x)).columns
         u = x[self._d :]
-        six = [f.arb(0)] * 6
-        for row, value in zip(self._rows, u, strict=True):
-            six[row] = value
-        left = f.arb_mat(1, 6, six)
-        value = [f.arb(0)] * (arm.variables + 1)
-        slope = [[f.arb(0)] * len(x) for _ in range(arm.variables + 1)]
-        for one, column in zip(arm.links, columns, strict=True):
-            value[one.driver] += one.multiplier * (left * column)[0, 0]
-            entries = column.entries()
+        value = [f.arb(0)] * self._equals
+        slope = [[f.arb(0)] * len(x) for _ in range(self._equals)]
+        moved = [(i, self._free.index(by), part.entries()) for i, by, part in arm.brackets(columns)]
+        for i, one in enumerate(arm.links):
+            entries = columns[i].entries()
+            if not self._motion and one.driver not in self._equation:
+                continue
             for place, row in enumerate(self._rows):
-                slope[one.driver][self._d + place] += one.multiplier * entries[row]
-        for i, by, moved in arm.brackets(columns):
-            place = self._free.index(by)
-            slope[arm.links[i].driver][place] += arm.links[i].multiplier * (left * moved)[0, 0]
+                equation, unknown = (place, one.driver) if self._motion else (self._equation[one.driver], place)
+                value[equation] += one.multiplier * u[unknown] * entries[row]
+                slope[equation][self._d + unknown] += one.multiplier * entries[row]
+        for i, by, part in moved:
+            one = arm.links[i]
+            if not self._motion and one.driver not in self._equation:
+                continue
+            for place, row in enumerate(self._rows):
+                equation, unknown = (place, one.driver) if self._motion else (self._equation[one.driver], place)
+                slope[equation][by] += one.multiplier * u[unknown] * part[row]
         value[-1] = sum((one * one for one in u), f.arb(-1)) / 2
         for place, one in enumerate(u):
             slope[-1][self._d + place] = one

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from rankdrop.certify.proof.covers import verify_covering
 from rankdrop.certify.proof.existence import verify_existence
 from rankdrop.certify.proof.intervals import BITS, SCREW, SLIDE, Arm, Interval, Region, flint
+from rankdrop.certify.proof.minors import verify_in_minors
 from rankdrop.certify.proof.reading import (
     BALL,
     COVERING,
@@ -135,14 +137,14 @@ def verify(
         _check_whole("sample", sample)
     module = flint()
     work = Work(int(enclosures), progress)
-    asked = _Asked(sample, every, None if journal is None else Path(journal))
+    covers = partial(verify_covering, sample=sample, every=every, journal=None if journal is None else Path(journal))
     try:
         told = read_certificate(Path(file))
     except Damaged as error:
         return Verified(False, "", "", "", str(error), (), 0)
     try:
         with module.ctx.workprec(BITS):
-            claim, assumed = _proven(told, robot, work, asked)
+            claim, assumed = _proven(told, robot, work, covers)
     except Unproven as error:
         return Verified(False, told.kind, told.name, "", str(error), (), work.done)
     except (KeyError, TypeError, ValueError) as error:
@@ -161,33 +163,26 @@ def _check_whole(name: str, value: int) -> None:
         raise OptionError("this is a whole number from 1 up", where=name, got=repr(value))
 
 
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """How a covering is checked."""
-
-    sample: int | None
-    every: bool
-    journal: Path | None
-
-
-def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple[str, tuple[str, ...]]:
+def _proven(
+    told: Told, robot: Robot | None, work: Work, covers: partial[str]
+) -> tuple[str, tuple[str, ...]]:
     """The claim in words, and what it rests on.
 
     Raises:
         Unproven: it does not hold, or could not be confirmed.
     """
-    if asked.journal is not None and (told.kind != COVERING or asked.sample is not None):
-        got = f"a {told.kind}" if asked.sample is None else "a sample"
+    if covers.keywords["journal"] is not None and (told.kind != COVERING or covers.keywords["sample"] is not None):
+        got = f"a {told.kind}" if covers.keywords["sample"] is None else "a sample"
         raise OptionError("a journal is kept of all boxes of a covering", where="journal", got=got, mend="leave it out")
     _same_arm(told, robot)
-    arm = _arm(told)
     if told.kind == EXISTENCE:
-        return verify_existence(arm, told), tuple(_rows_left_out(told))
+        return _existence(told)
+    arm = _arm(told)
     assumed = [*_rows_left_out(told), *_rank_is_generic(arm, told), *_model(told)]
     if told.kind == BALL:
         claim = verify_ball(arm, told, work)
     elif told.kind == COVERING:
-        claim = verify_covering(arm, told, work, asked.sample, every=asked.every, journal=asked.journal)
+        claim = covers(arm, told, work)
     else:
         claim = verify_path(arm, told, work)
     if told.tolerance is not None:
@@ -196,6 +191,22 @@ def _proven(told: Told, robot: Robot | None, work: Work, asked: _Asked) -> tuple
     if told.kind == PATH:
         claim = "; ".join(filter(None, (claim, verify_distance(arm, told, work))))
     return claim, tuple(assumed)
+
+
+def _existence(told: Told) -> tuple[str, tuple[str, ...]]:
+    """By Krawczyk's test, else in rational numbers.
+
+    Raises:
+        Unproven: by neither.
+    """
+    try:
+        return verify_existence(_arm(told), told), tuple(_rows_left_out(told))
+    except Unproven as error:
+        why = str(error)
+    try:
+        return verify_in_minors(told), ()
+    except Unproven as error:
+        raise Unproven(f"{why}; {error}") from error
 
 
 def _same_arm(told: Told, robot: Robot | None) -> None:

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
-from rankdrop.certify.comparison import regular
 from rankdrop.certify.coverfile import Plan
 from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
 from rankdrop.certify.enclosed import viewed
 from rankdrop.certify.proof.reading import BALL, COVERING, EXISTENCE, SCHEMA, Record, sealed
 from rankdrop.certify.proof.regions import FREE, LETTERS, OUTSIDE
-from rankdrop.certify.setting import Setting, enclose
+from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.kinematics import task_jacobian
+from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.fingerprint import fingerprint
 from rankdrop.robot.model import Array, JointKind, Robot
@@ -298,17 +298,35 @@ def existence_certificate(
 
     Raises:
         ConfigurationError: q is not one configuration of the arm.
-        OptionError: q is not singular, or the task's rank is not that of its rows.
+        OptionError: q is not singular, or nothing moves for this task.
     """
     centre, resolved = one_configuration(robot, q), resolve_task(task, robot)
-    setting = viewed(robot, resolved)
-    if setting.rank != resolved.m:
-        raise OptionError("existence is proven where all rows of the task are independent almost everywhere",
-                          where="task", got=f"{resolved.name}: rank {setting.rank} of {resolved.m} rows")  # fmt: skip
+    setting = _setting_of(robot, resolved)
     sigma = np.linalg.svd(task_jacobian(robot, centre[None], resolved)[0], compute_uv=False)
-    if not sigma[-1] <= 1e-6 * sigma[0]:
-        raise OptionError("q is not singular", where="q", got=f"σ{len(sigma)} = {sigma[-1]:.3g}",
+    if not sigma[setting.rank - 1] <= 1e-6 * sigma[0]:
+        raise OptionError("q is not singular", where="q", got=f"σ{setting.rank} = {sigma[setting.rank - 1]:.3g}",
                           mend="give the singular configuration that `rankdrop nearest` finds")  # fmt: skip
     slides = [joint.kind is JointKind.PRISMATIC for joint in robot.variables]
     claim = {"q": centre.tolist(), "radius": radius * (max(1.0, setting.length) if any(slides) else 1.0)}
     return record_of(robot, resolved, EXISTENCE, setting, claim, {})
+
+
+def _setting_of(robot: Robot, task: Task) -> Setting:
+    """Where an existence is looked at from; of a task of some rows, which no region can be certified for, the tip.
+
+    Raises:
+        OptionError: nothing moves for this task, or the arm cannot be certified at all.
+    """
+    rank = generic_rank(robot, task)
+    some = any(0 < len(set(block) & set(task.rows)) < 3 for block in ((0, 1, 2), (3, 4, 5)))
+    try:
+        return viewed(robot, task)
+    except OptionError:
+        if not (some and rank):
+            raise
+        count = len(robot.joints)
+        point = robot.joints[-1].frame[:3, :3].T @ (robot.home[:3, 3] - robot.joints[-1].frame[:3, 3])
+        return Setting(
+            count, (float(point[0]), float(point[1]), float(point[2])), task.scale(robot), task.rows, rank,
+            np.zeros(count), joint_scale(robot, task), np.ones(robot.n, dtype=np.bool_), 1.0,
+        )  # fmt: skip

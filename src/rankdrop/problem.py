@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop._handles import handles_of
 from rankdrop.local.block import (
     Block,
     block,
@@ -128,6 +129,14 @@ class Problem:
     @cached_property
     def idle(self) -> Mask:
         """(n,) joints on which the singular values do not depend at all: the first and the last one for a pose, say."""
+        known = handles_of(self.robot).idle
+        key = (self.task.frame, self.task.rows, self.task.scale(self.robot), self.limits)
+        if key not in known:
+            known[key] = self._found_idle()
+            known[key].flags.writeable = False
+        return known[key]
+
+    def _found_idle(self) -> Mask:
         rng = np.random.default_rng(0)
         q = np.repeat(self.random(16, rng)[None], self.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
         j = np.arange(self.n)

@@ -50,6 +50,18 @@ def wrapped(robot: Robot, q: Array) -> Array:
     return np.asarray(np.where(robot.periodic, wrap(q), q))
 
 
+def into_limits(robot: Robot, q: Array) -> Array:
+    """(..., n) the same configurations, turning joints by as few whole turns as bring them between their limits.
+
+    Those that no turn brings there stay, as do slides.
+    """
+    short = np.ceil(np.maximum(robot.lower - _EDGE - q, 0.0) / (2 * np.pi))
+    long = np.ceil(np.maximum(q - robot.upper - _EDGE, 0.0) / (2 * np.pi))
+    turned = q + 2 * np.pi * (short - long)
+    there = robot.periodic & (turned >= robot.lower - _EDGE) & (turned <= robot.upper + _EDGE)
+    return np.asarray(np.where(there, turned, q))
+
+
 def whole_turns(robot: Robot, way: Array) -> Array:
     """(..., n) the whole turns in a joint motion: what is left without them is the shortest way to the same place."""
     return np.asarray(2 * np.pi * np.where(robot.periodic, np.round(way / (2 * np.pi)), 0.0))

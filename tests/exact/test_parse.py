@@ -96,7 +96,7 @@ def test_what_is_printed_is_read_back(ring):
             {tuple(rng.randint(0, 1) for _ in ring.names): rng.randint(-5, 5) or 2 for _ in range(5)}
         )
         condition = Condition(ring, f)
-        wanted = parse_condition(condition.expression(), ring).atoms
+        wanted = parse_condition(condition.code(), ring).atoms
         assert {atom.key for atom in wanted} == {atom.key for atom in parse_condition(condition.text(), ring).atoms}
         kept = [factor for factor, _ in f.factor()[1] if factor.degrees()[: ring.moving] != (0,) * ring.moving]
         assert {ring.atom(factor).key for factor in kept if not ring.is_unit(factor)} >= {
@@ -104,7 +104,7 @@ def test_what_is_printed_is_read_back(ring):
         }
         assert wanted
     for values in [("0", "pi"), ("pi/2", "-pi/2"), ("-pi/2",), ("pi",), ("0", "pi/2"), SIMPLE]:
-        for text in (AnglePin(4, values).text(), AnglePin(4, values).expression()):
+        for text in (AnglePin(4, values).text(), AnglePin(4, values).code()):
             assert {atom.value for atom in parse_condition(text, ring).atoms} == set(values)
 
 

@@ -329,7 +329,9 @@ class Python(Notation):
 
 @dataclass(frozen=True)
 class C(Python):
-    """C99, with <math.h>."""
+    """C99, with <math.h>: a2*cos(q[1]) + a3*cos(q[1] + q[2])."""
+
+    variable: str = "q[{1}]"
 
     def number(self, value: Fraction) -> str:
         """A double."""
@@ -342,6 +344,10 @@ class C(Python):
     def power(self, text: str, factor: Factor, power: int) -> str:
         """A call of pow."""
         return f"pow({text}, {power}.0)"
+
+
+PYTHON = Python()
+"""In q1 …, sin, cos and the lengths by their names, θ = q."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,7 @@ def test_numeric_lengths_are_whole_numbers_or_six_digits():
     ring = Ring([1])
     f = ring.to_half(12345678901 * ring.c[1] + 7654321098).f
     assert Condition(ring, f).text() == "c1 + 0.62 = 0"
-    assert "7654321098" in Condition(ring, f).code()
+    assert "7654321098" in Condition(ring, f).code(Python())
 
 
 @pytest.fixture(scope="module")

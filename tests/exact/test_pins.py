@@ -44,7 +44,7 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
 )
 def test_pins_read_as_in_tables(values, text, latex, expression):
     pin = AnglePin(4, values)
-    assert (pin.text(), pin.latex(), pin.code()) == (text, latex, expression)
+    assert (pin.text(), pin.latex(), pin.code(Python())) == (text, latex, expression)
 
 
 def test_other_angles_are_refused():

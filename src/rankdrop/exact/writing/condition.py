@@ -18,7 +18,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Product, Symbol, Wave, derivative, fourier, total
-from rankdrop.exact.writing.notation import PYTHON, Latex, Notation, Python, Text, angle_words, latex_angle
+from rankdrop.exact.writing.notation import Latex, Notation, Python, Text, angle_words, latex_angle
 from rankdrop.exact.writing.shortest import parts_of, shortest
 from rankdrop.family.equation import Equation, Term, normalised
 
@@ -47,11 +47,11 @@ class AnglePin(NamedTuple):
         values: out of `SIMPLE`.
 
     Example:
-        >>> from rankdrop.exact.writing.notation import C
+        >>> from rankdrop.exact.writing.notation import C, Python
         >>> pin = AnglePin(4, ("0", "pi"))
-        >>> pin.text(), pin.code(), pin.code(C()), pin.gradient(C())
+        >>> pin.text(), pin.code(Python()), pin.code(C()), pin.gradient(C())
         ('θ4 = 0 or π', 'sin(q4)', 'sin(q[3])', {4: 'cos(q[3])'})
-        >>> AnglePin(3, ("pi/2", "-pi/2")).text(), AnglePin(4, ("pi/2",)).code()
+        >>> AnglePin(3, ("pi/2", "-pi/2")).text(), AnglePin(4, ("pi/2",)).code(Python())
         ('θ3 = ±π/2', 'sin((q4 - pi/2)/2)')
     """
 
@@ -86,11 +86,11 @@ class AnglePin(NamedTuple):
             return rf"{name} = \pm\frac{{\pi}}{{2}}"
         return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
 
-    def code(self, notation: Python = PYTHON) -> str:
+    def code(self, notation: Python) -> str:
         """An expression in q that vanishes there and nowhere else; no length plays a part."""
         return "*".join(f"{kind}({angle})" for kind, angle, _ in self._factors(notation))
 
-    def gradient(self, notation: Python = PYTHON) -> dict[int, str]:
+    def gradient(self, notation: Python) -> dict[int, str]:
         """The derivative of `code` by its joint variable."""
         factors = self._factors(notation)
         parts = []
@@ -183,11 +183,11 @@ class Condition:
             return _related(*relation, r"\theta_{{{}}}", "-", latex_angle)
         return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
 
-    def code(self, notation: Python = PYTHON) -> str:
+    def code(self, notation: Python) -> str:
         """The left-hand side as an expression in q; zero where the condition holds."""
         return notation.zero(self.form)
 
-    def gradient(self, notation: Python = PYTHON) -> dict[int, str]:
+    def gradient(self, notation: Python) -> dict[int, str]:
         """Derivatives of `code` by the number of the joint; those that vanish are left out."""
         parts = notation.parts(self.form)
         slopes = {joint: total(derivative(part, joint) for part in parts) for joint in self.joints}

@@ -346,10 +346,6 @@ class C(Python):
         return f"pow({text}, {power}.0)"
 
 
-PYTHON = Python()
-"""In q1 …, sin, cos and the lengths by their names, θ = q."""
-
-
 @dataclass(frozen=True, slots=True)
 class Step:
     """One step of a derivation done by hand.

@@ -17,7 +17,7 @@ from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial,
 from rankdrop.exact.algebra.ring import Ring, polynomial_of
 from rankdrop.exact.writing.condition import WORDS
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave, fourier, half_of, product, symbols, total
-from rankdrop.exact.writing.notation import PYTHON, Latex, Notation, Python, Text
+from rankdrop.exact.writing.notation import Latex, Notation, Python, Text
 from rankdrop.exact.writing.shortest import factor_forms, gathered, length, multiplied, parts_of, shortest
 from rankdrop.robot.model import Array
 
@@ -95,7 +95,7 @@ class Value:
         >>> ring = Ring([1, 2], letters=["a1", "a2"])
         >>> p = -3 * ring.letter["a1"] * ring.letter["a2"] ** 2 * ring.s[2]
         >>> value = Value(ring, p, ring.factor(p))
-        >>> value.text(), value.latex(), value.code()
+        >>> value.text(), value.latex(), value.code(Python())
         ('−3 a1 a2² s2', '-3 a_1 a_2^{2} s_2', '-3*a1*a2**2*sin(q2)')
     """
 
@@ -134,7 +134,7 @@ class Value:
         """LaTeX, without delimiters."""
         return Latex().value(self.form)
 
-    def code(self, notation: Python = PYTHON) -> str:
+    def code(self, notation: Python) -> str:
         """An expression in q and the lengths."""
         return notation.value(self.form)
 
@@ -257,7 +257,7 @@ class Quotient:
         upper, lower = Product(abs(above.number), above.factors), below
         return rf"{sign}\frac{{{notation.value(upper)}}}{{{notation.value(lower)}}}"
 
-    def code(self, notation: Python = PYTHON) -> str:
+    def code(self, notation: Python) -> str:
         """An expression in q and the lengths."""
         return _joined(notation, *self.forms, "/")
 

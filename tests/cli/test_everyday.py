@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -153,7 +154,7 @@ def test_an_interrupt_while_analyze_derives_ends_with_130(run: Any, monkeypatch:
     def stopping(*given: Any, **options: Any) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["rankdrop.verbs.analyze"], "conditions", stopping)
+    monkeypatch.setattr(import_module("rankdrop.verbs.conditions"), "conditions", stopping)
     ended = run("analyze", "planar3r", "--starts", "100", "--fresh", "--quiet")
     assert ended.code == exits.INTERRUPTED
     assert "Corank 1" in ended.out

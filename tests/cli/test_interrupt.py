@@ -19,8 +19,8 @@ from rankdrop.verbs.analyze import analyze
 
 PROGRAM = """
 import sys
-from rankdrop.cli import main, progress
-progress._SECONDS_BETWEEN_LINES = 0.0
+from rankdrop.cli import main, terminal
+terminal._SECONDS_BETWEEN_LINES = 0.0
 sys.exit(main.run(sys.argv[1:]))
 """
 

@@ -9,9 +9,12 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.families.linear import Linear, boxes, canonical, grow, vanishing_on
+from rankdrop.families.residual import minors
 from rankdrop.families.signature import candidates, independent
-from rankdrop.problem import wrap
+from rankdrop.kinematics import task_jacobian
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 
 
 def linear(*covectors, robot="pa10") -> Linear:
@@ -80,7 +83,7 @@ def test_boxes_cover_by_full_products():
 
 
 def test_candidates_are_primitive_and_simplest_first():
-    found = candidates([1, 2, 4], 5)
+    found = candidates((1, 2, 4), 5)
     assert [int(x) for x in found[0]] == [0, 1, 1, 0, 0]
     assert all(np.gcd.reduce(row) == 1 for row in found)
     assert independent(found) == ((0, 1, 1, 0, 0), (0, 1, 0, 0, 1), (0, 1, 0, 0, -1))
@@ -123,3 +126,22 @@ def test_values_far_apart_stay_two(rng):
     q = np.zeros((20, 7))
     q[:, 1] = np.where(np.arange(20) % 2, -2.2, 3.0)
     assert sorted(conditions.combinations(q, np.ones(20), 1e-6)) == [(-2.2,), (3.0,)]
+
+
+def test_minors_are_of_the_values_that_are_pinned(rng):
+    """det J of PUMA is a product of shoulder, elbow and wrist; with θ3 and θ5 pinned, of the shoulder alone."""
+    robot = open_robot("puma560")
+    problem = Problem(robot, resolve_task(None, robot))
+    pinned = linear((0, 0, 1, 0, 0, 0), (0, 0, 0, 0, 1, 0), robot="puma560")
+    found = minors(problem, pinned, (0.7, 0.9), (1,), 2, rng)
+    assert len(found) == 1
+    q = rng.uniform(-pi, pi, (8, 6))
+    q[:, 2], q[:, 4] = 0.7, 0.9
+    at = np.linspace(-pi, pi, 2001)
+    line = np.repeat(q[:1], len(at), axis=0)
+    line[:, 1] = at
+    determinant = np.linalg.det(task_jacobian(robot, line, problem.task))
+    value = found[0](line)
+    scale = (determinant @ value) / (value @ value)
+    np.testing.assert_allclose(scale * value, determinant, atol=1e-12 * np.abs(determinant).max() + 1e-14)
+    assert minors(problem, pinned, (0.0, 0.0), (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish

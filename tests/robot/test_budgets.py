@@ -21,11 +21,10 @@ from rankdrop.motion.read import read_trajectory
 from rankdrop.robot import budgets, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.ideal import read_tolerance
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.robot.quantities import quantity
+from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.shapes import LARGEST_MESH
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf, number

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rankdrop.robot.dh import from_dh
-from rankdrop.robot.digits import angle
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
+from rankdrop.robot.quantities import angle
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf
 from robot.urdf_text import joint, robot

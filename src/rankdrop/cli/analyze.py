@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.ideal import IDEAL
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
     from rankdrop.results import Analysis
+    from rankdrop.sections import Section
     from rankdrop.task import Task
-    from rankdrop.verbs import Idealised, Nearby
+    from rankdrop.verbs import Idealised
 
 _WITHIN = "5deg"
 
@@ -73,10 +72,9 @@ def analyze(
         quiet: No progress.
     """
     from rankdrop import analyze as run
+    from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
-    from rankdrop.cli.ideal import of_ideal, open_ideal
-    from rankdrop.cli.progress import reporter
-    from rankdrop.verbs import nearby
+    from rankdrop.cli.terminal import reporter
 
     for option, target in {"--json": json, "--latex": latex}.items():
         check_target(target, option)
@@ -88,14 +86,14 @@ def analyze(
             model, task, starts=starts, seed=seed, limits=limits, exact=exact, fresh=fresh, threads=threads,
             within=_within(within, limits), progress=report,
         )
-    there = () if made is None else nearby(made, analysis.task, analysis.families, seed=seed)
+    there, moved, beside = ideal_sections(made, analysis.task, analysis.families, seed)
     seconds = monotonic() - begun
     record = analysis.to_dict()
     if made is not None:
         record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
     steps: list[Callable[[], None]] = []
     if STDOUT not in (json, latex):
-        steps.append(lambda: _print(analysis, task, made, there, seconds=seconds, every=all))
+        steps.append(lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all))
     if json is not None:
         steps.append(lambda: write_json(record, json))
     if latex is not None:
@@ -105,18 +103,17 @@ def analyze(
 
 
 def _print(
-    analysis: Analysis, task: Task, made: Idealised | None, there: Sequence[Nearby], *, seconds: float, every: bool
-) -> None:
+    analysis: Analysis, task: Task, made: Idealised | None, moved: Sequence[Section], beside: Sequence[Section],
+    *, seconds: float, every: bool,
+) -> None:  # fmt: skip
     from rich.text import Text
 
-    from rankdrop.cli.arm import arm_section
-    from rankdrop.cli.ideal import near_line, of_ideal
+    from rankdrop.cli.arm import arm_section, near_line, of_ideal
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
     from rankdrop.cli.terminal import BAD, results, show, verdict_line
     from rankdrop.results import sampled, unseen
     from rankdrop.text import agreement, legend, near_overview
-    from rankdrop.verbs import moved_section, there_section
 
     console, settings = results(), analysis.settings
     where = "within the joint limits" if settings.limits else "in the whole joint space (limits ignored)"
@@ -126,12 +123,10 @@ def _print(
     show(console, [verdict, ""])
     show(console, arm_section(analysis.robot, task, analysis.generic_rank, starts))
     show(console, [Text(f"\n{note}", style="bold yellow") for note in analysis.notes])
-    if made is not None:
-        print_sections([moved_section(made)], first=False)
+    print_sections(moved, first=False)
     for summary in analysis.coranks:
         show(console, corank_section(console, analysis, summary, every=every))
-    if there:
-        print_sections([there_section(there)], first=False)
+    print_sections(beside, first=False)
     key = [Text(f"\n{legend(analysis.robot, analysis.families)}", style="dim")] if analysis.families else []
     compared = agreement(analysis.exact, analysis.robot, analysis.families)
     told = [Text(line, style=BAD if differs else "") for line, differs in compared]

@@ -1,22 +1,29 @@
-"""The options by which every command opens an arm, and the lines that say what was assumed."""
+"""The options by which every command opens an arm, or the ideal one near it, and the lines that say what was assumed.
+
+Whole numbers of options: 1.5 is refused, not rounded.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
 from rankdrop.errors import OptionError
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rankdrop.compare import Side
+    from rankdrop.results import Verdict
     from rankdrop.robot import Robot
+    from rankdrop.sections import Section
     from rankdrop.task import Task
+    from rankdrop.verbs import Idealised, Nearby
 
 
 @Parameter(name="*")
@@ -47,6 +54,7 @@ class ArmOptions:
 
 
 NO_OPTIONS = ArmOptions()
+IDEAL = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 FRAME = Literal["base", "tool", "link"] | None
 TCP = Annotated[str | None, Parameter(allow_leading_hyphen=True, show_default=False)]
 
@@ -174,3 +182,74 @@ def _first_sentence(text: str) -> str:
 
 def _count(number: int, one: str) -> str:
     return f"{number} {one}{'' if number == 1 else 's'}"
+
+
+def open_ideal(
+    name: str, options: ArmOptions, tolerance: str | None, tcp: str | None = None, *, deg: bool = False
+) -> tuple[Robot, Task, Idealised | None]:
+    """The arm to look at, its task, and how it was made where it is an ideal one.
+
+    Raises:
+        RankdropError: as `open_arm`; this is not a tolerance.
+    """
+    from rankdrop.robot import read_tolerance
+    from rankdrop.verbs import idealised
+
+    given = None if tolerance is None else read_tolerance(tolerance)
+    robot, task = open_arm(name, options, tcp, deg=deg)
+    if given is None:
+        return robot, task, None
+    found = idealised(robot, given)
+    return found.ideal, task, found
+
+
+def near_line(robot: Robot, asked: Idealised | None) -> dict[str, str]:
+    """The label and the line that says which ideal arm is near and what to type; empty where none is, or it was."""
+    from rankdrop.robot import near_ideal
+
+    found = near_ideal(robot) if asked is None else None
+    return {} if found is None else {"near": found.line}
+
+
+def ideal_sections(
+    made: Idealised | None, task: Task, families: Sequence[Side], seed: int
+) -> tuple[Sequence[Nearby], tuple[Section, ...], tuple[Section, ...]]:
+    """What the arm itself does on the families of the ideal one, and in words what was moved, and this.
+
+    Nothing where the arm is not an ideal one.
+    """
+    if made is None:
+        return (), (), ()
+    from rankdrop.verbs import moved_section, nearby, there_section
+
+    there = nearby(made, task, families, seed=seed)
+    return there, (moved_section(made),), ((there_section(there),) if there else ())
+
+
+def of_ideal(verdict: Verdict, asked: Idealised | None) -> Verdict:
+    """A verdict that says that it is about the ideal arm, where it is."""
+    from dataclasses import replace
+
+    if asked is None or not asked.changes:
+        return verdict
+    about = f"All this is said of the ideal arm within {asked.tolerance.text}, not of the arm itself."
+    return replace(verdict, sentence=f"{verdict.sentence} {about}")
+
+
+_WHOLE = re.compile(r"[+-]?\d+(_\d+)*", re.ASCII)
+_LONGEST_NUMBER = 100
+
+
+def whole(_type: Any, tokens: Sequence[Token]) -> int:
+    """The number that the words of one option write: 10000, 10_000, -5.
+
+    Raises:
+        ValueError: not a whole number; cyclopts names the option.
+    """
+    text = tokens[0].value.strip()
+    if not _WHOLE.fullmatch(text) or len(text) > _LONGEST_NUMBER:
+        raise ValueError(f"this is not a whole number; got {text[:40]!r}; allowed: digits, such as 10000 or 10_000.")
+    return int(text)
+
+
+Whole = Annotated[int, Parameter(converter=whole)]

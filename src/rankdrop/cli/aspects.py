@@ -8,8 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 
 
 def aspects(
@@ -57,9 +56,8 @@ def aspects(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
-    from rankdrop.cli.progress import reporter
     from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import say
+    from rankdrop.cli.terminal import reporter, say
     from rankdrop.motion import NOT_FOUND, aspects_of
 
     check_target(json, "--json")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import Whole
 
 if TYPE_CHECKING:
     from rankdrop.designs import SideBySide
@@ -70,7 +70,7 @@ def compare(
         quiet: No progress.
     """
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
     from rankdrop.designs import asks_of, side_by_side
 
     check_target(json, "--json")

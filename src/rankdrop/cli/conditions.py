@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.ideal import IDEAL
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
-    from rankdrop.cli.question import Answer
-    from rankdrop.results import Conditions
+    from rankdrop.results import Conditions, Verdict
+    from rankdrop.sections import Section
     from rankdrop.task import Task
-    from rankdrop.verbs import Idealised, Nearby
+    from rankdrop.verbs import Idealised
 
 _FILE = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 _ANGLES = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
@@ -100,13 +97,12 @@ def conditions(
         quiet: No progress.
     """
     from rankdrop import conditions as run
+    from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
-    from rankdrop.cli.ideal import of_ideal, open_ideal
-    from rankdrop.cli.progress import reporter
     from rankdrop.cli.question import Question
+    from rankdrop.cli.terminal import reporter
     from rankdrop.exact import exact_chain
     from rankdrop.results import steps_text
-    from rankdrop.verbs import nearby
 
     targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
     for option, target in targets.items():
@@ -123,15 +119,15 @@ def conditions(
             steps=steps or steps_out is not None, basic=None if basic is None else joints_of(basic), frame=frame,
             fresh=fresh, progress=report,
         )  # fmt: skip
-    answer = question.answer(found)
-    answer = replace(answer, verdict=of_ideal(answer.verdict, made))
-    there = () if made is None else nearby(made, task, found.families, seed=seed)
-    record = {**found.to_dict(), **answer.record}
+    answers, answered, verdict = question.answer(found)
+    verdict = of_ideal(verdict, made)
+    there, moved, beside = ideal_sections(made, task, found.families, seed)
+    record = {**found.to_dict(), **answered}
     if made is not None:
         record |= {"sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there)}
     written: list[Callable[[], None]] = []
     if STDOUT not in targets.values():
-        written.append(lambda: _print(found, task, answer, made, there))
+        written.append(lambda: _print(found, task, answers, verdict, made, moved, beside))
     if steps_out is not None:
         written.append(lambda: write_text(steps_text(found), steps_out))
     if latex is not None:
@@ -145,7 +141,7 @@ def conditions(
     do_all(written)
     if found.interrupted:
         return exits.INTERRUPTED
-    return exits.FINE if answer.verdict.holds else exits.UNEXPLAINED
+    return exits.FINE if verdict.holds else exits.UNEXPLAINED
 
 
 def lengths_of(text: str) -> str | dict[str, float]:
@@ -192,19 +188,18 @@ def joints_of(text: str) -> tuple[int, ...]:
         raise OptionError(error.what, where="--basic", got=error.got, allowed=error.allowed) from error
 
 
-def _print(found: Conditions, task: Task, answer: Answer, made: Idealised | None, there: Sequence[Nearby]) -> None:
-    from rankdrop.cli.arm import arm_section
-    from rankdrop.cli.ideal import near_line
+def _print(
+    found: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
+    moved: Sequence[Section], beside: Sequence[Section],
+) -> None:  # fmt: skip
+    from rankdrop.cli.arm import arm_section, near_line
     from rankdrop.cli.sections import INDENT, print_sections
     from rankdrop.cli.terminal import results, show, verdict_line
     from rankdrop.results import arm_lines
-    from rankdrop.verbs import moved_section, there_section
 
     console = results()
-    verdict = verdict_line(answer.verdict)
-    show(console, [verdict, ""])
+    line = verdict_line(verdict)
+    show(console, [line, ""])
     show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found) | near_line(found.robot, made)))
-    moved = () if made is None else (moved_section(made),)
-    beside = (there_section(there),) if there else ()
-    print_sections((*moved, *found.sections(width=console.width - INDENT), *beside, *answer.sections), first=False)
-    show(console, ["", verdict])
+    print_sections((*moved, *found.sections(width=console.width - INDENT), *beside, *answers), first=False)
+    show(console, ["", line])

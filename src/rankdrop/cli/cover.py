@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
     from rankdrop.results import Covered
@@ -68,7 +67,7 @@ def cover(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
 

@@ -8,8 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions, Whole
 
 
 def escape(

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import FRAME, NO_OPTIONS, TCP, ArmOptions
-from rankdrop.cli.ideal import IDEAL
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import FRAME, IDEAL, NO_OPTIONS, TCP, ArmOptions, Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
@@ -72,10 +70,10 @@ def explain(
     from dataclasses import replace
 
     from rankdrop import explain as run
+    from rankdrop.cli.arm import open_ideal
     from rankdrop.cli.certificates import of_place, saving
     from rankdrop.cli.configuration import parse_configuration
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
-    from rankdrop.cli.ideal import open_ideal
     from rankdrop.cli.sections import interrupted
     from rankdrop.results import Analysis, plain
     from rankdrop.tolerances import DEFAULT
@@ -110,7 +108,7 @@ EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "
 
 
 def _print(found: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
-    from rankdrop.cli.ideal import near_line
+    from rankdrop.cli.arm import near_line
     from rankdrop.cli.sections import print_sections
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 from rankdrop.errors import OptionError
 from rankdrop.tolerances import TIE
 
@@ -87,7 +86,7 @@ def find(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
     from rankdrop.families import refine, search
     from rankdrop.results import find_to_dict
 
@@ -143,7 +142,7 @@ def _stored(
     scheduler: str | None, quiet: bool,
 ) -> int:  # fmt: skip
     from rankdrop.cli.files import write_text
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
     from rankdrop.results import store_cloud
 
     with reporter(quiet=quiet) as report:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from rankdrop.cli.progress import Report
+    from rankdrop.cli.terminal import Report
     from rankdrop.motion import Mending, PathCheck
     from rankdrop.results import Analysis
 

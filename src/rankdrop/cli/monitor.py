@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
-    from rankdrop.cli.progress import Report
+    from rankdrop.cli.terminal import Report
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.task import Task
@@ -57,7 +56,7 @@ def monitor(
     from rankdrop import Monitor
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import check_target, write_text
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
 
     check_target(header, "--header")
     model, task = open_arm(robot, arm)

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions
+from rankdrop.cli.arm import NO_OPTIONS, TCP, ArmOptions, Whole
 from rankdrop.cli.mend import NO_MENDING, MendOptions, check_options, mended, write_fixed
-from rankdrop.cli.whole import Whole
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rankdrop.certify import ModelTolerance
-    from rankdrop.cli.progress import Report
+    from rankdrop.cli.terminal import Report
     from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
@@ -103,7 +102,7 @@ def path(
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
     from rankdrop.cli.certificates import saving
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
     from rankdrop.motion import (
         FORMATS,
         FREE,

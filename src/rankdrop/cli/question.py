@@ -16,15 +16,6 @@ if TYPE_CHECKING:
     from rankdrop.sections import Section
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """The answers: as text, as entries of the JSON, and the verdict on the conditions and the one asked about."""
-
-    sections: tuple[Section, ...]
-    record: Record
-    verdict: Verdict
-
-
 @dataclass(frozen=True)
 class Question:
     """The options --test, --flags, --from and --to; false where none is given.
@@ -68,8 +59,8 @@ class Question:
         if typed:
             signs_of(chain, names=False)
 
-    def answer(self, found: Conditions) -> Answer:
-        """The answers, from what was derived."""
+    def answer(self, found: Conditions) -> tuple[list[Section], Record, Verdict]:
+        """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
         sections: list[Section] = []
         record: Record = {"test": None, "flags": None, "between": None}
         tested = "exact"
@@ -86,7 +77,7 @@ class Question:
             sections += [self._flags("From", between.first), self._flags("To", between.second)]
             sections.append(_section("What parts them", between.sentences()))
         verdict = of_conditions(found, tested)
-        return Answer(tuple(sections), {**record, **verdict.to_dict()}, verdict)
+        return sections, {**record, **verdict.to_dict()}, verdict
 
     def _q(self, text: str, option: str = "") -> list[float]:
         from rankdrop.cli.configuration import parse_configuration

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.ideal import IDEAL
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
-    from rankdrop.cli.progress import Report
+    from rankdrop.cli.terminal import Report
     from rankdrop.results import Analysis, Verdict
     from rankdrop.robot import Mesh
     from rankdrop.verbs import Idealised
@@ -72,8 +70,7 @@ def report(
         quiet: No progress.
     """
     from rankdrop.cli.files import check_different, check_target, write_json
-    from rankdrop.cli.progress import reporter
-    from rankdrop.cli.terminal import say
+    from rankdrop.cli.terminal import reporter, say
     from rankdrop.errors import OptionError
 
     if figure and format == "html":
@@ -106,7 +103,7 @@ def _analysis(
 ) -> tuple[Analysis, Idealised | None]:
     """The analysis given, the one that is shipped, or a new one; and how the arm was made where it is an ideal one."""
     from rankdrop import analyze
-    from rankdrop.cli.ideal import open_ideal
+    from rankdrop.cli.arm import open_ideal
     from rankdrop.errors import OptionError
     from rankdrop.results import Analysis, known_analysis
 

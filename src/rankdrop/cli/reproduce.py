@@ -44,8 +44,8 @@ def reproduce(
         quiet: No progress.
     """
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_bytes, write_json
-    from rankdrop.cli.progress import reporter
     from rankdrop.cli.reproduced_table import print_reproduction
+    from rankdrop.cli.terminal import reporter
     from rankdrop.reproduce.figures import check_folder, save_figures
     from rankdrop.reproduce.run import markdown as as_page
     from rankdrop.reproduce.run import names

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import Whole
 
 if TYPE_CHECKING:
     from rankdrop.designs import Designs
@@ -63,7 +63,7 @@ def sweep(
     """
     from rankdrop import sweep as run
     from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
 
     if status is not None:
         return _status(status)

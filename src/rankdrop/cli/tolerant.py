@@ -8,8 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 
 
 def tolerant(
@@ -50,9 +49,8 @@ def tolerant(
     """
     from rankdrop.cli.arm import arm_section, open_arm
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
     from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import results
+    from rankdrop.cli.terminal import reporter, results
     from rankdrop.cli.terminal import show as show_parts
     from rankdrop.families import most_tolerant
     from rankdrop.results import tolerant_sections, tolerant_to_dict

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
-from rankdrop.cli.arm import NO_OPTIONS, ArmOptions
-from rankdrop.cli.whole import Whole
+from rankdrop.cli.arm import NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
     from rankdrop.certify import Verified
@@ -58,7 +57,7 @@ def verify(
     from rankdrop.certify import verify as check
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
-    from rankdrop.cli.progress import reporter
+    from rankdrop.cli.terminal import reporter
 
     check_target(json, "--json")
     model = None if robot is None else open_arm(robot, arm)[0]

@@ -31,7 +31,7 @@ from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.screws import words
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array
-from rankdrop.tolerances import DEFAULT
+from rankdrop.tolerances import DEFAULT, REAL_ROOT
 from rankdrop.units import counted_length, out_of_units
 
 _READABLE = 60  # terms above which a factor is not written out
@@ -236,10 +236,9 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
 
 
 _TRIES = 8  # random settings of the other joints per point wanted
-_REAL = 1e-9  # imaginary part of a root below this: real
 
 
-def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
+def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
     """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds, in turn.
 
     The joints that an atom does not fix stand at random tenths. Fewer than `count` where no real zeros were found.
@@ -286,7 +285,7 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
                 coefficient *= x ** powers[i]
         coefficients[degrees[place] - powers[place]] += coefficient
     roots = np.roots(coefficients) if np.isfinite(coefficients).all() and coefficients.any() else np.zeros(0)
-    real = roots[np.abs(roots.imag) < _REAL].real
+    real = roots[np.abs(roots.imag) < REAL_ROOT].real
     if not len(real):
         return None
     root = float(rng.choice(real))
@@ -337,7 +336,7 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Seen:
     Names and lost directions are seen at `POINTS` random configurations; they are not proofs.
     """
     robot, task = chain.own, chain.own_task
-    points = real_points(chain, atoms, POINTS)
+    points = zeros_of(chain, atoms, POINTS)
     if not len(points):
         return "", points, ()
     rank = generic_rank(robot, task)

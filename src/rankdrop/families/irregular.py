@@ -58,7 +58,7 @@ def recognised(problem: Problem, q: Array, rng: np.random.Generator) -> list[Row
     moving = [int(j) for j in np.flatnonzero(~problem.idle)]
     units = np.eye(n, dtype=np.int64)[moving]
     angles = [j for j in moving if problem.robot.periodic[j]]
-    covectors = np.concatenate([units, candidates(angles, n)])
+    covectors = np.concatenate([units, candidates(tuple(angles), n)])
     shared = np.stack([_shared(Linear.of(problem.robot, [tuple(m)]).values(q)[:, 0]) for m in covectors], axis=1)
     patterns, inverse, counts = np.unique(shared, axis=0, return_inverse=True, return_counts=True)
     rows: list[Row] = []
@@ -243,5 +243,6 @@ def _schur(problem: Problem, q: Array, u: Array, v: Array, scale: Array) -> tupl
     left = u[:, :, r:] - u[:, :, :r] @ below.swapaxes(1, 2)  # (N, m, p)
     right = v[:, :, r:] - v[:, :, :r] @ beside  # (N, n, s)
     s = a[:, r:, r:] - below @ a[:, :r, r:]
-    slope = np.einsum("nap,nabj,nbs->npsj", left, task_jacobian_derivative(problem.robot, q, problem.task), right)
+    turned = left.swapaxes(1, 2) @ task_jacobian_derivative(problem.robot, q, problem.task).reshape(*left.shape[:2], -1)
+    slope = right.swapaxes(1, 2)[:, None] @ turned.reshape(len(q), -1, problem.n, problem.n)  # (N, p, s, n)
     return s.reshape(len(q), -1), slope.reshape(len(q), -1, problem.n) * scale

@@ -140,6 +140,16 @@ class Linear:
         return tuple(best[1])
 
     @cached_property
+    def _square(self) -> Array:
+        """(c, c) covectors of the pivots."""
+        return self.covectors[:, list(self.pivots)].astype(np.float64)
+
+    @cached_property
+    def _turns(self) -> int:
+        """How many branches the pivots have: the size of their minor."""
+        return round(abs(float(np.linalg.det(self._square))))
+
+    @cached_property
     def along(self) -> Array:
         """(n, n − c) orthonormal basis of the motions that keep all values."""
         if not len(self):
@@ -155,10 +165,8 @@ class Linear:
         """Move the pivot joints of q (N, n) so that the covectors take `values` (N, c), on a branch by chance."""
         if not len(self):
             return q
-        pivots = list(self.pivots)
-        square = self.covectors[:, pivots].astype(np.float64)
-        turns = round(abs(float(np.linalg.det(square))))
-        branch = rng.integers(0, max(turns, 1), size=values.shape) * 2 * pi * self.periodic
+        pivots, square = list(self.pivots), self._square
+        branch = rng.integers(0, max(self._turns, 1), size=values.shape) * 2 * pi * self.periodic
         rest = q.copy()
         rest[:, pivots] = 0.0
         placed = q.copy()
@@ -185,8 +193,8 @@ class Linear:
         for i in range(len(self)):
             snapped[:, i] = _snapped(raw[:, i], weights, tolerance, periodic=bool(self.periodic[i]))
         found: dict[Values, list[int]] = {}
-        for point, row in enumerate(snapped):
-            found.setdefault(tuple(float(x) for x in row), []).append(point)
+        for point, row in enumerate(snapped.tolist()):
+            found.setdefault(tuple(row), []).append(point)
         return {key: np.array(members) for key, members in found.items()}
 
     def neighbours(self, values: Values) -> list[Values]:

@@ -147,23 +147,25 @@ def elsewhere(
     system = System(residual)
     fixed = set(linear.pivots)
     joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
-    tested, strangers = 0, [none]
+    ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
+    values = np.array(combinations, dtype=np.float64).reshape(len(combinations), -1)
     for held in _held(problem, joints, marks, rng):
         numbers = list(held)
-        chosen = [combinations[i] for i in rng.integers(len(combinations), size=EACH)]
+        chosen = rng.integers(len(combinations), size=EACH)
         q = problem.random(EACH, rng)
         q[:, numbers] = list(held.values())
-        q = linear.place(q, np.array(chosen, dtype=np.float64).reshape(EACH, -1), rng)
+        q = linear.place(q, values[chosen], rng)
         along = _free(linear, numbers, n)
         if not along.shape[1]:
             continue
         q, good = system.solve(q, along=along, iterations=60)
-        q = q[good & problem.allowed(q)]
-        sigma = problem.sigma(q)[:, problem.rank]
-        regular = sigma > REGULAR
-        tested += int((regular | (sigma <= problem.tolerances.singular)).sum())
-        strangers.append(q[regular])
-    return tested, np.concatenate(strangers)
+        ends.append(q)
+        solved.append(good)
+    q = np.concatenate(ends)
+    q = q[np.concatenate(solved) & problem.allowed(q)]
+    sigma = problem.sigma(q)[:, problem.rank]
+    regular = sigma > REGULAR
+    return int((regular | (sigma <= problem.tolerances.singular)).sum()), q[regular]
 
 
 def _held(
@@ -185,7 +187,8 @@ def _held(
 def _free(linear: Linear, held: list[int], n: int) -> Array:
     """(n, d) orthonormal basis of the motions that keep the linear values and the joints held."""
     rows = np.concatenate([linear.covectors.astype(np.float64).reshape(-1, n), np.eye(n)[held]])
-    return np.asarray(np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :].T)
+    _, sigma, vt = np.linalg.svd(rows)
+    return np.asarray(vt[int((sigma > sigma[0] * max(rows.shape) * np.finfo(np.float64).eps).sum()) :].T)
 
 
 EXTRA = 3  # equations beyond the codimension that may be added to cut strangers off

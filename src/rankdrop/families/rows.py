@@ -150,22 +150,23 @@ def find_rows(
         memory: forms of conditions that are tried first, and where those found are kept.
     """
     budget = Budget()
-    rows = _fitted(problem, inspection, cover, budget, (seed, problem.corank), progress, memory)
-    groups = len(grouped(inspection))
+    groups = grouped(inspection)
+    rows = _fitted(problem, inspection, groups, cover, budget, (seed, problem.corank), progress, memory)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
     if len(rest) >= FEW:
         twice = _doubled(problem, rest[:: len(rest) // MANY + 1])
         again = membership(problem, twice.q)
-        rows += _fitted(problem, twice, again, budget, (seed, problem.corank, DOUBLED), doubled=True)
+        rows += _fitted(problem, twice, grouped(twice), again, budget, (seed, problem.corank, DOUBLED), doubled=True)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
-    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, groups]))
-    rng = np.random.default_rng([seed, problem.corank, groups + 1])
+    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
+    rng = np.random.default_rng([seed, problem.corank, len(groups) + 1])
     return merged(problem, without_contained(problem, rows, rng), rng)
 
 
 def _fitted(
     problem: Problem,
     inspection: Inspection,
+    groups: Groups,
     cover: Membership,
     budget: Budget,
     seed: tuple[int, ...],
@@ -176,7 +177,6 @@ def _fitted(
 ) -> list[Row]:
     """Rows of the groups of one inspection; `doubled`: more points are inspected as these were."""
     rows: list[Row] = []
-    groups = grouped(inspection)
     more = partial(_doubled, problem) if doubled else None
     hard = sorted((i for i, (s, _) in enumerate(groups) if s.residual > 0), key=lambda i: -len(groups[i][1]))[:HARD]
     for step, index in enumerate([*range(len(groups)), *hard]):

@@ -23,6 +23,7 @@ AM_THRESHOLD = 1e-6
 MOST = 200
 """Iterations of block-LM for each start, unless told otherwise."""
 _LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
+_SAME = 4  # decimals to which all singular values of two near misses agree where they are one minimum
 _DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
 
 
@@ -124,8 +125,11 @@ class Search:
         lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
         if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
             return float(self.sigma[lowest[0], self.rank])
+        lowest = lowest[:_LOWEST]
+        _, members = np.unique(np.round(self.sigma[lowest], _SAME), axis=0, return_index=True)
+        lowest = lowest[np.sort(members)]  # often all of them are one minimum, met again and again
         own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
-        q = into_units(self.robot, self.q[lowest[:_LOWEST]])
+        q = into_units(self.robot, self.q[lowest])
         quick = brought_down(own, q, iterations=60, effort=3)
         best = quick.q[np.argsort(quick.value, kind="stable")]
         for first in range(0, len(best), _FINISHED):

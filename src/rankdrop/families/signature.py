@@ -14,11 +14,13 @@ The rank of D drops where families meet. Such points are marked irregular: they 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop import _core
 from rankdrop.family.system import Mask
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
@@ -29,6 +31,8 @@ APART = 1e-4  # σ of a kept singular value [1] above which a point is not next 
 HIGHER = 1e-6  # σ of a kept singular value below which a point has a higher corank
 _MANY = 10  # coupled joints beyond which whole-number relations are looked for between two only
 INTEGER = 1e-7  # a covector whose part outside C is shorter than this lies in C
+_NEARLY = 1e-12  # squares below this are looked at exactly: a hundred times what `INTEGER` and `DEPENDENT` leave
+_AT_ONCE = 512  # points whose relations are looked for together: of a long arm, with 10 joints coupled, 20 MB
 DEPENDENT = 1e-14  # smallest eigenvalue of the projector on ker D, restricted to dependent joints
 
 Covector = tuple[int, ...]
@@ -97,15 +101,14 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
     d = np.asarray(local.d).reshape(count, -1, n)
-    _, s, vt = np.linalg.svd(d, full_matrices=True)
+    _, s, v = _core.svd(np.ascontiguousarray(d))
     s = np.concatenate([s, np.zeros((count, n - s.shape[1]))], axis=1) if s.shape[1] < n else s[:, :n]
     ranks = (s > tolerances.block_rank).sum(axis=1)
     smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
     clear = sigma[:, rank - 1] > APART if rank else np.ones(count, dtype=np.bool_)
     regular = exact & clear & (smallest > WELL)
     inside = np.arange(n)[None, :] < ranks[:, None]  # (N, n)
-    conormal = np.einsum("nij,ni,nik->njk", vt, inside.astype(np.float64), vt)
-    tangent = np.einsum("nij,ni,nik->njk", vt, (~inside).astype(np.float64), vt)
+    conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
     signatures = signatures_of(robot, conormal, tangent, ranks, regular, tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
 
@@ -119,23 +122,25 @@ def signatures_of(
     pinned = np.einsum("njj->nj", tangent) < tolerances.tangent
     free = np.einsum("njj->nj", conormal) < tolerances.tangent
     keys = np.concatenate([ranks[:, None], pinned, free], axis=1)
-    unique, inverse = np.unique(keys[regular], axis=0, return_inverse=True)
     where = np.flatnonzero(regular)
-    turning = robot.periodic
-    for label in range(len(unique)):
-        members = where[inverse.reshape(-1) == label]
-        rank, n = int(unique[label, 0]), robot.n
-        pins = tuple(int(j) for j in range(n) if unique[label, 1 + j])
-        frees = tuple(int(j) for j in range(n) if unique[label, 1 + n + j])
+    alike: dict[bytes, list[int]] = {}
+    for point, key in zip(where.tolist(), keys[where], strict=True):
+        alike.setdefault(key.tobytes(), []).append(point)
+    turning, n = robot.periodic, robot.n
+    for members in alike.values():
+        rank, pins, frees = int(ranks[members[0]]), *(
+            tuple(int(j) for j in np.flatnonzero(which[members[0]])) for which in (pinned, free)
+        )
         coupled = tuple(j for j in range(n) if j not in pins and j not in frees)
-        relations = _relations(conormal[members], [j for j in coupled if turning[j]], n)
+        relations = _relations(conormal[members], tuple(j for j in coupled if turning[j]), n)
         bound = _bound(tangent[members], coupled)
         for i, point in enumerate(members):
             result[point] = Signature(rank, pins, frees, coupled, relations[i], bound[i])
     return tuple(result)
 
 
-def candidates(coupled: list[int], n: int) -> NDArray[np.int64]:
+@lru_cache(maxsize=64)
+def candidates(coupled: tuple[int, ...], n: int) -> NDArray[np.int64]:
     """(c, n) whole-number covectors on coupled joints: entries ±1 on 2–4 joints, ±1, ±2 on 2; simplest first.
 
     On 2 joints only where there are more than `_MANY`: there would be tens of thousands.
@@ -150,22 +155,31 @@ def candidates(coupled: list[int], n: int) -> NDArray[np.int64]:
                     row[list(support)] = entries
                     found.append(row)
     found.sort(key=lambda row: (np.count_nonzero(row), int(np.abs(row).sum()), tuple(-row)))
-    return np.array(found, dtype=np.int64).reshape(-1, n)
+    rows = np.array(found, dtype=np.int64).reshape(-1, n)
+    rows.flags.writeable = False  # the same to everyone who asks
+    return rows
 
 
-def _relations(conormal: Array, coupled: list[int], n: int) -> list[tuple[Covector, ...]]:
+def _relations(conormal: Array, coupled: tuple[int, ...], n: int) -> list[tuple[Covector, ...]]:
     """For every point an independent set of the simplest whole-number covectors in its conormal space."""
     tried = candidates(coupled, n)
     if not len(tried):
         return [()] * len(conormal)
+    entries = (tried[:, :, None] * tried[:, None, :]).reshape(len(tried), -1).T.astype(np.float64)  # m mᵀ of each
+    length = (tried * tried).sum(axis=1)
     cache: dict[bytes, tuple[Covector, ...]] = {}
     result = []
-    for one in conormal:  # point by point: of all at once a long arm needs gigabytes
-        row = np.linalg.norm(tried - tried @ one, axis=-1) < INTEGER
-        key = row.tobytes()
-        if key not in cache:
-            cache[key] = independent(tried[row])
-        result.append(cache[key])
+    for first in range(0, len(conormal), _AT_ONCE):
+        part = conormal[first : first + _AT_ONCE]
+        near = length - part.reshape(len(part), -1) @ entries < _NEARLY  # |m − C m|² = |m|² − mᵀC m, C a projector
+        point, which = np.nonzero(near)
+        off = tried[which] - np.einsum("nij,nj->ni", part[point], tried[which])
+        near[point, which] = np.linalg.norm(off, axis=-1) < INTEGER
+        for row in near:
+            key = row.tobytes()
+            if key not in cache:
+                cache[key] = independent(tried[row])
+            result.append(cache[key])
     return result
 
 
@@ -184,6 +198,16 @@ def _bound(tangent: Array, coupled: tuple[int, ...]) -> list[tuple[tuple[int, ..
     for size in (2, 3):
         for support in combinations(coupled, size):
             part = tangent[:, support, :][:, :, support]
-            for i in np.flatnonzero(np.linalg.eigvalsh(part)[:, 0] < DEPENDENT):
+            near = np.flatnonzero(_determinant(part) < _NEARLY)  # no eigenvalue of a part of a projector is above 1
+            for i in near[np.linalg.eigvalsh(part[near])[:, 0] < DEPENDENT]:
                 result[i].append(support)
     return [tuple(sets) for sets in result]
+
+
+def _determinant(part: Array) -> Array:
+    """(N,) of symmetric matrices (N, 2, 2) or (N, 3, 3)."""
+    a, b, d = part[:, 0, 0], part[:, 0, 1], part[:, 1, 1]
+    if part.shape[1] == 2:
+        return np.asarray(a * d - b * b)
+    c, e, f = part[:, 0, 2], part[:, 1, 2], part[:, 2, 2]
+    return np.asarray(a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d))

@@ -89,7 +89,7 @@ def families_at(
     for family in families:
         if not family.equations or not 1 <= family.corank <= corank:
             continue
-        length = _way(problem.at(family.corank), _system(family.equations, robot), at)
+        length = _way(problem.at(family.corank), _system_of(family, robot), at)
         if length < inf:
             met.append(Incidence(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
@@ -108,7 +108,7 @@ def families_near(
     configuration = one_configuration(robot, q)
     at, scale = into_metres(robot, configuration), Problem(in_metres(robot), task_in_metres(task, robot)).scale
     met = [
-        Incidence(family, _first_step(_system(family.equations, robot), at, scale), source)
+        Incidence(family, _first_step(_system_of(family, robot), at, scale), source)
         for family in families
         if family.equations
     ]
@@ -126,34 +126,15 @@ def on_one_of(
     )
 
 
+def _system_of(family: Family, robot: Robot) -> System:
+    """The family's own system where lengths are in metres: it is made once."""
+    return _system(family.equations, robot) if metre_exponent(robot) else family.system
+
+
 def _system(equations: Sequence[Equation], robot: Robot) -> System:
     """The equations of a family as they are of `in_metres(robot)`."""
     power = -metre_exponent(robot)
     return System(tuple(rescaled(one, slides_of(robot), power) if power else one for one in equations))
-
-
-def place_words(met: Sequence[Incidence], corank: int) -> str:
-    """Where a configuration of this corank lies, in words: one family, one inside others, or a meeting point.
-
-    Args:
-        met: from `families_at`.
-        corank: of the configuration.
-    """
-    own = [one.family for one in met if one.family.corank == corank]
-    names = list(dict.fromkeys(one.family.name for one in met))
-    if not met:
-        return "on no known family"
-    if not own:
-        lower = met[0].family.corank
-        if len(names) == 1:
-            return f"a special point of the corank-{lower} family “{names[0]}”"
-        return "meeting point of families: " + "; ".join(names)
-    first = own[0]
-    others = [name for name in names if name != first.name]
-    if len(own) > 1 and own[1].dimension == first.dimension:
-        alike = [family.name for family in own if family.dimension == first.dimension]
-        return "meeting point of families: " + "; ".join(dict.fromkeys(alike))
-    return f"on “{first.name}”" + (f", which lies on: {'; '.join(others)}" if others else "")
 
 
 def _first_step(system: System, q: Array, scale: Array) -> float:

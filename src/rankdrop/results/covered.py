@@ -86,9 +86,9 @@ class Covered:
     def sentence(self) -> str:
         """What may be said, in one sentence."""
         if not self.complete:
-            share = float(self.covering.tree.finished.mean())
+            share = 100 * float(self.covering.tree.finished.mean())
             why = f" ({self.covering.stopped})" if self.covering.stopped else ""
-            return f"Not complete{why}: {share:.1%} of the joint space was covered; nothing is said of the rest."
+            return f"Not complete{why}: {share:.1f} % of the joint space was covered, nothing is said of the rest."
         if not self.covering.tree.leaves:
             within = " within the limits" * self.covering.plan.limits
             return f"There is no {self._what}{within}: all of the joint space is proven free."
@@ -140,20 +140,21 @@ class Covered:
         tree = covering.tree
         joints = ", ".join(f"θ{j}" if self.robot.variables[j - 1].unit == "rad" else f"q{j}" for j in plan.variables)
         whose = " of the part done"
-        share = tree.proven_leaves / tree.leaves if tree.leaves else 1.0
+        share = 100 * tree.proven_leaves / tree.leaves if tree.leaves else 100.0
+        free = f"{100 * covering.free_share:.2f} % of the joint space{' within the limits' * plan.limits}"
         rows = (
             ("joints that decide", joints),
             ("method", plan.method),
             ("boxes no wider than", f"{self.width:.4g} rad"),
-            ("proven free", f"{covering.free_share:.2%} of the joint space{' within the limits' * plan.limits}"),
+            ("proven free", free),
             ("boxes left", f"{tree.leaves:,}; every {self._what}{'' if self.complete else whose} is in one"),
-            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1%})"),
+            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1f} %)"),
             ("boxes tested", f"{covering.tested:,}"),
         )  # fmt: skip
         after = (f"sha256 {self.sha256}",) if self.complete else ()
         parts = [
             Section("", lines=(self.sentence,)),
-            Section(f"{self.robot.name}: covering", columns=("", ""), rows=rows, texts=(0, 1), after=after),
+            Section(f"{self.robot.name}: covering", columns=("what", "found"), rows=rows, texts=(0, 1), after=after),
         ]
         if self.account is not None:
             parts += _account_sections(self.account, plan.variables, deg=deg)

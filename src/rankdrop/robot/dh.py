@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
-from rankdrop.robot.quantities import quantity
+from rankdrop.robot.quantities import Angles, quantity
 from rankdrop.robot.transform import rigid, rotation, translation
 
 Convention = Literal["standard", "modified"]

@@ -15,7 +15,6 @@ from math import atan2, pi
 
 import numpy as np
 
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.numbers import (
     Change,
@@ -30,6 +29,7 @@ from rankdrop.robot.numbers import (
     frame_at,
     parallel_runs,
 )
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import cos_sin, rotation, translation
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 

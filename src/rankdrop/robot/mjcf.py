@@ -20,10 +20,10 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.budgets import MOST_BODIES, RANGE, allowed_range
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
 

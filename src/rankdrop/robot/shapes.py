@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import MissingExtraError, RankdropError, RobotError
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf import joint_origin, number, three
 from rankdrop.robot.urdf_tree import Tree, read_tree

@@ -15,11 +15,10 @@ import numpy as np
 from rankdrop.errors import RobotError
 from rankdrop.robot.budgets import DOTS, LARGEST_TABLE
 from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
-from rankdrop.robot.digits import Angles, Written
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
-from rankdrop.robot.quantities import checked_lengths, quantity
+from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
 from rankdrop.robot.screws import ORDERS, cylindrical, from_screws, helical, prismatic, revolute, spherical
 from rankdrop.robot.transform import from_xyz_rpy
 

@@ -15,11 +15,10 @@ import numpy as np
 
 from rankdrop.errors import RobotError, visible
 from rankdrop.robot.budgets import LONGEST_TEXT, RANGE
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
-from rankdrop.robot.quantities import in_range
+from rankdrop.robot.quantities import Angles, in_range
 from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, read_tree
 

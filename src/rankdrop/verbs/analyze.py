@@ -32,7 +32,6 @@ from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task, task_names
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_units, task_in_units
-from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION
 
 SECONDS: Mapping[str, float] = {"auto": 30.0, "on": 120.0}
@@ -91,10 +90,13 @@ def join(
         return list(found), None
     seconds = SECONDS[exact]
     try:
-        shipped = None if fresh or seed else known_conditions(robot, task)
-        derived = shipped or conditions(
-            robot, task, method="tree", seconds=seconds, seed=seed, points=0, special=False, progress=progress
-        )
+        derived = None if fresh or seed else known_conditions(robot, task)
+        if derived is None:
+            from rankdrop.verbs.conditions import conditions  # with all of the exact side that derives
+
+            derived = conditions(
+                robot, task, method="tree", seconds=seconds, seed=seed, points=0, special=False, progress=progress
+            )
     except RankdropError as error:
         if exact == "on":
             raise

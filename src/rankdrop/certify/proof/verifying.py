@@ -70,8 +70,8 @@ class Verified:
         of = f"{self.kind} of {self.arm}" if self.kind else "certificate"
         counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
         if not self.holds:
-            return (Section(of, "does not hold", (f"{self.reason}.",), notes=counted),)
-        return (Section(of, "holds", (f"{self.claim}.",), notes=(*counted, *self.assumed)),)
+            return (Section("Does not hold", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
+        return (Section("Holds", of, (f"{self.claim}.",), notes=(*counted, *self.assumed), tone="good"),)
 
     def __str__(self) -> str:
         return text(self.sections())
@@ -130,7 +130,7 @@ def verify(
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     place = write_certificate(ball_certificate(arm, [0.3, 1.2, 0.4], radius=1.1), f"{folder}/ball.json")
         ...     print(verify(place, arm).claim)
-        no configuration within 1.1 rad of q has a rank below 3 (slides in their scale); joints 1, 3 wherever
+        no configuration within 1.1 rad of q has a rank below 3; joints 1 and 3 may stand anywhere
     """
     _check_whole("enclosures", enclosures)
     if sample is not None:

@@ -5,19 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
-from rankdrop.exact.aspects import Between, Flags, between, configuration_flags
-from rankdrop.exact.code import Code
-from rankdrop.exact.reading.lint import LintResult, lint
-from rankdrop.exact.writing.mathml import typeset
 from rankdrop.results.codec import Record, save_record
 from rankdrop.results.conditions.data import ConditionsData, conditions_to_dict
 from rankdrop.results.conditions.text import sections_of
 from rankdrop.sections import Section, html, text
+
+if TYPE_CHECKING:
+    from rankdrop.exact.aspects import Between, Flags
+    from rankdrop.exact.code import Code
+    from rankdrop.exact.reading.lint import LintResult
 
 LANGUAGES = ("python", "c")
 """What conditions can be written in as code."""
@@ -45,6 +47,8 @@ class Conditions(ConditionsData):
             OptionError: a mistake in the text; the singular set is not known, because the derivation ended early; or
                 the time limit has passed.
         """
+        from rankdrop.exact.reading.lint import lint  # a command that tests nothing does without reading
+
         whole = self if self.anew is None else self.anew()
         if not whole.complete:
             raise OptionError(
@@ -67,6 +71,8 @@ class Conditions(ConditionsData):
             TaskError: the task Jacobian is not square.
             ConfigurationError: q is not one configuration of this arm.
         """
+        from rankdrop.exact.aspects import configuration_flags
+
         return configuration_flags(self.chain, q)
 
     def between(self, first: ArrayLike, second: ArrayLike) -> Between:
@@ -75,6 +81,8 @@ class Conditions(ConditionsData):
         Raises:
             TaskError, ConfigurationError: as `flags`.
         """
+        from rankdrop.exact.aspects import between
+
         return between(self.chain, first, second)
 
     def to_dict(self) -> Record:
@@ -111,20 +119,25 @@ class Conditions(ConditionsData):
         return self._code().python() if language == "python" else self._code().c()
 
     def _code(self) -> Code:
+        from rankdrop.exact.code import Code
+
         said = () if self.determinants is None else self.determinants.minors
         return Code(self.robot.name, self.robot.n, self.families, self.letters, self.shifts, said)
 
     def _repr_html_(self) -> str:
         """For notebooks: the verdict, the conditions of every family typeset, and what was checked."""
+        from rankdrop.exact.writing.mathml import typeset
+
         rows = "".join(
             f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
-            f"<td>{'<br>'.join(map(typeset, family.latex))}</td></tr>"
+            f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
+            f"<td>{'<br>'.join(map(escape, family.lost_words))}</td></tr>"
             for family in self.families
         )
-        head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th></tr>"
+        head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
         table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
-        verdict, *told = self._told()
-        return html([verdict]) + table + html(told)
+        verdict = Section(self.verdict.sentence)
+        return html([verdict]) + table + html([*sections_of(self, families=False), verdict])
 
     def _told(self) -> tuple[Section, ...]:
         """The verdict first and last."""

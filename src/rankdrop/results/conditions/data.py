@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.determinants import Determinants
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.record import Check
@@ -18,6 +18,9 @@ from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.units import heading
+
+if TYPE_CHECKING:
+    from rankdrop.exact.determinants import Determinants
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,11 @@ import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
 from rankdrop.robot.budgets import RANGE
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.files import Element
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.models.placed import placed
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
 
 _NOWHERE = Element("joint", {}, 0)  # a model keeps no lines

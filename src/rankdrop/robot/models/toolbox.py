@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.digits import Angles
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.models.placed import placed
+from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import frame_on_axis, rigid
 
 

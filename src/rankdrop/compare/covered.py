@@ -186,7 +186,7 @@ class Explainer:
         self.cells = tuple(count << halvings for count in leaves)
         self.low = np.array(found.plan.lower)
         self.width = (np.array(found.plan.upper) - self.low) / self.cells
-        self.radius = float(np.linalg.norm(self.width / self.unit)) * 2**halvings / 2 + _WIDER
+        self.radius = float(np.linalg.norm(self.width / self.unit)) * (1 << halvings) / 2 + _WIDER
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]
         order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
         self._sights = {i: _Sight(self, self.families[i]) for i in order}

@@ -96,8 +96,8 @@ class Covered:
             return f"Covered: every {self._what} lies in one of {self.covering.tree.leaves:,} boxes."
         if not self.account.spots:
             return (
-                f"Nothing else exists down to {self.width:.3g} rad: every box that may hold a {self._what} "
-                f"is explained by a known family, and none lies farther than {self.account.diagonal:.3g} rad from one."
+                f"Nothing else exists down to {self.width:.3g} rad. Every box that may hold a {self._what} "
+                f"is explained by a known family; none lies farther than {self.account.diagonal:.3g} rad from one."
             )
         boxes = sum(one.boxes for one in self.account.spots)
         proven = sum(one.proven for one in self.account.spots)

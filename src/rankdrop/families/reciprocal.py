@@ -100,11 +100,10 @@ def drawn(
     """
     full = generic_rank(robot, task)
     rank = full + 1 - corank  # σ of this number vanishes
-    arm = _Joints(robot, task, limits)
+    arm = _Chain(robot, task, limits)
     ways: list[tuple[str, Draw]] = []
     if corank == 1 and _in_closed_form(robot, task, full):
-        chain = _Chain(robot, task, limits)
-        ways = [*chain.wrenches(), *chain.single_joints(full)]
+        ways = [*arm.wrenches(), *arm.single_joints(full)]
     exact = len(ways)
     ways += [*arm.together(rank - 1, alone=not ways or corank > 1), *arm.pinned(rank - 1)]
     rng = np.random.default_rng(seed)
@@ -175,8 +174,11 @@ def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:
     return bool(np.abs(full[:, missing]).max() <= _ABSENT * np.abs(full).max())
 
 
-class _Joints:
-    """The variables of an arm, and strata in which some of them are solved for together."""
+class _Chain:
+    """An arm: its variables, and its screws at q = 0 in base coordinates, linear part first; joints and links from 0.
+
+    Wrenches, and joints solved for one by one, are for arms `_in_closed_form`.
+    """
 
     def __init__(self, robot: Robot, task: Task, limits: bool) -> None:
         self.robot, self.task, self.n = robot, task, robot.n
@@ -186,6 +188,10 @@ class _Joints:
         room = 0.0 if limits else reach(robot)
         self.bound = self.slides | limits
         self.least, self.most = self.low - room * self.slides, self.high + room * self.slides
+        self.screws = np.array([joint.screw for joint in robot.joints])
+        self.ads = np.array([_ad(screw) for screw in self.screws])
+        self.whole = task.rows == (0, 1, 2, 3, 4, 5)
+        self.basis = self._basis()
 
     def drawn(self, count: int, rng: np.random.Generator) -> Array:
         """(count, n) configurations at random."""
@@ -256,16 +262,6 @@ class _Joints:
 
         return draw
 
-
-class _Chain(_Joints):
-    """The arm as screws at q = 0 in base coordinates, linear part first; joints and links from 0."""
-
-    def __init__(self, robot: Robot, task: Task, limits: bool) -> None:
-        super().__init__(robot, task, limits)
-        self.screws = np.array([joint.screw for joint in robot.joints])
-        self.ads = np.array([_ad(screw) for screw in self.screws])
-        self.whole = task.rows == (0, 1, 2, 3, 4, 5)
-        self.basis = self._basis()
 
     def _basis(self) -> Array:
         """(6, m) wrenches of the task in the frame of the last link, as it stands at q = 0."""

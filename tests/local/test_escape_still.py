@@ -10,7 +10,7 @@ from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
-from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.place import place_at
 from rankdrop.local.second_order import definite, forms, null_basis, proof_of, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
@@ -164,11 +164,11 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
             assert found.boundary is True
             random = rng.normal(size=(20, basis.shape[1])) @ basis.T
             random /= np.linalg.norm(random, axis=1, keepdims=True)
-            assert told_by_pose(place.task)
+            assert determined_by_pose(place.task)
             assert not trace(place, random, 0.12).valid.any()
         if found.avoidable:
             assert found.still is not None
-            assert told_by_pose(place.task)
+            assert determined_by_pose(place.task)
             tangent = np.array(found.still.delta) / place.scale
             path = trace(place, tangent[None], 0.12)
             assert path.valid.all()
@@ -188,7 +188,7 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     q = rng.uniform(-1, 1, 6)
     place = place_at(robot, q, task, DEFAULT)
     assert place.corank == 0
-    assert told_by_pose(place.task)
+    assert determined_by_pose(place.task)
     basis = null_basis(place)
     path = trace(place, np.concatenate([basis.T, -basis.T]), 0.12)
     assert path.valid.all()

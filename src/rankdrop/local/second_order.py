@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from rankdrop.local.block import singular_values
 from rankdrop.local.bracket import unit
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.place import Place, room
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
@@ -273,7 +273,7 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
         return _none(each, False, "every joint motion moves the tool")
     if place.corank and definite(each, seed):
         return _none(each, False, _HELD)
-    if not told_by_pose(place.task):
+    if not determined_by_pose(place.task):
         return _none(each, None, "ways out with the tool held still are not looked for with these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):

@@ -12,7 +12,7 @@ import numpy as np
 
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
-from rankdrop.results.conditions.known import told_conditions
+from rankdrop.results.conditions.known import condition_sentences
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
@@ -120,7 +120,7 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     lines = []
     for met in own:
         lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        lines.append(f"    {'; '.join(told_conditions(found.robot, found.task, met.family))}")
+        lines.append(f"    {'; '.join(condition_sentences(found.robot, found.task, met.family))}")
     if others:
         lines.append(f"lies on: {'; '.join(others)}")
     if special:

@@ -224,7 +224,7 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
 def test_each_number_of_boxes_is_looked_at(change):
     plan = covering(open_robot("planar3r"), 0.4).plan
     _check_shape(plan)
-    with pytest.raises(ValueError, match="halvings|depth has|corank is"):
+    with pytest.raises(ValueError, match=r"halvings|depth has|corank is"):
         _check_shape(replace(plan, **change))
 
 

@@ -178,6 +178,9 @@ _FLAT_FORM = "whether the tool is at an edge of its reach is not decided here"
 _SLOWLY = "the tool moves along the lost direction only like the square of the joint motion"
 _INTERNAL = "the tool moves along the lost direction only after a motion of the joints that leaves it still"
 _HELD = "you cannot leave it with the tool held still"
+_TRACED = (
+    "no way to leave it with the tool held still was found: every such motion that was traced stays singular (no proof)"
+)
 _PROOFS = {
     _SEVERAL: "the test at second order is for one lost direction of a task that the arm can make in full",
     _INSIDE: "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
@@ -373,7 +376,7 @@ def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillnes
         return _none(each, None, "there is no singularity to leave")
     stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
     if complete and stayed and traced.valid.all():
-        return _none(each, False, f"{_HELD}: every such motion that was traced stays singular (traced, not proven)")
+        return _none(each, False, _TRACED)
     if stayed and traced.valid.any():
         return _none(each, None, "motions with the tool held still that were traced stay singular; there may be others")
     if traced.valid.any():

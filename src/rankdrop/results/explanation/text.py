@@ -152,8 +152,8 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
                 torque = "with hardly any joint torque" if miss else "without joint torque"
                 lines.append(f"      carried {torque}: {wrench_text(wrench)}")
         title = "What is lost" if found.rank.corank else "What is nearly lost"
-        mixed = any("·" in one for seen in lost.seen for one in seen.constraints)
-        notes = (_TWIST, *((_COUNTED,) if mixed else ()))
+        nearly = any(one.startswith("nearly") for seen in lost.seen for one in seen.short)
+        notes = (_TWIST, *((_COUNTED,) if nearly else ()))
         yield Section(title, _focus(found), tuple(lines), notes=notes)
     if len(lost.never):
         rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)

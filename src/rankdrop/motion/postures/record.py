@@ -120,7 +120,8 @@ class Postures:
             return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
                     f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
         if self.decision.impossible:
-            return f"It cannot change its posture without a singularity (not cuspidal), proven: {self.decision.words}."
+            words = f"{self.decision.words[:1].upper()}{self.decision.words[1:]}"
+            return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
         where = " within the joint limits" if self.settings.limits else ""
         poses = f"{len(self.solved)} pose{'' if len(self.solved) == 1 else 's'}"
         return f"No change of posture without a singularity was found in {poses}{where}; that is no proof of absence."

@@ -282,7 +282,7 @@ def test_the_distance_does_not_contradict_the_search(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4"])
 def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str) -> None:
-    """By the kinematics, from points of the set: walks from q alone were right in four of five random configurations."""
+    """By the kinematics, from points of the set: from q alone walks were right in four of five random ones."""
     found = shipped(name)
     monitor = Monitor(found.robot, found.task, found.families)
     family = next(one for one in found.families if lengthy(one))

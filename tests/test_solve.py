@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.robot.model import Array
-from rankdrop.solve import nearer, newton, shortest, trace
+from rankdrop.solve import iterate, newton, shortest, towards, trace
 
 RADIUS = 0.5
 
@@ -73,17 +73,6 @@ def test_where_curves_cross_the_walk_ends() -> None:
     assert not closed
 
 
-def test_steps_lead_to_the_nearest_solution(rng: np.random.Generator) -> None:
-    """Of the circle about (1, 0.5): the point on the way to the origin, from starts all round it."""
-    centre = np.array([1.0, 0.5])
-    angle = rng.uniform(-1.0, 1.0, 20)[:, None] + np.arctan2(-0.5, -1.0)
-    x = centre + RADIUS * np.hstack([np.cos(angle), np.sin(angle)])
-    for _ in range(30):
-        f, slope = circle(x - centre)
-        x = x + nearer(x, f, slope, np.broadcast_to(2 * np.eye(2), (len(x), 1, 2, 2)))
-    np.testing.assert_allclose(x, np.broadcast_to(centre * (1 - RADIUS / np.linalg.norm(centre)), x.shape), atol=1e-9)
-
-
 def test_a_step_leaves_out_what_the_equations_do_not_bind(rng: np.random.Generator) -> None:
     a = rng.normal(size=(5, 2, 4))
     f = rng.normal(size=(5, 2))
@@ -92,3 +81,32 @@ def test_a_step_leaves_out_what_the_equations_do_not_bind(rng: np.random.Generat
     step = shortest(a, f)
     np.testing.assert_allclose(np.einsum("nej,nj->ne", a, step), f, atol=1e-12)
     np.testing.assert_allclose(step, a[:, 0] * (f[:, :1] / (a[:, 0] ** 2).sum(axis=1, keepdims=True)), atol=1e-12)
+
+
+def test_the_nearest_point_of_a_plane_is_one_step_away(rng: np.random.Generator) -> None:
+    normals, offsets = rng.normal(size=(2, 4)), rng.normal(size=2)
+    q, target = rng.normal(size=(6, 4)), rng.normal(size=(6, 4))
+    there = q + towards(target - q, q @ normals.T - offsets, np.broadcast_to(normals, (6, 2, 4)))
+    np.testing.assert_allclose(there @ normals.T, np.broadcast_to(offsets, (6, 2)), atol=1e-12)
+    kept = np.linalg.svd(normals)[2][2:]  # along the plane nothing but the target counts
+    np.testing.assert_allclose(there @ kept.T, target @ kept.T, atol=1e-12)
+
+
+def test_one_equation_is_solved_as_several_are(rng: np.random.Generator) -> None:
+    a, f = rng.normal(size=(5, 1, 3)), rng.normal(size=(5, 1))
+    a[0] = 0.0
+    twice = shortest(np.concatenate([a, a], axis=1), np.concatenate([f, f], axis=1))
+    np.testing.assert_allclose(shortest(a, f), twice, atol=1e-12)
+    assert (shortest(a, f)[0] == 0.0).all()
+
+
+def test_no_step_leads_out_of_the_box_and_who_stands_still_is_not_asked_again() -> None:
+    asked: list[list[int]] = []
+
+    def step(q: Array, active: np.ndarray) -> Array:
+        asked.append(active.tolist())
+        return np.where(q < 2.0, 1.0, 0.0)
+
+    ends = iterate(step, np.array([[0.0], [2.0]]), iterations=9, longest=0.5, box=np.array([[0.0], [1.25]]))
+    np.testing.assert_allclose(ends, [[1.25], [1.25]])
+    assert asked == [[0, 1], *[[0]] * 8]

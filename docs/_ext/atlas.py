@@ -60,7 +60,7 @@ def picture(found: Analysis) -> str:
     links, joints = ((points - middle) * scale + _SIZE / 2 for points in (links, joints))
     way = " ".join(f"{x:.1f},{y:.1f}" for x, y in links)
     dots = "".join(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5.5" fill="#56697d"/>' for x, y in joints)
-    base = f'<rect x="{links[0, 0] - 9:.1f}" y="{links[0, 1] - 2:.1f}" width="18" height="5" fill="#222"/>'
+    base = f'<rect x="{links[0, 0] - 9:.1f}" y="{links[0, 1] - 2:.1f}" width="18" height="5" fill="currentColor"/>'
     words = "" if family is None else f" at a singularity: {family.name}"
     return (
         f'<svg viewBox="0 0 {_SIZE} {_SIZE}" width="{_SIZE}" height="{_SIZE}" role="img" '
@@ -116,17 +116,19 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
 
 
-def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
+def index(entries: list[CatalogEntry], found: dict[str, Analysis], alike: dict[str, list[CatalogEntry]]) -> str:
     """The page that lists them, with a box that narrows the list while one types."""
     rows = []
     for entry in entries:
         families = found[entry.name].families
         names = (one.name for one in families[:_MOST])
-        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names])
+        near = near_ideal(found[entry.name].robot)
+        words = " ".join([entry.name, entry.maker, entry.about, *entry.aliases, *names, *(near.gained if near else ())])
         rows.append(
             f'<tr data-words="{escape(words.lower())}"><td>{picture(found[entry.name])}</td>'
             f'<td><a href="{entry.name}.html">{escape(entry.name)}</a><br>{escape(entry.about)}</td>'
-            f"<td>{escape(entry.maker or 'documents')}</td><td>{len(families)}</td></tr>"
+            f"<td>{escape(entry.maker or 'from the literature')}</td><td>{_kinds(found[entry.name])}</td>"
+            f"<td>{_near(near.text if near else '', alike[entry.name])}</td></tr>"
         )
     return (
         "# Atlas\n\nThe singularities of every arm of the catalogue, from the analyses that come with rankdrop.\n\n"
@@ -134,9 +136,32 @@ def index(entries: list[CatalogEntry], found: dict[str, Analysis]) -> str:
         '<p><label>Name, maker, or words of a family: '
         '<input id="atlas-words" type="search" autocomplete="off"></label> '
         f'<span id="atlas-count" role="status">{len(entries)} arms</span></p>\n'
-        '<table class="atlas"><thead><tr><th>picture</th><th>arm</th><th>maker</th><th>families</th></tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table>\n<script>{_SEARCH}</script>\n```\n"
+        '<table class="atlas"><thead><tr><th>picture</th><th>arm</th><th>maker</th><th>families</th>'
+        f"<th>what is near</th></tr></thead><tbody>{''.join(rows)}</tbody></table>\n"
+        f"<script>{_SEARCH}</script>\n```\n"
     )
+
+
+def _kinds(found: Analysis) -> str:
+    """The names of corank 1, and how many there are of the others."""
+    first = found.of_corank(1)
+    told = [escape(one.name) for one in first[:4]]
+    if len(first) > 4:
+        told.append(f"{len(first) - 4} more")
+    told += [
+        f"{len(found.of_corank(one.corank))} of corank {one.corank}"
+        for one in found.coranks if one.corank > 1 and found.of_corank(one.corank)
+    ]  # fmt: skip
+    return "<br>".join(told) or "none found"
+
+
+def _near(near: str, alike: list[CatalogEntry]) -> str:
+    """The ideal arm that this one nearly is, and arms whose families have the same names."""
+    told = [escape(near)] if near else []
+    if alike:
+        links = ", ".join(f'<a href="{one.name}.html">{one.name}</a>' for one in alike[:4])
+        told.append(f"alike: {links}" + (f" and {len(alike) - 4} more" if len(alike) > 4 else ""))
+    return "<br>".join(told)
 
 
 _SEARCH = (
@@ -144,7 +169,7 @@ _SEARCH = (
     "const words = event.target.value.toLowerCase().split(/\\s+/).filter(Boolean); let count = 0;"
     "for (const row of document.querySelectorAll('.atlas tbody tr')) {"
     "row.hidden = !words.every((word) => row.dataset.words.includes(word)); count += !row.hidden; }"
-    "document.getElementById('atlas-count').textContent = `${count} arms`; });"
+    "document.getElementById('atlas-count').textContent = `${count} ${count === 1 ? 'arm' : 'arms'}`; });"
 )
 
 
@@ -155,11 +180,14 @@ def write(app: Sphinx) -> None:
     kinds: dict[tuple[str, ...], list[CatalogEntry]] = defaultdict(list)
     for entry in entries:
         kinds[tuple(family.name for family in found[entry.name].families)].append(entry)
+    alike = {
+        entry.name: [one for one in kinds[tuple(family.name for family in found[entry.name].families)]
+                     if one is not entry] for entry in entries
+    }  # fmt: skip
     reports = wanted(entries)
-    pages = {"index.md": index(entries, found)}
+    pages = {"index.md": index(entries, found, alike)}
     for entry in entries:
-        alike = [one for one in kinds[tuple(family.name for family in found[entry.name].families)] if one is not entry]
-        pages[f"{entry.name}.md"] = arm_page(entry, found[entry.name], alike, entry.name in reports)
+        pages[f"{entry.name}.md"] = arm_page(entry, found[entry.name], alike[entry.name], entry.name in reports)
     write_pages(Path(app.srcdir) / "atlas", pages)
 
 

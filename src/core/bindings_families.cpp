@@ -146,6 +146,38 @@ nb::object zeros(const Families& table, const In2& q, const ZeroSettings& settin
     return nb::make_tuple(ends.give(), worst.give());
 }
 
+std::unique_ptr<FootSettings> make_foot_settings(int leading, int iterations, int returns, double still, double longest,
+                                                 double cut, double flattest, const std::vector<double>& target,
+                                                 const std::vector<double>& scale, const std::vector<int>& periodic,
+                                                 const std::vector<int>& columns, const std::optional<In2>& limits) {
+    const std::size_t n = target.size();
+    if (scale.size() != n || periodic.size() != n || columns.empty() || columns.size() > n ||
+        (limits && (limits->shape(0) != 2 || limits->shape(1) != n)))
+        throw nb::value_error("one number for each variable, and at least one that moves");
+    for (const int column : columns)
+        if (column < 0 || column >= static_cast<int>(n)) throw nb::value_error("column out of range");
+    auto settings = std::make_unique<FootSettings>(
+        FootSettings{leading, iterations, returns, still, longest, cut, flattest, target, scale, periodic, columns, {}, {}});
+    if (limits) {
+        settings->lower.assign(limits->data(), limits->data() + n);
+        settings->upper.assign(limits->data() + n, limits->data() + 2 * n);
+    }
+    return settings;
+}
+
+// Where starts (B, n) end: at points of the family that are nearest to the target, as far as Newton's steps tell.
+nb::object feet(const Families& table, const In2& q, const FootSettings& settings, int threads) {
+    fit(table, q);
+    const std::size_t rows = q.shape(0), n = q.shape(1), count = table.terms.size() - 1;
+    if (settings.target.size() != n) throw nb::value_error("the settings are of another number of joints");
+    if (settings.leading < 1 || static_cast<std::size_t>(settings.leading) > count) throw nb::value_error("leading is out of range");
+    if (std::min(count, n) > kMostEquations) throw nb::value_error("at most 200 equations, or joints");
+    Result<double> ends({rows, n});
+    std::copy_n(q.data(), q.size(), ends.data());
+    each(rows, threads, [&](std::int64_t from, std::int64_t to) { kernels(rows).feet(table, settings, ends.data(), from, to); });
+    return ends.give();
+}
+
 }  // namespace
 
 void bind_families(nb::module_& module) {
@@ -166,6 +198,11 @@ void bind_families(nb::module_& module) {
         .def(nb::new_(&make_zero_settings), nb::kw_only(), nb::arg("iterations"), nb::arg("step"), nb::arg("still"),
              nb::arg("enough"), nb::arg("cut"), nb::arg("along"));
     module.def("zeros", &zeros, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
+    nb::class_<FootSettings>(module, "FootSettings")
+        .def(nb::new_(&make_foot_settings), nb::kw_only(), nb::arg("leading"), nb::arg("iterations"), nb::arg("returns"),
+             nb::arg("still"), nb::arg("longest"), nb::arg("cut"), nb::arg("flattest"), nb::arg("target"), nb::arg("scale"),
+             nb::arg("periodic"), nb::arg("columns"), nb::arg("limits").none());
+    module.def("feet", &feet, nb::arg("families"), nb::arg("q"), nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     nb::class_<Watcher>(module, "Watcher")
         .def(nb::new_(&make_watcher), nb::arg("chain"), nb::arg("view"), nb::arg("families"), nb::arg("settings"))
         .def("step", &watch, nb::arg("q"), nb::arg("velocity").none())

@@ -7,6 +7,49 @@
 
 namespace rankdrop::RANKDROP_ISA {
 
+// Adds `weight` times the second derivatives of one equation to the lower half of sum (n, n). A term is a wave w times a
+// monomial M of the slides:  d2(wM) = -w M m m^T + w' (m dM^T + dM m^T) + w d2M.
+inline void bend_at(const Families& table, int equation, const Pack* q, const Waves<Pack>& waves, Pack weight, Pack* sum) {
+    const int n = table.variables;
+    const auto add = [&](int a, int b, Pack value) {
+        Pack& entry = sum[(a > b ? a : b) * n + (a > b ? b : a)];
+        entry = entry + value;
+    };
+    for (int t = table.terms[equation]; t < table.terms[equation + 1]; ++t) {
+        const int k = table.angle[t], first = table.turns[k], last = table.turns[k + 1];
+        const int* p = table.powers.data() + (std::size_t)t * n;
+        const Pack sine = waves.sine[table.node[t]], cosine = waves.cosine[table.node[t]];
+        const Pack wave = (cosine * table.a[t] + sine * table.b[t]) * weight;
+        Pack curve = -wave;
+        if (table.powered[t]) {
+            const Pack slope = (cosine * table.b[t] - sine * table.a[t]) * weight;
+            // the monomial, differentiated by the slides a and b; -1 for none
+            const auto monomial = [&](int a, int b) {
+                Pack product = fill(1.0);
+                for (int j = 0; j < n; ++j) {
+                    int left = p[j];
+                    for (const int by : {a, b})
+                        if (by == j) product = product * (double)left--;
+                    if (left > 0) product = product * power(q[j], left);
+                }
+                return product;
+            };
+            for (int a = 0; a < n; ++a) {
+                if (p[a] == 0) continue;
+                for (int b = 0; b <= a; ++b)
+                    if (p[b] > 0 && (a != b || p[a] > 1)) add(a, b, wave * monomial(a, b));
+                const Pack by = slope * monomial(a, -1);
+                for (int i = first; i < last; ++i) add(table.turning[i], a, by * table.m[i]);
+            }
+            curve = curve * monomial(-1, -1);
+        }
+        for (int i = first; i < last; ++i) {
+            const Pack part = curve * table.m[i];
+            for (int j = first; j <= i; ++j) add(table.turning[i], table.turning[j], part * table.m[j]);
+        }
+    }
+}
+
 // f_e and their gradients at one pack of configurations.
 class Equations {
   public:
@@ -16,10 +59,18 @@ class Equations {
         sine_ = take(table.nodes()), cosine_ = take(table.nodes()), phase_ = take(2 * table.phases());
     }
 
-    void at(const Pack* q) {
+    void at(const Pack* q) { at(q, count_); }
+
+    // the first `count` of them
+    void at(const Pack* q, int count) {
         waves_at(table_, true, q, phase_, sine_, cosine_);
         const Waves<Pack> waves{sine_, cosine_};
-        for (int e = 0; e < count_; ++e) f[e] = equation_at(table_, e, q, waves, slopes + e * table_.variables);
+        for (int e = 0; e < count; ++e) f[e] = equation_at(table_, e, q, waves, slopes + e * table_.variables);
+    }
+
+    // Adds `weight` times the second derivatives of equation e, at the q of `at`, to the lower half of sum (n, n).
+    void bend(int e, const Pack* q, Pack weight, Pack* sum) const {
+        bend_at(table_, e, q, Waves<Pack>{sine_, cosine_}, weight, sum);
     }
 
     int count() const { return count_; }

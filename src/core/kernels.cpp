@@ -9,6 +9,7 @@
 #include "descent.hpp"
 #include "enclosure.hpp"
 #include "equations.hpp"
+#include "foot.hpp"
 #include "nearest.hpp"
 #include "links.hpp"
 #include "newton.hpp"
@@ -300,6 +301,19 @@ void zeros(const Families& table, const ZeroSettings& settings, double* q, std::
     }
 }
 
+void feet(const Families& table, const FootSettings& settings, double* q, std::int64_t begin, std::int64_t end) {
+    Arena arena;
+    const int n = table.variables;
+    FootFinder finder(table, settings, arena);
+    Pack* x = take(arena, n);
+    for (std::int64_t row = begin; row < end; row += W) {
+        const int count = lanes_left(row, end);
+        load(q + row * n, n, count, n, x);
+        finder.run(x);
+        store(x, n, count, q + row * n, n);
+    }
+}
+
 void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* out) {
     Cover work(split);
     for (std::int64_t number = begin; number < end; ++number) work.run(number, out[number - begin]);
@@ -321,6 +335,6 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, cover, judge, shape, watch};
+                    svd_range, newton, descend, enclose, nearest, links, monitor, equations, zeros, feet, cover, judge, shape, watch};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -58,6 +58,8 @@ struct Kernels {
     void (*equations)(const Families&, const double* q, std::int64_t begin, std::int64_t end, double* f, double* slopes);
     // q (B, n) in and out; worst (B): the largest |f| that is left
     void (*zeros)(const Families&, const ZeroSettings&, double* q, std::int64_t begin, std::int64_t end, double* worst);
+    // q (B, n) in and out: the points of a family nearest to a configuration that starts come to
+    void (*feet)(const Families&, const FootSettings&, double* q, std::int64_t begin, std::int64_t end);
     // boxes begin … end - 1 of the top level, one tree for each
     void (*cover)(const Split&, std::int64_t begin, std::int64_t end, CoverTree* out);
     // leaves (B, 4) by their places, halved so many times in so many parts: free (0), proven to hold a singularity (1), or neither (2)

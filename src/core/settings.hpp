@@ -92,4 +92,20 @@ struct ZeroSettings {
     std::vector<double> along;               // (n, d) orthonormal basis of the directions that may be used, or empty for all
 };
 
+// How the nearest points of a family are looked for. Steps are in scaled joint coordinates.
+struct FootSettings {
+    int leading = 1;                         // equations that are walked on: the first of them
+    int iterations = 25;
+    int returns = 3;                         // steps straight onto the family at the end
+    double still = 1e-9;                     // a start whose step gets shorter stands still
+    double longest = 0.7;                    // step
+    double cut = 1e-7;                       // singular values below this share of the largest are not inverted
+    double flattest = 1e-2;                  // curvatures are taken for at least this
+    std::vector<double> target;              // (n) the configuration to stay near to
+    std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
+    std::vector<int> periodic;               // (n) 1: a turn of 2 pi is no motion
+    std::vector<int> columns;                // joints that move
+    std::vector<double> lower, upper;        // (n) limits, or empty for none
+};
+
 }  // namespace rankdrop

@@ -147,6 +147,13 @@ class ZeroSettings:
 
 def zeros(families: Families, q: _A, settings: ZeroSettings, *, threads: int = 0) -> tuple[_A, _A]: ...
 
+class FootSettings:
+    def __init__(
+        self, *, leading: int, iterations: int, returns: int, still: float, longest: float, cut: float, flattest: float,
+        target: list[float], scale: list[float], periodic: list[int], columns: list[int], limits: _A | None
+    ) -> None: ...
+
+def feet(families: Families, q: _A, settings: FootSettings, *, threads: int = 0) -> _A: ...
 def promised(
     values: _A, tensor: _A, tau: _A, mixed: _A, *, rounds: int, effort: int, exact: float, threads: int = 0
 ) -> tuple[_A, _A, _A, _A]: ...

@@ -26,6 +26,7 @@ from rankdrop.families.memory import Memory
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import json_text
+from rankdrop.results.known import shipped
 from rankdrop.robot.drawing import Drawing
 from rankdrop.robot.model import JointKind
 from rankdrop.schema import load_schema
@@ -334,6 +335,17 @@ def test_arms_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
         side_by_side(["ur5"], asks)
     with pytest.raises(OptionError, match="an arm is there twice"):
         side_by_side(["ur5", "ur5"], asks)
+
+
+def test_arms_of_the_catalogue_have_its_families_and_shares_that_samples_cannot_part_are_equal() -> None:
+    asks = Asks(families={"starts": 50, "fresh": 50}, near={"within": 0.1, "samples": 400})
+    found = side_by_side(["ur5e", "gp7"], asks, workers=1)
+    assert found.records[0]["measures"]["families"] == len(shipped("ur5e").families)
+    assert found.records[1]["sentence"] == shipped("gp7").verdict.sentence
+    shares = [one["measures"]["near"] for one in found.records]
+    assert 0.0 < abs(shares[0] - shares[1]) < 0.02  # of 400 samples
+    assert found.best("near") == (0, 1)
+    assert found.sentence == "2 arms, task pose: no measure tells them apart."
 
 
 def test_slides_keep_their_lengths_out_of_the_key() -> None:

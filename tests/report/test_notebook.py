@@ -58,6 +58,13 @@ def test_a_family_shows_its_conditions_and_tests() -> None:
         assert part in shown
 
 
+def test_a_family_shows_where_joints_stand_in_degrees_and_slides_in_metres() -> None:
+    elbow = next(family for family in shipped("panda").families if family.name.startswith("elbow"))
+    assert "−26.757° or 153.24°" in elbow._repr_html_()
+    slide = next(family for family in shipped("stanford").families if [one.number for one in family.pinned] == [3])
+    assert "<td>0 m</td>" in slide._repr_html_()
+
+
 @pytest.mark.shipped
 def test_conditions_are_typeset_in_a_notebook() -> None:
     found = shipped("puma560")
@@ -65,3 +72,5 @@ def test_conditions_are_typeset_in_a_notebook() -> None:
     shown = conditions._repr_html_()
     assert shown.count("<math>") >= sum(len(family.latex) for family in conditions.families)
     assert conditions.verdict.sentence in html.unescape(shown)
+    for family in conditions.families:  # once, typeset: not in words as well
+        assert shown.count(f"<td>{family.id}</td>") == shown.count(family.id) == 1

@@ -193,7 +193,7 @@ _SEAM = 1e-15  # corners of neighbouring boxes are rounded: boxes are tested thi
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class BallCheck:
     """The verdict of the checker.
 
     Attributes:
@@ -209,7 +209,7 @@ class Check:
     reason: str
 
 
-def check(robot: Robot, certificate: Certificate) -> Check:
+def check(robot: Robot, certificate: Certificate) -> BallCheck:
     """Prove a certificate again.
 
     Args:
@@ -222,21 +222,21 @@ def check(robot: Robot, certificate: Certificate) -> Check:
     if certificate.boxes is None:
         raise OptionError("this certificate holds no boxes", mend="make it with keep_boxes=True")
     if fingerprint(robot) != certificate.model:
-        return Check(False, 0, 0, "the certificate is about another arm")
+        return BallCheck(False, 0, 0, "the certificate is about another arm")
     wrong = _numbers(robot, certificate)
     if wrong is None:
         arm = Arm(robot, certificate.setting.link, certificate.setting.point, certificate.setting.length)
         wrong = _claims(robot, certificate, arm)
     if wrong is not None:
-        return Check(False, 0, 0, wrong)
+        return BallCheck(False, 0, 0, wrong)
     centre, half = certificate.boxes
     free = np.array([_free(arm, certificate, *box) for box in zip(centre, half, strict=True)], dtype=np.bool_)
     doubtful = int((~free).sum())
     if doubtful:
-        return Check(False, int(free.sum()), doubtful, f"{doubtful} boxes could not be proven free again")
+        return BallCheck(False, int(free.sum()), doubtful, f"{doubtful} boxes could not be proven free again")
     if certificate.radius > 0.0 and not _covered(certificate, arm.moving(), centre, half):
-        return Check(False, len(free), 0, "the boxes do not cover the ball")
-    return Check(True, len(free), 0, "every box is free, and the boxes cover the ball")
+        return BallCheck(False, len(free), 0, "the boxes do not cover the ball")
+    return BallCheck(True, len(free), 0, "every box is free, and the boxes cover the ball")
 
 
 def _numbers(robot: Robot, certificate: Certificate) -> str | None:

@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rankdrop.cli.terminal import BAD
+from rankdrop.robot import degrees_text
 from rankdrop.text import (
     MET,
     TESTED,
@@ -87,13 +88,13 @@ def _rows(
     boundless = console.options.update(max_width=_BOUNDLESS)
     if lost and console.width - Measurement.get(console, boundless, roomy).maximum > _LOST_COLUMN:
         yield _family_table(robot, shown, gap=1, lost=True)
-        yield from _footnotes(kept, exact, lost=False)
+        yield from _footnotes(robot, kept, exact, lost=False)
         return
     fitting = [
         table for table in (roomy, tight) if Measurement.get(console, boundless, table).minimum <= console.width
     ]
     yield fitting[0] if fitting else _family_list(robot, shown)
-    yield from _footnotes(kept, exact, lost=lost)
+    yield from _footnotes(robot, kept, exact, lost=lost)
 
 
 def _family_table(robot: Robot, shown: Mapping[int, Family], *, gap: int, lost: bool = False) -> Table:
@@ -140,7 +141,7 @@ def _unbroken(cell: str) -> int:
 
 
 def _footnotes(
-    kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
+    robot: Robot, kept: Mapping[int, tuple[Family, str]], exact: Comparison | None, *, lost: bool
 ) -> Iterator[RenderableType]:
     grid = Table.grid(padding=(0, 1, 0, 0))
     grid.add_column(justify="right", no_wrap=True)
@@ -151,13 +152,9 @@ def _footnotes(
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or at_witness(row):
-            notes.append(("at", _witness(row)))
+            notes.append(("at", f"witness q = {degrees_text(row.witness, robot.units)}"))
         for place, (label, text) in enumerate(notes):
             grid.add_row(str(index) if place == 0 else "", label, text)
     if grid.row_count:
         yield ""
         yield grid
-
-
-def _witness(row: Family) -> str:
-    return f"witness q = ({', '.join(f'{value:.4g}' for value in row.witness)}) [rad, m]".replace("-", "−")

@@ -229,7 +229,7 @@ class _Sight:
 
     def __init__(self, maker: Explainer, family: Family) -> None:
         self.maker = maker
-        self.system = System(family.equations)
+        self.system = family.system
         self.pins: dict[int, tuple[Array, ...]] = {}  # place -> squared distance of each value from each cell's centre
         self.values: dict[int, tuple[float, ...]] = {}
         for one in family.pinned:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,17 @@ from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/side-by-side/1"
 FEWEST, MOST = 2, 10
+_APART = 2.0  # standard errors by which shares of samples have to differ
+_BEST = {
+    "near": "smallest share of the joint space near singularities",
+    "sigma": "largest σ over the region",
+    "reached": "most poses of the region reached",
+    "path_sigma": "largest σ on the paths",
+    "path_distance": "farthest from singularities on the paths",
+    "paths_free": "most paths proven free",
+    "free": "largest share proven free",
+}
+"""What the best arm by a measure has; numbers of families are told and not judged."""
 Report = Callable[[str, int, int], None]
 
 
@@ -64,13 +76,19 @@ class SideBySide:
         return all(one["error"] is None and one.get("verdict", "verified") == "verified" for one in self.records)
 
     def best(self, measure: str) -> tuple[int, ...]:
-        """The arms, from 0, that are best by one measure."""
-        values = [one["measures"].get(measure) for one in self.records]
-        there = [value for value in values if value is not None]
-        if not there:
+        """The arms, from 0, that are best by one measure; shares that sampling cannot tell apart are equally good."""
+        sign = 1.0 if GOALS[measure] == "less" else -1.0
+        values = {i: sign * one["measures"][measure] for i, one in enumerate(self.records)
+                  if one["measures"].get(measure) is not None}  # fmt: skip
+        if not values:
             return ()
-        top = min(there) if GOALS[measure] == "less" else max(there)
-        return tuple(i for i, value in enumerate(values) if value == top)
+        first = min(values, key=values.__getitem__)
+        slack = {i: _APART * hypot(self._error(measure, i), self._error(measure, first)) for i in values}
+        return tuple(i for i, value in values.items() if value - values[first] <= slack[i])
+
+    def _error(self, measure: str, i: int) -> float:
+        """Standard error of a measure that is a share of samples, else 0."""
+        return float(self.records[i]["near"]["any"]["error"]) if measure == "near" else 0.0
 
     @property
     def sentence(self) -> str:
@@ -83,9 +101,9 @@ class SideBySide:
         for name in self.measures:
             best = self.best(name)
             if name != "families" and 0 < len(best) < len(self.names):
-                told.append(f"{name}: {', '.join(self.names[i] for i in best)}")
+                told.append(f"{_BEST[name]}: {', '.join(self.names[i] for i in best)}")
         count = f"{len(self.names)} arms, task {self.task}"
-        return f"{count}; best by {'; '.join(told)}." if told else f"{count}: no measure tells them apart."
+        return f"{count}; {'; '.join(told)}." if told else f"{count}: no measure tells them apart."
 
     def to_dict(self) -> dict[str, Any]:
         """The record of a JSON file: docs/json.md."""
@@ -129,10 +147,17 @@ class SideBySide:
         yield Section("Side by side", f"task {self.task}; {where}; seed {self.seed}", columns=("", *self.names),
                       rows=tuple(rows), texts=(0,), notes=(
                           f"σ has translation divided by {self.length_scale:.4g} m for every arm; ← best",
-                          *(f"{name}: {MEANINGS[name]}" for name in self.measures)))  # fmt: skip
+                          *(f"{name}: {MEANINGS[name]}{self._doubt(name)}" for name in self.measures)))  # fmt: skip
         for name, about, one in zip(self.names, self.about, self.records, strict=True):
             yield self._arm(name, about, one)
         yield Section("", lines=(self.sentence,))
+
+    def _doubt(self, measure: str) -> str:
+        most = max((self._error(measure, i) for i, one in enumerate(self.records)
+                    if one["measures"].get(measure) is not None), default=0.0)  # fmt: skip
+        larger = any(one.get("near", {}).get("any", {}).get("bound") for one in self.records)
+        more = ", and may be larger where joints are coupled" if larger else ""
+        return f", by samples: ± {_APART * 100 * most:.2g} %{more}" if most else ""
 
     def _told(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)

@@ -10,6 +10,7 @@ from rankdrop.designs.families import Effort, families_of
 from rankdrop.designs.measure import FRESH, STARTS, measured
 from rankdrop.errors import RankdropError
 from rankdrop.families.memory import Memory
+from rankdrop.results.known import known_analysis
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.task import Task
 
@@ -40,10 +41,11 @@ def variants(plan: Plan, chunk: int) -> bytes:
 
 
 def arms(plan: Plan, chunk: int) -> bytes:
-    """The record of one arm of a comparison."""
+    """The record of one arm of a comparison; an arm of the catalogue has the families that it has there."""
     entry = plan["arms"][chunk]
-    robot = Drawing(**entry["drawing"]).nominal
-    record = measured(robot, task_of(entry["task"]), plan["asks"], Memory(), limits=plan["limits"], seed=plan["seed"])
+    robot, task = Drawing(**entry["drawing"]).nominal, task_of(entry["task"])
+    known = None if plan["limits"] else known_analysis(robot, task)  # what `analyze` says of it
+    record = measured(robot, task, plan["asks"], Memory(), limits=plan["limits"], seed=plan["seed"], known=known)
     return line_of({"number": chunk, "values": [], **record})
 
 

@@ -36,7 +36,8 @@ _ZERO = 1e-9  # [m]
 
 
 def measured(
-    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, *, limits: bool, seed: int
+    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, *, limits: bool, seed: int,
+    known: Analysis | None = None,
 ) -> Record:
     """Everything that is asked of an arm.
 
@@ -46,6 +47,7 @@ def measured(
         memory: of a similar arm; takes up what is found here.
         limits: inside the joint limits.
         seed: of every random choice.
+        known: its analysis, where there is one: its families are taken, and none are looked for.
 
     Returns:
         Plain data: `measures` (name -> number or None) and for each ask its own entry. An arm that something cannot be
@@ -53,7 +55,7 @@ def measured(
     """
     record: Record = {"measures": {}, "error": None}
     try:
-        found = _families(robot, task, asks, memory, limits, seed, record)
+        found = _families(robot, task, asks, memory, limits, seed, record, known)
         if asks["near"] is not None and found is not None:
             _near(found, asks["near"], limits, seed, record)
         if asks["region"] is not None:
@@ -68,13 +70,14 @@ def measured(
 
 
 def _families(
-    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, limits: bool, seed: int, record: Record
+    robot: Robot, task: Task, asks: Mapping[str, Any], memory: Memory, limits: bool, seed: int, record: Record,
+    known: Analysis | None,
 ) -> Analysis | None:
     asked = asks["families"]
     if asked is None and asks["near"] is None and asks["paths"] is None:
         return None
     starts, fresh = (asked["starts"], asked["fresh"]) if asked is not None else (STARTS, FRESH)
-    found = families_of(robot, task, Effort(starts, fresh, limits, seed), memory)
+    found = families_of(robot, task, Effort(starts, fresh, limits, seed), memory) if known is None else known
     if asked is not None:
         record["verdict"] = found.verdict.word
         record["sentence"] = found.verdict.sentence

@@ -19,13 +19,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop import _core
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED, System
+from rankdrop.family.system import REACHED
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.verdict import one_configuration
-from rankdrop.problem import Problem, whole_turns
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import inverse, nearer
+from rankdrop.solve import CUT
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
@@ -35,7 +36,8 @@ _RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
 _ITERATIONS = 25
 _STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
-_DIFFERENCE = 1e-5  # of the gradients [rad, or length scales]
+_FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
+_RETURNS = 3  # steps straight onto the family at the end
 
 
 class Coupled:
@@ -45,15 +47,13 @@ class Coupled:
         robot = problem.robot
         self.family, self.robot, self.box = family, robot, box
         self.centre = np.clip(centre, box[0], box[1])  # free joints of a q outside the limits go to the limit
-        self.system = System(family.equations)
         # on more equations than are independent Newton stays where no residual gets smaller: these are walked alone too
-        self.ways = [self.system]
+        self.ways = [len(family.equations)]
         if 0 < robot.n - family.dimension < len(family.equations):
-            self.ways.append(System(family.equations[: robot.n - family.dimension]))
+            self.ways.append(robot.n - family.dimension)
         self.moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:
             self.moves[[number - 1 for number in equation.joints]] = True
-        self.columns = np.flatnonzero(self.moves)
         self.scale = problem.scale
         self.target = centre
         self.rng = np.random.default_rng(seed)
@@ -61,13 +61,13 @@ class Coupled:
     def points(self) -> Array:
         """Ends of all starts."""
         starts = self._starts(np.resize(_RADII, STARTS))
-        first = np.concatenate([self._walk(starts.copy(), system) for system in self.ways])
-        solved = np.abs(self.system.values(first)).max(axis=1) <= REACHED
+        first = np.concatenate([self._walk(starts, leading) for leading in self.ways])
+        solved = np.abs(self.family.system.values(first)).max(axis=1) <= REACHED
         distance = np.linalg.norm((first - self.target) / self.scale, axis=1)[solved]
         if not len(distance) or distance.min() == 0:
             return first
         starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
-        return np.concatenate([first, *(self._walk(starts.copy(), system) for system in self.ways)])
+        return np.concatenate([first, *(self._walk(starts, leading) for leading in self.ways)])
 
     def _starts(self, radii: Array) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
@@ -84,63 +84,16 @@ class Coupled:
                 q[:, j] = options[self.rng.integers(len(options), size=len(q))]
         return np.clip(q, self.box[0], self.box[1])
 
-    def _walk(self, q: Array, system: System) -> Array:
-        """Newton steps of all starts until they stand still, then straight onto the family."""
-        active = np.arange(len(q))
-        for _ in range(_ITERATIONS):
-            step = self._step(q[active], system)
-            length = np.linalg.norm(step, axis=1)
-            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-            q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
-            active = active[length > _STILL]
-            if not len(active):
-                break
-        q = self._brought_near(q)
-        for _ in range(3):
-            f, slopes = self.system.linear(q)
-            back = (inverse(slopes * self.scale)[0] @ f[..., None])[..., 0]
-            q = np.clip(q - back * self.scale, self.box[0], self.box[1])
-        return q
-
-    def _brought_near(self, q: Array) -> Array:
-        near = q - whole_turns(self.robot, q - self.target)
-        return np.where((near < self.box[0]) | (near > self.box[1]), q, near)
-
-    def _step(self, q: Array, system: System) -> Array:
-        """(N, n) Newton's step in scaled variables; joints at a limit that would cross it are held."""
-        at = self.columns
-        exact = system.quadratic(q)
-        if exact is None:
-            (f, slopes), hessians = system.linear(q), self._hessians(q, system)
-        else:
-            f, slopes, second = exact
-            hessians = second[:, :, at[:, None], at] * np.outer(self.scale[at], self.scale[at])
-        a = slopes[:, :, at] * self.scale[at]
-        x = ((q - self.target) / self.scale)[:, at]
-        free = np.ones(x.shape, dtype=np.bool_)
-        part = nearer(x, f, a, hessians)
-        bounded = np.isfinite(self.box[:, at]).any()
-        for _ in range(len(at) if bounded else 0):
-            low, high = q[:, at] <= self.box[0, at], q[:, at] >= self.box[1, at]
-            held = free & ((low & (part < 0)) | (high & (part > 0)))
-            if not held.any():
-                break
-            free &= ~held
-            loose = hessians * free[:, None, :, None] * free[:, None, None]
-            part = nearer(x * free, f, a * free[:, None], loose) * free
-        step = np.zeros_like(q)
-        step[:, at] = part
-        return step
-
-    def _hessians(self, q: Array, system: System) -> Array:
-        """(N, e, c, c) second derivatives by the joints that matter, scaled, from differences of gradients."""
-        at = self.columns
-        shifts = np.zeros((2, len(at), 1, len(self.scale)))
-        shifts[0, np.arange(len(at)), 0, at] = _DIFFERENCE * self.scale[at]
-        shifts[1] = -shifts[0]
-        slopes = system.jacobian((q + shifts).reshape(-1, len(self.scale)))[:, :, at] * self.scale[at]
-        slopes = slopes.reshape(2, len(at), len(q), -1, len(at))
-        return np.asarray(np.moveaxis((slopes[0] - slopes[1]) / (2 * _DIFFERENCE), 0, -1))
+    def _walk(self, q: Array, leading: int) -> Array:
+        """Newton steps of all starts on the first equations until they stand still, then straight onto the family."""
+        bounded = bool(np.isfinite(self.box[:, self.moves]).any())
+        settings = _core.FootSettings(
+            leading=leading, iterations=_ITERATIONS, returns=_RETURNS, still=_STILL, longest=_LONGEST, cut=CUT,
+            flattest=_FLATTEST, target=self.target.tolist(), scale=self.scale.tolist(),
+            periodic=self.robot.periodic.astype(int).tolist(), columns=np.flatnonzero(self.moves).tolist(),
+            limits=np.ascontiguousarray(self.box) if bounded else None,
+        )  # fmt: skip
+        return _core.feet(self.family.system.compiled, q, settings, threads=1)
 
 
 def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Array:
@@ -290,7 +243,7 @@ def _record(problem: Problem, family: Family, points: Array, centre: Array, *, e
     nothing = FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
     if not len(points):
         return nothing
-    residual = np.abs(System(family.equations).values(points)).max(axis=1)
+    residual = np.abs(family.system.values(points)).max(axis=1)
     sigma = problem.sigma(points)[:, problem.rank]
     distance = problem.length(points - centre)
     good = (residual <= REACHED) & (sigma <= problem.tolerances.singular)

@@ -29,10 +29,10 @@ from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED, System
+from rankdrop.family.system import REACHED
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import shortest
+from rankdrop.solve import iterate, newton, towards
 from rankdrop.task import Task
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 
@@ -41,6 +41,8 @@ CLOUD = 600
 _SEEDS = 4  # of them, for each configuration
 _ITERATIONS = 10
 _LONGEST = 0.7  # step [rad]
+_STILL = 1e-6  # steps shorter than this change the distance by their square [rad]
+_LANDING = 3  # Newton steps onto the family at the end
 _BATCH = 512  # configurations walked together
 _LOST = 1e-7  # σ at a foot: equations hold there to 1e-9 [1]
 _TIE = 1e-9  # families at the same distance, to rounding [rad]
@@ -289,7 +291,7 @@ class Ruler:
         if not family.named or not family.equations or not there.any():
             return np.zeros(len(points), dtype=np.bool_)
         rows = np.flatnonzero(there)
-        rows = rows[np.abs(System(family.equations).values(points[rows])).max(axis=1) <= REACHED]
+        rows = rows[np.abs(family.system.values(points[rows])).max(axis=1) <= REACHED]
         rows = rows[singular_values(self.robot, points[rows], self.task)[:, self._rank - family.corank] <= _LOST]
         return np.isin(np.arange(len(points)), rows)
 
@@ -332,7 +334,7 @@ class _Walk:
 
     def __init__(self, family: Family, robot: Robot, task: Task, scale: Array, box: Array, seed: int) -> None:
         self.robot, self.scale, self.box = robot, scale, box
-        self.system = System(family.equations)
+        self.system = family.system
         self.task, self.rank = task, generic_rank(robot, task) - family.corank
         moves = np.zeros(robot.n, dtype=np.bool_)
         for equation in family.equations:
@@ -386,27 +388,11 @@ class _Walk:
 
     def _walked(self, q: Array, targets: Array) -> Array:
         """Tangent planes, then straight onto the family."""
-        active = np.arange(len(q))
-        for _ in range(_ITERATIONS):
-            f, a = self.system.linear(q[active])
-            a = a * self.scale
-            away = (targets[active] - q[active]) / self.scale
-            step = away - _shortest(a, f + np.einsum("nec,nc->ne", a, away))
-            length = np.linalg.norm(step, axis=1)
-            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-            q[active] = np.clip(q[active] + step * self.scale, self.box[0], self.box[1])
-            active = active[length > 1e-6]
-            if not len(active):
-                break
-        for _ in range(3):
+
+        def to_tangent_plane(q: Array, active: Index) -> Array:
             f, a = self.system.linear(q)
-            q = np.clip(q - _shortest(a * self.scale, f) * self.scale, self.box[0], self.box[1])
-        return q
+            return towards((targets[active] - q) / self.scale, f, a * self.scale)
 
-
-def _shortest(a: Array, f: Array) -> Array:
-    """(N, n) A⁺f; of a single equation by hand, which is ten times as fast."""
-    if a.shape[1] > 1:
-        return shortest(a, f)
-    size = (a[:, 0] ** 2).sum(axis=1)
-    return np.asarray(a[:, 0] * (f[:, 0] / np.where(size > 1e-28, size, 1.0) * (size > 1e-28))[:, None])
+        near = iterate(to_tangent_plane, q, iterations=_ITERATIONS, longest=_LONGEST, still=_STILL, scale=self.scale,
+                       box=self.box)  # fmt: skip
+        return newton(self.system.residuals, near, scale=self.scale, iterations=_LANDING, step=np.inf, box=self.box)

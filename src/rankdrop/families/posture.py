@@ -9,7 +9,6 @@ import numpy as np
 from rankdrop.families.walk import within_travel
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
-from rankdrop.family.system import System
 from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
@@ -69,7 +68,7 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
         return np.empty((0, robot.n))
     bound = [number - 1 for number in (*family.coupled, *(one.number for one in family.pinned))]
     starts = candidates(robot, task, _CANDIDATES, 0)
-    points, solved = System(family.equations).solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
+    points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
     problem = Problem(robot, task, family.corank)
     points = points[problem.singular(points) & within_travel(problem, family, points)]

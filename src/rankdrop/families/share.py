@@ -24,7 +24,7 @@ from rankdrop.family.record import Family, family_in_units
 from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import shortest
+from rankdrop.solve import iterate, towards
 from rankdrop.task import Task
 from rankdrop.units import in_units, task_in_units
 
@@ -34,6 +34,7 @@ SAMPLES = 10_000
 WIDEST = 1.5
 """Distances from here on say nothing: families are everywhere [rad]."""
 _STEPS = 12  # of the walk to the nearest point: distances of some degrees are right to 1e-4 of themselves after that
+_LONGEST = 0.5  # step [rad]
 _AROUND = 2  # further starts of the walk, within the distance of each configuration
 _Z = 1.959963984540054  # two-sided 95 %
 
@@ -171,8 +172,9 @@ def _near(
 
 def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.random.Generator) -> Mask:
     """(N,) whether a zero of the equations was found so near, pinned joints held."""
-    system = System(family.equations)
+    system = family.system
     moves = np.array([j for j in range(q.shape[1]) if j + 1 in family.coupled])
+    moving = np.isin(np.arange(q.shape[1]), moves)
     found = np.zeros(len(q), dtype=np.bool_)
     may = _may_be_near(system, q, scale, moves, within)
     for attempt in range(1 + _AROUND):
@@ -189,13 +191,11 @@ def _walked(family: Family, q: Array, scale: Array, within: Array, rng: np.rando
         rows, centre, reach, x = rows[some], centre[some], reach[some], x[some]
         if not len(rows):
             continue
-        for _ in range(_STEPS):
+        def step(x: Array, active: NDArray[np.intp], centre: Array = centre) -> Array:
             f, slope = system.linear(x)
-            back = (centre - x)[:, moves] / scale[moves]
-            a = slope[:, :, moves] * scale[moves]
-            step = back - shortest(a, f + np.einsum("bei,bi->be", a, back))
-            length = np.linalg.norm(step, axis=1, keepdims=True)
-            x[:, moves] += step * np.minimum(1.0, 0.5 / np.maximum(length, 1e-300)) * scale[moves]
+            return towards((centre[active] - x) * moving / scale, f, slope * (moving * scale))
+
+        x = iterate(step, x, iterations=_STEPS, longest=_LONGEST, scale=scale)
         x, _ = _onto(system, x, moves)
         there = np.abs(system.values(x)).max(axis=1) <= REACHED
         distance = np.linalg.norm((x - centre) / scale, axis=1)

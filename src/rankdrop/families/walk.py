@@ -54,7 +54,7 @@ def members(
         found = members(there, task_in_metres(task, robot), own, count, seed, tolerances=tolerances)
         return out_of_metres(robot, found)
     problem = Problem(robot, task, family.corank, tolerances)
-    points, solved = System(family.equations).solve(problem.sample(count, seed))
+    points, solved = family.system.solve(problem.sample(count, seed))
     points = wrapped(robot, points[solved])
     return points[problem.singular(points) & within_travel(problem, family, points)]
 
@@ -87,7 +87,7 @@ def general_member(
     tied = sorted(set(moving) & set(bound)) or bound
     held = [number - 1 for number in (one.number for one in family.pinned)]
     along = np.eye(robot.n)[:, sorted({*tied, *held})]
-    points, solved = System(family.equations).solve(starts, along=along)
+    points, solved = family.system.solve(starts, along=along)
     points = wrapped(robot, points[solved])
     points = points[problem.singular(points) & within_travel(problem, family, points)]
     if not len(points):
@@ -182,7 +182,7 @@ class Walk:
         at = one_configuration(self.robot, q)
         scale = self.problem.scale
         if self.family.equations:
-            slopes = System(self.family.equations).jacobian(at[None])[0] * scale
+            slopes = self.family.system.jacobian(at[None])[0] * scale
         else:
             slopes = self.problem.block(at).d.reshape(-1, self.robot.n) * scale
         _, sigma, vt = np.linalg.svd(slopes)
@@ -222,7 +222,7 @@ class Walk:
     def back(self, q: Array) -> Array | None:
         """A point of the family next to q (n,), or None where none was reached."""
         if self.family.equations:
-            system = System(self.family.equations)
+            system = self.family.system
             end, _ = system.solve(q[None], step=0.1)
             good = np.abs(system.values(end)).max() <= REACHED
             good &= bool(self.problem.singular(end)[0])

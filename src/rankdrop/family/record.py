@@ -13,10 +13,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import degrees
 
 import numpy as np
 
 from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.system import System
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
 from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted
@@ -171,6 +174,11 @@ class Family:
         directions.flags.writeable = False
         object.__setattr__(self, "lost_directions", directions)
 
+    @cached_property
+    def system(self) -> System:
+        """The equations, as they are solved: made once."""
+        return System(self.equations)
+
     @property
     def soundness(self) -> Check:
         """Its equations solved from random starts, and the rank there; none were for a `Local` one."""
@@ -197,22 +205,36 @@ class Family:
 
 
 def _section(family: Family) -> Section:
-    rows = [(one.joint, " or ".join(f"{value:.6g}".replace("-", "−") for value in one.values)) for one in family.pinned]
+    slides = _slides(family)
+    rows = [(one.joint, " or ".join(_stands(value, one.number in slides) for value in one.values))
+            for one in family.pinned]  # fmt: skip
     rows += [(f"joint {number}", "any value") for number in family.free]
     rows += [(f"joint {number}", "coupled, see below") for number in family.coupled]
     bound = set(family.coupled)
     told = [f"{one.pretty()} = 0" for one in family.equations if bound & set(one.joints)]
     told += [f"lost: {words}" for words in family.lost_words]
-    at = ", ".join(f"{value:.4g}".replace("-", "−") for value in family.witness)
+    at = ", ".join(f"{value:.6g}" for value in family.witness)
     tested = (
         f"{family.soundness.agree:,} of {family.soundness.tested:,} points solved from its conditions are singular; "
         f"it explains {family.explained.agree:,} of {family.explained.tested:,} fresh singular points"
     )
     return Section(
         f"{family.id} {family.name}", f"corank {family.corank}, dimension {family.dimension}",
-        columns=("joint", "stands at [rad, m]"), rows=tuple(rows), texts=(0, 1),
-        after=(*told, f"witness q = ({at}) [rad, m]"), notes=(tested,),
+        columns=("joint", "stands at"), rows=tuple(rows), texts=(0, 1),
+        after=(*told, f"witness, as functions take it [rad, m]: q = [{at}]"),
+        notes=(tested,) if family.soundness.tested else (),
     )  # fmt: skip
+
+
+def _slides(family: Family) -> set[int]:
+    """Numbers of joints that slide, as far as its conditions show: they stand there as powers, or as q3 in words."""
+    powers = {number for one in family.equations for term in one.terms
+              for number, power in enumerate(term.powers, start=1) if power}  # fmt: skip
+    return powers | {int(found[1]) for words in family.words if (found := re.match(r"q(\d+) = ", words))}
+
+
+def _stands(value: float, slides: bool) -> str:
+    return (f"{value:.6g} m" if slides else f"{degrees(value):.5g}°").replace("-", "−")
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,9 @@ class System:
 
     equations: tuple[Equation, ...]
 
+    def __reduce__(self) -> tuple[type[System], tuple[tuple[Equation, ...]]]:
+        return System, (self.equations,)  # what the core keeps is made anew in another process
+
     @cached_property
     def compiled(self) -> _core.Families:
         """The equations as the core takes them; there is at least one."""
@@ -51,24 +54,9 @@ class System:
         """(N, e) values and (N, e, n) derivatives at once."""
         return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64))
 
-    def quadratic(self, q: Array) -> tuple[Array, Array, Array] | None:
-        """(N, e) values, (N, e, n) first and (N, e, n, n) second derivatives at q (N, n), in one pass.
-
-        f = Σ a cos φ + b sin φ, φ = m·q − shift:  ∇f = Σ (b cos φ − a sin φ) m,  ∇²f = −Σ (a cos φ + b sin φ) m mᵀ.
-        None where a slide enters as a power.
-        """
-        if any(equation.tables[-1].any() for equation in self.equations):
-            return None
-        parts = []
-        for equation in self.equations:
-            m, shift, a, b, _ = equation.tables
-            angle = q @ m.T - shift
-            cos, sin = np.cos(angle), np.sin(angle)
-            wave = cos * a + sin * b
-            squares = (m[:, :, None] * m[:, None, :]).reshape(len(m), -1)
-            parts.append((wave.sum(axis=-1), (cos * b - sin * a) @ m, -(wave @ squares).reshape(*q.shape, q.shape[-1])))
-        f, first, second = zip(*parts, strict=True)
-        return np.stack(f, axis=-1), np.stack(first, axis=-2), np.stack(second, axis=-3)
+    def residuals(self, q: Array) -> tuple[Mask, Array, Array]:
+        """As `linear`, for `solve.newton`: no start is ever done before its steps are."""
+        return np.ones(len(q), dtype=np.bool_), *self.linear(q)
 
     def zero(self, q: Array) -> Mask:
         """(N,) whether every equation is zero at q (N, n), to rounding or to first order.

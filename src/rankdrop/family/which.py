@@ -89,7 +89,7 @@ def families_at(
     for family in families:
         if not family.equations or not 1 <= family.corank <= corank:
             continue
-        length = _way(problem.at(family.corank), _system(family.equations, robot), at)
+        length = _way(problem.at(family.corank), _system_of(family, robot), at)
         if length < inf:
             met.append(Incidence(family, length, source))
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
@@ -108,7 +108,7 @@ def families_near(
     configuration = one_configuration(robot, q)
     at, scale = into_metres(robot, configuration), Problem(in_metres(robot), task_in_metres(task, robot)).scale
     met = [
-        Incidence(family, _first_step(_system(family.equations, robot), at, scale), source)
+        Incidence(family, _first_step(_system_of(family, robot), at, scale), source)
         for family in families
         if family.equations
     ]
@@ -124,6 +124,11 @@ def on_one_of(
     return bool(problem.singular(at[None])[0]) and any(
         _way(problem, _system(equations, robot), at) < inf for equations in families
     )
+
+
+def _system_of(family: Family, robot: Robot) -> System:
+    """The family's own system where lengths are in metres: it is made once."""
+    return _system(family.equations, robot) if metre_exponent(robot) else family.system
 
 
 def _system(equations: Sequence[Equation], robot: Robot) -> System:

@@ -86,7 +86,7 @@ def circuits_at(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPEN
     sets = shared_circuits(columns, tolerance)
     usual = _unit(task_jacobian(robot, structural_sample(robot, task, _SAMPLES), task))
     scene = Scene(robot, configuration[None, :])
-    units = [joint.unit for joint in robot.variables]
+    units = robot.units
     return tuple(
         Circuit(
             numbers=tuple(i + 1 for i in members),

@@ -87,7 +87,7 @@ def _folded(points: Array) -> Array:
 def candidates(robot: Robot, task: Task, count: int, seed: int) -> Array:
     """(count, n) configurations inside the limits at round values: turning joints at multiples of 10° [rad, m]."""
     low, high = sampling_box(robot, task, limits=True)
-    turns = robot.periodic | (np.array([joint.unit for joint in robot.variables]) == "rad")
+    turns = robot.periodic | (np.array(robot.units) == "rad")
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     middle = np.where(turns & (low < 0) & (high > 0), 0.0, middle)
     q = middle + np.random.default_rng(seed).uniform(-1.0, 1.0, (count, robot.n)) * np.minimum(half, np.pi)

@@ -29,6 +29,7 @@ from rankdrop.local.orientation import Displacement, told_by_pose
 from rankdrop.local.place import Place, room
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
+from rankdrop.solve import iterate, shortest
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import counted
 
@@ -115,11 +116,12 @@ def vanishing(each: Array, seed: int) -> tuple[Array, bool]:
     if not each.size or float(np.abs(each).max()) <= FLAT:
         return x, True
     x = np.concatenate([x, _kernel(each)])
-    for _ in range(_NEWTON):
-        slope = 2 * np.einsum("pab,cb->cpa", each, x)
-        value = np.einsum("pab,ca,cb->cp", each, x, x)
-        square = slope @ np.swapaxes(slope, -1, -2) + 1e-14 * np.eye(len(each))
-        x = unit(x - np.einsum("cpa,cp->ca", slope, np.linalg.solve(square, value[..., None])[..., 0]))
+
+    def along_sphere(x: Array, _active: NDArray[np.intp]) -> Array:
+        value, slope = np.einsum("pab,ca,cb->cp", each, x, x), 2 * np.einsum("pab,cb->cpa", each, x)
+        return unit(x - shortest(slope, value)) - x
+
+    x = iterate(along_sphere, x, iterations=_NEWTON)
     left = np.abs(np.einsum("pab,ca,cb->cp", each, x, x)).max(axis=1)
     return x[left <= 1e-10 * max(1.0, float(np.abs(each).max()))], False
 

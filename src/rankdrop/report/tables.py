@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from html import escape
-from math import degrees
-
-import numpy as np
 
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Robot
+from rankdrop.robot import Robot, degrees_text
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
@@ -111,16 +108,7 @@ def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Itera
         css = "bad" if label in (COUPLED, "limits") else "good"
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if at_witness(row):
-        yield f"witness q = {degrees_text(robot, row.witness)}"
-
-
-def degrees_text(robot: Robot, q: Sequence[float]) -> str:
-    """A configuration as people set it: "(0°, −30.5°, 0.1 m)"."""
-    parts = (
-        f"{degrees(value):.4g}°" if joint.unit == "rad" else f"{value:.4g} m"
-        for joint, value in zip(robot.variables, np.array(q) + 0.0, strict=True)
-    )
-    return f"({', '.join(parts)})".replace("-", "−")
+        yield f"witness q = {degrees_text(row.witness, robot.units)}"
 
 
 def _cell(text: str) -> str:

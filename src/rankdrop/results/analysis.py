@@ -309,4 +309,4 @@ def unseen(analysis: Analysis) -> str:
     worst = max(found, key=lambda row: row.unseen.upper)
     share = f"an estimated {100 * worst.unseen.estimate:.2f} %, at most {100 * worst.unseen.upper:.2f} % (95 %)"
     how = f"{worst.unseen.how[0].upper()}{worst.unseen.how[1:]}"
-    return f"Searches that end where none has ended: {share}, worst at corank {worst.corank}. {how}."
+    return f"What sampling may have missed: {share} of its searches, worst at corank {worst.corank}. {how}."

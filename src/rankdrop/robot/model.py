@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -173,14 +174,19 @@ class Robot:
         return len(self.variables)
 
     @property
+    def units(self) -> list[str]:
+        """Of the variables: "rad" or "m"."""
+        return [joint.unit for joint in self.variables]
+
+    @cached_property
     def lower(self) -> Array:
         """(n,) lower limits [rad or m]."""
-        return np.array([joint.lower for joint in self.variables])
+        return _fixed([joint.lower for joint in self.variables])
 
-    @property
+    @cached_property
     def upper(self) -> Array:
         """(n,) upper limits [rad or m]."""
-        return np.array([joint.upper for joint in self.variables])
+        return _fixed([joint.upper for joint in self.variables])
 
     @cached_property
     def periodic(self) -> NDArray[np.bool_]:
@@ -191,13 +197,18 @@ class Robot:
             if joint.mimic is not None:
                 turns = joint.kind is JointKind.REVOLUTE and float(joint.mimic.multiplier).is_integer()
                 whole[index[joint.mimic.leader]] &= turns
-        turning = np.array(whole)
-        turning.flags.writeable = False
-        return turning
+        return _fixed(whole)
 
     def _repr_html_(self) -> str:
         """For notebooks: the joints with their kinds and limits, angles in degrees."""
         return html(_sections(self))
+
+
+def _fixed(values: list[Any]) -> NDArray[Any]:
+    """An array that is made once and never changes."""
+    array = np.array(values)
+    array.flags.writeable = False
+    return array
 
 
 def _sections(robot: Robot) -> tuple[Section, ...]:

@@ -17,7 +17,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
-from math import inf, isfinite, isinf, nan, pi, radians, sqrt
+from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
 from typing import Any
 
 from rankdrop.errors import RobotError
@@ -144,6 +144,22 @@ def _error(what: str, got: Any, measure: str, where: str, rate: bool) -> RobotEr
         got=got,
         allowed="a finite number, or text with + - * / ( ), pi, sqrt()" + (f" and a unit ({units})" if units else ""),
     )
+
+
+def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
+    """A configuration as people set it.
+
+    Args:
+        q: values of the joints [rad, m].
+        units: of the joints: `Joint.unit`.
+
+    Example:
+        >>> degrees_text([0.0, -1.5707963267948966, 0.1], ["rad", "rad", "m"])
+        '(0°, −90°, 0.1 m)'
+    """
+    parts = (f"{degrees(x) + 0.0:.4g}°" if unit == "rad" else f"{x + 0.0:.4g} m"
+             for x, unit in zip(q, units, strict=True))  # fmt: skip
+    return f"({', '.join(parts)})".replace("-", "−")
 
 
 LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"

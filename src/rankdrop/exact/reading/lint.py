@@ -24,7 +24,7 @@ from rankdrop.exact.merge import merge
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
-from rankdrop.family.equation import Equation
+from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
@@ -127,7 +127,6 @@ def _number(value: float, digits: int = 4) -> str:
 STARTS = 60
 """Newton iterations begun for one set; a set where none arrives is taken to have no real point, which is no proof."""
 _STEPS = 40
-_ARRIVED = 1e-13  # of residuals whose largest coefficient is 1
 _ROUND = radians(5.0)  # free angles are multiples of this
 
 
@@ -150,7 +149,8 @@ def real_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Arra
     """
     rng = np.random.default_rng(seed)
     conditions = [Condition(piece.ring, chain.own_polynomial(f)) for f in piece.equations]
-    equations = [condition.equation(chain.own_numbers, chain.n) for condition in conditions]
+    equations = tuple(condition.equation(chain.own_numbers, chain.n) for condition in conditions)
+    system = System(equations)
     moving = sorted({j for condition in conditions for j in condition.joints} - set(piece.pins))
     low, high = sampling_box(chain.own, chain.own_task, limits=False)
     for _ in range(STARTS):
@@ -161,26 +161,13 @@ def real_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Arra
             theta[joint - 1] = RADIANS[value]
         if equations:
             chosen = rng.choice(moving, min(len(equations), len(moving)), replace=False) - 1
-            if not _solve(equations, theta, chosen):
+            ends, arrived = system.solve(theta[None], along=np.eye(chain.n)[:, chosen], iterations=_STEPS, step=1.0)
+            if not arrived[0]:
                 continue
+            theta = ends[0]
             turning = [j - 1 for j in piece.ring.revolute]
             theta[turning] = wrap(theta[turning])
         yield out_of_units(chain.robot, theta)
-
-
-def _solve(equations: list[Equation], theta: Array, chosen: Array) -> bool:
-    """Newton's method in the chosen variables, in place; whether it arrived."""
-    for _ in range(_STEPS):
-        both = [equation.with_gradient(theta) for equation in equations]
-        values = np.array([float(value) for value, _ in both])
-        if np.abs(values).max() <= _ARRIVED:
-            return True
-        slope = np.array([gradient[chosen] for _, gradient in both])
-        step = np.linalg.lstsq(slope, -values, rcond=None)[0]
-        theta[chosen] += step * min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-300))
-        if not np.isfinite(theta).all():
-            return False
-    return False
 
 
 ZERO = 1e-9

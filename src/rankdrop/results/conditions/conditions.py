@@ -130,13 +130,14 @@ class Conditions(ConditionsData):
 
         rows = "".join(
             f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
-            f"<td>{'<br>'.join(map(typeset, family.latex))}</td></tr>"
+            f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
+            f"<td>{'<br>'.join(map(escape, family.lost_words))}</td></tr>"
             for family in self.families
         )
-        head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th></tr>"
+        head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
         table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
-        verdict, *told = self._told()
-        return html([verdict]) + table + html(told)
+        verdict = Section(self.verdict.sentence)
+        return html([verdict]) + table + html([*sections_of(self, families=False), verdict])
 
     def _told(self) -> tuple[Section, ...]:
         """The verdict first and last."""

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
 from rankdrop.results.conditions.data import ConditionsData
+from rankdrop.robot.model import Robot
+from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section
 
 _BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
@@ -134,14 +136,16 @@ def _reason(told: str) -> str:
     return "".join(f". {one[0].upper()}{one[1:]}" for one in sentences) + "."
 
 
-def sections_of(found: ConditionsData, *, width: int | None = None) -> tuple[Section, ...]:
+def sections_of(found: ConditionsData, *, width: int | None = None, families: bool = True) -> tuple[Section, ...]:
     """Derivation step by step where it was asked for, families, assumptions, sets that are not real, checks.
 
     Args:
         found: what was derived.
         width: characters in a line of a formula; None for as many as it has.
+        families: False leaves out the families, of coranks that have any.
     """
-    parts = (_steps, _determinants, _coranks, _assumed, _not_real, _checks, _unfinished)
+    parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _assumed, _not_real, _checks,
+             _unfinished)  # fmt: skip
     sections = (section for part in parts for section in part(found, width))
     return tuple(
         replace(one, lines=tuple(piece for line in one.lines for piece in sentence(line, width))) for one in sections
@@ -176,16 +180,23 @@ def steps_text(found: ConditionsData) -> str:
 
 def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     r = found.generic_rank
-    last = r - found.lowest
-    units = [joint.unit for joint in found.robot.variables]
-    highest = max((family.corank for family in found.families), default=0)
-    for corank in range(1, highest + 1):
+    for corank in range(1, _highest(found) + 1):
         rows = found.of_corank(corank)
-        lines = [line for family in rows for line in _family(family, units, width)]
+        lines = [line for family in rows for line in _family(family, found.robot, width)]
         count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
         if rows and not found.complete:
             count += " so far"
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
+
+
+def _highest(found: ConditionsData) -> int:
+    return max((family.corank for family in found.families), default=0)
+
+
+def _no_coranks(found: ConditionsData, _width: int | None) -> Iterator[Section]:
+    """The coranks above those that have families, and what letters mean."""
+    r = found.generic_rank
+    last, highest = r - found.lowest, _highest(found)
     if highest < last:
         between = "and" if highest + 2 == last else "to"
         name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
@@ -206,7 +217,7 @@ def _none(found: ConditionsData) -> str:
     return "no family" if found.verified else "none derived, and a check says otherwise: see the first line"
 
 
-def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Iterator[str]:
+def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[str]:
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
     yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
@@ -217,9 +228,8 @@ def _family(family: ExactFamily, units: Sequence[str], width: int | None) -> Ite
         told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
         yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        pairs = zip(family.witness, units, strict=True)
-        values = ", ".join(pretty_angle(value) if unit == "rad" else _number(value, 4) for value, unit in pairs)
-        yield from sentence(f"{_INSET}witness: q = ({values}) [rad, m]", width, len("witness: "))
+        at = degrees_text(family.witness, robot.units)
+        yield from sentence(f"{_INSET}witness: q = {at}", width, len("witness: "))
 
 
 def condition_lines(family: ExactFamily) -> list[str]:

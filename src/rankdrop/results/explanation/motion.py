@@ -162,7 +162,7 @@ def _direction(found: ExplanationData, one: Direction) -> str:
 def far_part(found: ExplanationData, full: bool) -> Iterator[Section]:
     """The nearest singularity that was found, the radius that is proven free, and the known families."""
     far, lines, rows = found.far, [], []
-    units = [joint.unit for joint in found.robot.variables]
+    units = found.robot.units
     if far.nearest is not None:
         name = "" if far.nearest_family is None else f" ({far.nearest_family.family.name})"
         limits = "" if far.nearest.within_limits else "; it is outside the joint limits"

@@ -5,8 +5,10 @@
     python -m benchmarks --quick               # small runs: does everything still work?
     python -m benchmarks --out FILE            # instead of benchmarks/results/DATE.md
 
-Each script is run in a process of its own, one after the other, so that a figure is not that of its
-neighbour's caches and the memory told is its own; both sides of a ratio stand in one process.
+What is run goes into the table of the day; what else is there of the same day stays, so that a table can be made in
+parts while a machine is quiet, and each part says how busy it was. Each script is run in a process of its own, one
+after the other, so that a figure is not that of its neighbour's caches and the memory told is its own; both sides of
+a ratio stand in one process.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -41,11 +44,11 @@ proven of paths and regions, whole commands and verbs, and growth."""
 def run(script: str, quick: bool) -> dict[str, Any]:
     """What one script found, or the last line that it said before it failed."""
     command = [sys.executable, str(HERE / f"{script}.py"), "--json", *(["--quick"] if quick else [])]
-    begun = time.perf_counter()
+    begun, load = time.perf_counter(), os.getloadavg()[0]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     seconds = time.perf_counter() - begun
     try:
-        return json.loads(done.stdout[done.stdout.index("{") :]) | {"seconds": seconds}
+        return json.loads(done.stdout[done.stdout.index("{") :]) | {"seconds": seconds, "load": load}
     except ValueError:
         return {"failed": (done.stderr.strip().splitlines() or ["it said nothing"])[-1], "seconds": seconds}
 
@@ -62,7 +65,24 @@ def in_markdown(script: str, found: dict[str, Any]) -> str:
     for name, command in found["missing"].items():
         lines.append(f"\nNot compared with {name}, which is not installed: `{command}`")
     memory = "" if found["megabytes"] is None else f", {found['megabytes']:.0f} MB at most"
-    return "\n".join(lines) + f"\n\n{found['seconds']:.0f} s{memory}.\n"
+    return "\n".join(lines) + f"\n\n{found['seconds']:.0f} s{memory}; load {found['load']:.1f} when it began.\n"
+
+
+def parts_of(page: str) -> dict[str, str]:
+    """The parts of a page by their scripts."""
+    parts = re.split(r"^### ", re.sub(r"^## .*\n\n?", "", page, flags=re.MULTILINE), flags=re.MULTILINE)[1:]
+    return {part.split("\n", 1)[0]: f"### {part.rstrip()}\n" for part in parts}
+
+
+def page_of(date: str, command: str, parts: dict[str, str]) -> str:
+    """The whole page, in the order of the groups."""
+    machine = ", ".join(f"{name} {value}" for name, value in measure.machine().items())
+    lines = [f"# Measured on {date}", "", f"`{command}`; {machine}. Ratios are of one run; benchmarks/README.md says "
+             "what is compared.", ""]  # fmt: skip
+    for group, scripts in GROUPS.items():
+        if there := [parts[script] for script in scripts if script in parts]:
+            lines += [f"## {group}", "", *there]
+    return "\n".join(lines)
 
 
 def main() -> int:
@@ -78,29 +98,25 @@ def main() -> int:
         allowed = f"groups: {', '.join(GROUPS)}; scripts: {', '.join(sorted(known))}"
         parser.error(f"no group and no script {unknown[0]!r}; {allowed}")
     today = datetime.now(UTC).date().isoformat()
-    machine = ", ".join(f"{name} {value}" for name, value in measure.machine().items())
-    page = [f"# Measured on {today}", "", f"`python -m benchmarks{' --quick' if arguments.quick else ''}"
-            f"{'' if len(asked) == len(GROUPS) else ' --only ' + arguments.only}`; {machine}; load when it began "
-            f"{os.getloadavg()[0]:.1f}. Ratios are of one run; benchmarks/README.md says what is compared.",
-            ""]  # fmt: skip
+    out = arguments.out or (None if arguments.quick else HERE / "results" / f"{today}.md")
+    parts = parts_of(out.read_text(encoding="utf-8")) if out is not None and out.exists() else {}
     wrong = 0
     for group, scripts in GROUPS.items():
         chosen = [script for script in scripts if group in asked or script in asked]
-        if chosen:
-            page += [f"## {group}", ""]
         for script in chosen:
             print(f"{group}: {script} …", file=sys.stderr, flush=True)
             found = run(script, arguments.quick)
-            page.append(in_markdown(script, found))
+            parts[script] = in_markdown(script, found)
+            if out is not None:  # after each: what ends early keeps what was measured
+                out.parent.mkdir(parents=True, exist_ok=True)
+                command = f"python -m benchmarks{' --quick' if arguments.quick else ''}"
+                out.write_text(page_of(today, command, parts), encoding="utf-8")
             wrong += "failed" in found or any(row["holds"] is False for row in found["rows"])
             if "failed" in found:
                 print(f"{script}: {found['failed']}", flush=True)
             else:
                 print(f"{found['claim']}\n{measure.table(found['rows'])}\n", flush=True)
-    out = arguments.out or (None if arguments.quick else HERE / "results" / f"{today}.md")
     if out is not None:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.write_text("\n".join(page), encoding="utf-8")
         print(f"written to {out}")
     return 1 if wrong else 0
 

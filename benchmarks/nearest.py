@@ -1,4 +1,4 @@
-"""Nearest singular configuration from Python, one thread: milliseconds per question, multistart included."""
+"""Nearest singular configuration from Python, one thread: processor time per question, multistart included."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ ARMS = ("pa10", "ur5", "puma560", "panda")
 MORE = ("gen3", "canadarm2", "fetch8", "stanford")  # for information
 QUESTIONS = 5 if measure.quick() else 100
 REPEATS = 1 if measure.quick() else 5
-TARGET = 20.0  # ms
+TARGET = 5.0  # ms of processor time
 
 
 def row(name: str, *, claimed: bool) -> measure.Row:
     robot = open_robot(name)
     q = np.random.default_rng(1).uniform(-np.pi, np.pi, (QUESTIONS, robot.n))
-    times = [measure.best_of(REPEATS, lambda one=one: nearest_singularity(robot, one)) * 1e3 for one in q]
+    times = [measure.least_cpu(REPEATS, lambda one=one: nearest_singularity(robot, one)) * 1e3 for one in q]
     return {
         "question": f"nearest of {name}",
         "median ms": float(np.median(times)),
@@ -35,7 +35,7 @@ def families(name: str) -> measure.Row:
     rows = [family for family in found.families if family.corank == 1]
     q = np.random.default_rng(1).uniform(-np.pi, np.pi, (min(QUESTIONS, 20), robot.n))
     times = [
-        measure.best_of(REPEATS, lambda one=one: family_distances(rows, robot, one, found.task)) * 1e3 for one in q
+        measure.least_cpu(REPEATS, lambda one=one: family_distances(rows, robot, one, found.task)) * 1e3 for one in q
     ]
     return {
         "question": f"all {len(rows)} families of {name}",
@@ -48,7 +48,7 @@ def families(name: str) -> measure.Row:
 def main() -> None:
     rows = [row(name, claimed=True) for name in ARMS] + [row(name, claimed=False) for name in MORE]
     rows += [families(name) for name in ("pa10", "canadarm2")]
-    claim = f"nearest singularity with multistart, one thread: under {TARGET:g} ms at the median"
+    claim = f"nearest singularity with multistart, one thread: under {TARGET:g} ms of processor time at the median"
     measure.report(claim, rows, ratio="median ms", target=TARGET, at_most=True)
 
 

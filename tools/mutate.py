@@ -4,13 +4,14 @@
     .venv/bin/python tools/mutate.py src/core/readable.cpp --tests tests/local/test_readable_planted.py --most 20
 
 With several files, or whole folders, the tests of each line are those that reach it, as coverage.py recorded (`pip
-install pytest-cov`), the ones that reach least first; a line that none reaches is told:
+install pytest-cov`), the ones that reach least first; what they do not see is tried with ten times as many, and a line
+that none reaches is told:
 
     COVERAGE_FILE=build/reached .venv/bin/pytest --cov=rankdrop --cov-context=test --cov-report= tests/exact
     .venv/bin/python tools/mutate.py src/rankdrop/exact --reached build/reached --most 5
 
 Changes of Python are made in its syntax tree: comparisons, arithmetic, and/or, not, numbers, True and False,
-conditions. Changes of C++ are the same signs in its text; the core is built anew for each, in build/mutate. Both work
+conditions. Changes of C++ are the same signs in its text; the core is built anew for each. Both work
 on a copy of the package: the sources stay as they are. A change that no test sees is printed with its line: a test is
 missing, or the change makes no difference. docs/tried.md has what was found.
 """
@@ -19,9 +20,11 @@ from __future__ import annotations
 
 import argparse
 import ast
+import compileall
 import copy
 import json
 import os
+import py_compile
 import random
 import re
 import shutil
@@ -120,8 +123,7 @@ def of_cpp(text: str) -> list[Mutant]:
 class Reached:
     """Which tests reach a line: what `pytest --cov-context=test` recorded."""
 
-    def __init__(self, file: Path, most: int) -> None:
-        self.most = most
+    def __init__(self, file: Path) -> None:
         with sqlite3.connect(file) as data:
             names = dict(data.execute("select id, context from context"))
             asked = "select file.path, context_id, numbits from line_bits join file on file.id = file_id"
@@ -141,7 +143,7 @@ class Reached:
         found = [test for test, lines in there.items() if line in lines]
         if "" in found:
             found = list(there)
-        return sorted((test for test in found if test), key=lambda test: (self.size[test], test))[: self.most]
+        return sorted((test for test in found if test), key=lambda test: (self.size[test], test))
 
 
 class Copy:
@@ -153,10 +155,13 @@ class Copy:
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         for part in ("CMakeLists.txt", "pyproject.toml", "README.md"):
             shutil.copy(ROOT / part, folder / part)
+        # by their text: a mutant may be as long as what it replaces, and written in the same second
+        checked = py_compile.PycInvalidationMode.CHECKED_HASH
+        compileall.compile_dir(folder / "src", quiet=2, invalidation_mode=checked)
 
     def build(self) -> bool:
         """Build the core of the copy; False where it does not compile."""
-        place = ROOT / "build" / "mutate"
+        place = self.folder / "build"
         asked = [sys.executable, "-m", "nanobind", "--cmake_dir"]
         nanobind = subprocess.run(asked, text=True, capture_output=True, check=True)
         told = ["cmake", "-S", self.folder, "-B", place, "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}",
@@ -198,13 +203,11 @@ class Copy:
         return "survived" if done.returncode == 0 else "killed"
 
 
-def mutants(files: list[Path], most: int, seed: int) -> Iterator[tuple[Path, int, Mutant]]:
-    """So many mutants of each file, by line, and how many there are in all of its places."""
-    for file in files:
-        text = file.read_text(encoding="utf-8")
-        every = of_python(text) if file.suffix == ".py" else of_cpp(text)
-        for mutant in sorted(random.Random(seed).sample(every, min(most, len(every))), key=lambda one: one.line):
-            yield file, len(every), mutant
+def mutants(file: Path, most: int, seed: int) -> tuple[int, list[Mutant]]:
+    """How many mutants there are in all places of a file, and so many of them, by line."""
+    text = file.read_text(encoding="utf-8")
+    every = of_python(text) if file.suffix == ".py" else of_cpp(text)
+    return len(every), sorted(random.Random(seed).sample(every, min(most, len(every))), key=lambda one: one.line)
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -214,31 +217,35 @@ def main(argv: list[str] | None = None) -> int:
     asked = parser.add_mutually_exclusive_group(required=True)
     asked.add_argument("--tests", nargs="+", default=[], help="files of tests that are to see it")
     asked.add_argument("--reached", type=Path, help="what pytest --cov-context=test recorded")
-    parser.add_argument("--nearest", type=int, default=12, help="with --reached: tests of each line, at most")
+    parser.add_argument("--nearest", type=int, default=8, help="with --reached: tests of each line, at first")
     parser.add_argument("--most", type=int, default=50, help="mutants tried of each file, drawn at random")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--seconds", type=float, default=120.0, help="after which a test run has not ended")
     given = parser.parse_args(argv)
-    reached = Reached(given.reached, given.nearest) if given.reached else None
+    reached = Reached(given.reached) if given.reached else None
     files = [one.resolve() for file in given.files for one in (sorted(file.rglob("*.py")) if file.is_dir() else [file])]
-    counts: dict[Path, dict[str, int]] = {}
     with tempfile.TemporaryDirectory() as folder:
         copied = Copy(Path(folder) / "copy")
         first = files[0].read_text(encoding="utf-8")
         if given.tests and copied.seen(files[0], first, given.tests, 10 * given.seconds) != "survived":
             print("the tests fail as it is", file=sys.stderr)
             return 1
-        for file, places, mutant in mutants(files, given.most, given.seed):
-            tests = reached.tests(file, mutant.line) if reached else given.tests
-            ended = copied.seen(file, mutant.text, tests, given.seconds) if tests else "not reached"
-            counted = counts.setdefault(file, {"of": places} | dict.fromkeys(ENDS, 0))
-            counted[ended] += 1
-            if ended in ("survived", "not reached"):
-                print(f"{file.relative_to(ROOT)}:{mutant.line}: {ended}: {mutant.what}", flush=True)
-    for file, counted in counts.items():
-        judged = counted["killed"] + counted["survived"] + counted["not reached"]
-        score = round(counted["killed"] / max(1, judged), 3)
-        print(json.dumps({"file": str(file.relative_to(ROOT)), **counted, "score": score}))
+        for file in files:
+            every, drawn = mutants(file, given.most, given.seed)
+            counted = {"of": every} | dict.fromkeys(ENDS, 0)
+            for mutant in drawn:
+                tests = reached.tests(file, mutant.line) if reached else given.tests
+                cut = given.nearest if reached else len(tests)
+                ended = "survived" if tests else "not reached"
+                for some in (tests[:cut], tests[cut : 11 * cut]):
+                    if some and ended == "survived":
+                        ended = copied.seen(file, mutant.text, some, given.seconds)
+                counted[ended] += 1
+                if ended in ("survived", "not reached"):
+                    print(f"{file.relative_to(ROOT)}:{mutant.line}: {ended}: {mutant.what}", flush=True)
+            judged = counted["killed"] + counted["survived"] + counted["not reached"]
+            score = round(counted["killed"] / max(1, judged), 3)
+            print(json.dumps({"file": str(file.relative_to(ROOT)), **counted, "score": score}), flush=True)
     return 0
 
 

@@ -180,10 +180,11 @@ def write(app: Sphinx) -> None:
     kinds: dict[tuple[str, ...], list[CatalogEntry]] = defaultdict(list)
     for entry in entries:
         kinds[tuple(family.name for family in found[entry.name].families)].append(entry)
-    alike = {
-        entry.name: [one for one in kinds[tuple(family.name for family in found[entry.name].families)]
-                     if one is not entry] for entry in entries
-    }  # fmt: skip
+    alike = {}
+    for entry in entries:
+        same = kinds[tuple(family.name for family in found[entry.name].families)]
+        others = (one for one in same if one is not entry)
+        alike[entry.name] = sorted(others, key=lambda one: one.maker != entry.maker)  # those of the maker first
     reports = wanted(entries)
     pages = {"index.md": index(entries, found, alike)}
     for entry in entries:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop._handles import handles_of
 from rankdrop.local.block import (
     Block,
     block,
@@ -47,6 +48,18 @@ def wrap(angle: Array) -> Array:
 def wrapped(robot: Robot, q: Array) -> Array:
     """(..., n) the same configurations, turning joints in (−π, π]."""
     return np.asarray(np.where(robot.periodic, wrap(q), q))
+
+
+def into_limits(robot: Robot, q: Array) -> Array:
+    """(..., n) the same configurations, turning joints by as few whole turns as bring them between their limits.
+
+    Those that no turn brings there stay, as do slides.
+    """
+    short = np.ceil(np.maximum(robot.lower - _EDGE - q, 0.0) / (2 * np.pi))
+    long = np.ceil(np.maximum(q - robot.upper - _EDGE, 0.0) / (2 * np.pi))
+    turned = q + 2 * np.pi * (short - long)
+    there = robot.periodic & (turned >= robot.lower - _EDGE) & (turned <= robot.upper + _EDGE)
+    return np.asarray(np.where(there, turned, q))
 
 
 def whole_turns(robot: Robot, way: Array) -> Array:
@@ -116,6 +129,14 @@ class Problem:
     @cached_property
     def idle(self) -> Mask:
         """(n,) joints on which the singular values do not depend at all: the first and the last one for a pose, say."""
+        known = handles_of(self.robot).idle
+        key = (self.task.frame, self.task.rows, self.task.scale(self.robot), self.limits)
+        if key not in known:
+            known[key] = self._found_idle()
+            known[key].flags.writeable = False
+        return known[key]
+
+    def _found_idle(self) -> Mask:
         rng = np.random.default_rng(0)
         q = np.repeat(self.random(16, rng)[None], self.n + 1, axis=0)  # (n + 1, 16, n), the last one unchanged
         j = np.arange(self.n)

@@ -70,6 +70,9 @@ SMOOTH = 5e-7
 At a double zero |f| ≤ 1e-15 leaves gradients of 1e-7."""
 CONDITION_FAILS = 1e-6
 """|f| above this, largest coefficient 1: a condition does not hold at a configuration at which others do [1]."""
+REAL_ROOT = 1e-9
+"""A root of a polynomial in one tangent whose imaginary part is below this is real [1]: a double root that rounding
+parts is found from one that it does not, at other values of the other joints."""
 ROUNDED_LENGTHS = 1e-12
 """Share of the terms' sizes below which a polynomial in the lengths of an arm is zero: lengths have as many digits."""
 

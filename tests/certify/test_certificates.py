@@ -214,6 +214,7 @@ MALFORMED = {
     "an axis that is no unit vector": put("arm", "joints", 0, "screw", value=[0.0, 0.0, 0.0, 0.0, 0.0, 2.0]),
     "a turning joint with a pitch": put("arm", "joints", 0, "screw", value=[0.0, 0.0, 0.1, 0.0, 0.0, 1.0]),
     "a variable that is not there": put("arm", "joints", 0, "variable", value=9),
+    "a turning joint with hardly a pitch": put("arm", "joints", 0, "screw", value=[0.0, 0.0, 1.5e-9, 0.0, 0.0, 1.0]),
     "a radius in words": put("claim", "radius", value="0.3"),
     "a radius that is true": put("claim", "radius", value=True),
     "no radius": lambda record: record["claim"].pop("radius"),
@@ -232,6 +233,11 @@ MALFORMED = {
 def test_malformed_certificates_are_refused(records, what):
     with pytest.raises(ResultFileError, match="malformed"):
         judged(records, "ball", MALFORMED[what])
+
+
+def test_a_singular_configuration_is_claimed_within_a_radian(records):
+    with pytest.raises(ResultFileError, match=r"malformed.*radius"):
+        judged(records, "existence", put("claim", "radius", value=1.5))
 
 
 @pytest.mark.parametrize("content", [b"", b"[]", b"{", b"\xff\xfe", b'{"schema": "rankdrop/path/1"}', b"[" * 100_000])
@@ -270,6 +276,26 @@ def test_a_covering_that_lost_boxes_does_not_hold(records, tmp_path):
     found = verify(write_certificate(record, tmp_path / "c.json"), enclosures=20_000)
     assert not found.holds
     assert "could not be proven free" in found.reason
+
+
+def test_a_covering_of_a_higher_corank_holds_for_that_corank_alone(tmp_path):
+    """A planar arm has no configuration of corank 2: none of its boxes is left."""
+    robot = open_robot("planar3r")
+    found = cover(robot, width=0.8, corank=2, out=tmp_path / "two.cover", explain=False)
+    assert found.covering.tree.leaves == 0
+    record = covering_certificate(robot, found.covering.plan, found.sha256, "two.cover", resolve_task(None, robot))
+    Draft202012Validator(load_schema("certificate")).validate(record)
+    told = verify(write_certificate(record, tmp_path / "c.json"), robot)
+    assert told.holds
+    assert "a rank below 2 is in one of the 0 boxes" in told.claim
+    for corank, rank, words in ((1, 2, "almost everywhere"), (1, 3, "another arm or task"), (3, 2, "at most 3"),
+                                (2, 3, "at most 3")):  # fmt: skip
+        other = copy.deepcopy(record)
+        other["claim"]["corank"], other["rank"] = corank, rank
+        assert words in verify(write_certificate(sealed(other), tmp_path / "c.json"), robot).reason
+    ball = ball_certificate(robot, Q["planar3r"])  # of a ball no corank is told: the rank is the one almost everywhere
+    ball["rank"], ball["claim"]["corank"] = 2, 2
+    assert "almost everywhere" in verify(write_certificate(sealed(ball), tmp_path / "b.json"), robot).reason
 
 
 def test_a_sample_of_a_covering_is_no_proof(records):

@@ -140,7 +140,8 @@ def test_boxes_that_are_no_numbers_are_refused(puma, certificate, bad):
     centre, half = (part.copy() for part in certificate.boxes)
     half[0, 1] = bad
     assert not check(puma, replace(certificate, boxes=(centre, half))).holds
-    assert not check(puma, replace(certificate, boxes=(centre, -certificate.boxes[1]))).holds
+    verdict = check(puma, replace(certificate, boxes=(centre, -certificate.boxes[1])))
+    assert (verdict.holds, verdict.reason) == (False, "a box has a negative width")
     assert not check(puma, replace(certificate, boxes=(centre[:, :5], half[:, :5]))).holds
     assert not check(puma, replace(certificate, q=np.full(6, bad))).holds
 

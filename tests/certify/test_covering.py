@@ -34,8 +34,8 @@ def robot_of(name: str) -> Robot:
 
 
 @cache
-def covered(name: str) -> Covering:
-    return covering(robot_of(name), WIDTH)
+def covered(name: str, corank: int = 1) -> Covering:
+    return covering(robot_of(name), WIDTH if corank == 1 else WIDTH / 2, corank=corank)
 
 
 def hashed(found: Covering) -> str:
@@ -81,6 +81,25 @@ def test_members_of_families_on_the_borders_of_boxes_lie_in_boxes(name):
         free = [j - 1 for j in family.free]
         for made in (q, borders(covered(name), q, free, rng), borders(covered(name), q, free[::2], rng)):
             assert covered(name).holds(made).all(), family.id
+
+
+@pytest.mark.parametrize(("name", "corank"), [("ur5", 2), ("puma560", 2), ("anthropomorphic", 3)])
+def test_configurations_of_a_higher_corank_lie_in_fewer_boxes(name, corank):
+    """Drawn exactly, members of the families known, and those moved onto the borders of boxes."""
+    robot, found, rng = robot_of(name), covered(name, corank), np.random.default_rng(12)
+    task = resolve_task(None, robot)
+    assert found.complete
+    assert found.plan.method == "enclosures"
+    q = search(robot, corank, starts=200, method="reciprocal", seed=4).q
+    assert found.holds(q).all()
+    families = [one for one in known_analysis(robot, task).families if one.corank >= corank]
+    assert families
+    for family in families:
+        made = members(robot, task, family, 60)
+        for some in (made, borders(found, made, [j - 1 for j in family.free], rng)):
+            assert found.holds(some).all(), family.id
+    assert found.free_share > 0.97
+    assert found.tree.proven_leaves == 0
 
 
 def test_members_pushed_to_corners_lie_in_boxes():
@@ -201,6 +220,8 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
 def test_a_journal_of_another_covering_is_refused(tmp_path):
     journal = tmp_path / "x.journal"
     covering(open_robot("planar3r"), 0.1, journal=journal)
+    with pytest.raises(ResultFileError, match="another covering"):
+        covering(open_robot("planar3r"), 0.1, corank=2, journal=journal)
     for arm, width in (("planar3r", 0.2), ("almarkhi4", 0.5)):
         with pytest.raises(ResultFileError, match="another covering"):
             covering(open_robot(arm), width, journal=journal)
@@ -251,7 +272,15 @@ def test_limits_narrow_what_is_covered():
     q = q.q[np.asarray(q.outcome) == 0]
     assert len(q) > 500
     assert found.holds(q).all()
-    assert found.holds(np.full((1, 6), 3.0)).all()  # outside the limits nothing is known
+    free = np.random.default_rng(2).uniform(found.plan.lower, found.plan.upper, (2000, 4))
+    free = np.pad(free, ((0, 0), (1, 1)))
+    free = free[~found.holds(free)]
+    assert len(free) > 500
+    for joint in range(1, 5):  # outside the limits, be it of one joint, nothing is known
+        outside = free.copy()
+        outside[:, joint] = joints[joint].upper + 0.1
+        assert found.holds(outside).all()
+    assert found.holds(np.full((1, 6), 3.0)).all()
 
 
 def test_a_closer_look_frees_leaves_and_never_those_that_hold_a_singularity():
@@ -260,7 +289,7 @@ def test_a_closer_look_frees_leaves_and_never_those_that_hold_a_singularity():
         robot = robot_of(name)
         found = covering(robot, width)
         for cells, proven in found.tree.parts():
-            told = looked_into(robot, resolve_task(None, robot), found, cells)
+            told, *_ = looked_into(robot, resolve_task(None, robot), found, cells)
             assert (told[proven] == 1).all()
             freed += int((told == 0).sum())
             q = np.zeros((len(cells), robot.n))
@@ -284,6 +313,9 @@ def test_what_cannot_be_covered_is_refused():
     ):  # fmt: skip
         with pytest.raises(OptionError, match=match):
             covering(robot, width)
+    for corank in (0, 7, True, 1.5):
+        with pytest.raises(OptionError, match="no such corank"):
+            covering(open_robot("ur5"), 0.5, corank=corank)
 
 
 def _unlimited(robot: Robot) -> Robot:

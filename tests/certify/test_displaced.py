@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -125,6 +126,22 @@ def planar(count):
     home = np.eye(4)
     home[0, 3] = float(count)
     return Robot("row", tuple(joints), home, task="planar")
+
+
+def test_where_nothing_slides_the_polygon_of_the_points_is_all_there_is():
+    """D_i by hand, seen from a point of the last link: how far turning joints stand from zero plays no part."""
+    robot = open_robot("ur5")
+    task = resolve_task("position", robot)
+    (setting,) = settings_for(robot, task)
+    points, tip = points_of(robot), robot.home[:3, 3]
+    corners = [tip, *points[::-1]]
+    reach = np.cumsum([np.linalg.norm(b - a) for a, b in pairwise(corners)])[::-1]
+    times = np.arange(5, -1, -1)  # joints between each and the last link, its own side included
+    moment = NEAR.angle * (reach + (times + 1) * NEAR.length) + NEAR.length
+    expected = (times * moment + NEAR.length) / setting.length
+    for far in (None, np.zeros(6), np.full(6, 2.0)):
+        bound = displaced_columns(robot, setting, NEAR, task.rows, far)
+        np.testing.assert_allclose(bound, expected, rtol=1e-9)
 
 
 def test_the_bound_is_reached_by_links_that_twist():

@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
 from rankdrop.compare.covered import FOUND, PROVEN, Explainer, grouped
+from rankdrop.families.searching import refine
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.open import open_robot
@@ -67,7 +68,7 @@ def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
 
 def test_explained_means_that_a_point_of_the_family_is_near() -> None:
     found = cover(UR5, width=0.4, explain=False).covering
-    scale = joint_scale(UR5, TASK)
+    scale, rng = joint_scale(UR5, TASK), np.random.default_rng(3)
     for family in known_analysis(UR5, TASK).families:
         if family.corank > 1 and not family.coupled:
             continue
@@ -77,6 +78,13 @@ def test_explained_means_that_a_point_of_the_family_is_near() -> None:
             q = np.zeros((len(by), 6))
             q[:, 1:5] = found.boxes(cells[::7])[0]
             near = q[by == 0]
+            if family.corank > 1:  # walks with all of its conditions at once end far away: by descents from all around
+                starts = near[:100, None] + rng.uniform(-1, 1, (len(near[:100]), 60, 6)) * explainer.radius
+                ends = refine(UR5, starts.reshape(-1, 6), family.corank)
+                gap = ((ends.q.reshape(starts.shape) - near[:100, None] + np.pi) % (2 * np.pi) - np.pi)[..., 1:5]
+                far = np.where(ends.outcome.reshape(starts.shape[:2]) == 0, np.linalg.norm(gap, axis=2), np.inf)
+                assert (far.min(axis=1) <= 1.1 * explainer.radius).mean() > 0.9
+                continue
             # distance from the family by walking, independent of the change of sign
             from rankdrop.families.measured import distances
 
@@ -100,6 +108,24 @@ def test_an_arm_that_is_not_shipped_is_analysed(tmp_path: Path) -> None:
     longer = replace(arm, joints=tuple(replace(j, screw=j.screw * [1.25, 1.25, 1.25, 1, 1, 1]) for j in arm.joints))
     found = cover(longer, width=0.2)
     assert (found.account.source, found.holds) == ("made here", True)
+
+
+def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -> None:
+    file = tmp_path / "two.json"
+    code, text, _ = run("ur5", "--width", 0.4, "--corank", 2, "--json", file)
+    assert code == 0
+    assert text.count("a configuration of corank 2 or more is explained") == 2
+    record = json.loads(file.read_text())
+    Draft202012Validator(load_schema("cover")).validate(record)
+    assert record["settings"]["corank"] == 2
+    assert {one["id"][:2] for one in record["explained"]["families"]} == {"k2", "k3"}
+    without("k2.f1", "k2.f4", "k3.f1").save(tmp_path / "part.json")
+    code, text, _ = run("ur5", "--width", 0.8, "--corank", 2, "--analysis", tmp_path / "part.json")
+    assert code == 3
+    assert "singular, found" in text
+    code, text, _ = run("planar3r", "--corank", 2)
+    assert code == 0
+    assert text.strip().startswith("There is no configuration of corank 2 or more: all of the joint space is proven")
 
 
 def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
@@ -130,7 +156,7 @@ def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (("ur5", "--corank", 2), "only corank 1 is covered"),
+        (("ur5", "--corank", 7), "no such corank"),
         (("ur5", "--width", "0.001"), "no such width"),
         (("ur5", "--width", "wide"), "--width"),
         (("fetch8",), "too many joints"),

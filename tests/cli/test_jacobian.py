@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 from rankdrop.cli import exits
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.exact.writing.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
@@ -55,7 +56,7 @@ def test_the_closed_inverse_is_the_inverse(name: str, at: int | None) -> None:
     closed = np.array([[x.at(theta, found.letters) for x in row] for row in found.closed.entries])
     np.testing.assert_allclose(closed, found.numbers.inverse, atol=1e-9 * np.abs(closed).max())
     names = {f"q{j}": value for j, value in enumerate(Q, 1)} | {"sin": np.sin, "cos": np.cos} | dict(found.letters)
-    code = [[eval(x.expression(shifts=found.shifts), {}, names) for x in row] for row in found.closed.entries]
+    code = [[eval(x.code(Python(shifts=found.shifts)), {}, names) for x in row] for row in found.closed.entries]
     np.testing.assert_allclose(code, closed, atol=1e-12 * np.abs(closed).max())
 
 

@@ -6,8 +6,10 @@ The verdict is coloured, degrees are suspected before the verdict.
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from rankdrop.local.second_order import proof_of
@@ -93,6 +95,31 @@ def test_no_sentence_is_longer_on_any_of_six_arms(arm: str, run: Any) -> None:
     for line in lines:
         out = run(*line, width=2000).out
         assert out
+        assert too_long(out) == [], line
+        assert [text for text in out.splitlines() if JARGON.search(text)] == [], line
+
+
+@pytest.mark.slow
+def test_no_sentence_about_motion_or_proofs_is_longer(
+    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    start, end = np.radians([0, -60, 60, -40, 50, 0]), np.radians([40, -100, -20, 10, -30, 60])
+    rows = [start + share * (end - start) for share in np.linspace(0.0, 1.0, 20)]
+    Path("path.csv").write_text("\n".join(",".join(f"{x:.6f}" for x in row) for row in rows), encoding="utf-8")
+    for line in (
+        ("path", "ur5e", "path.csv"),
+        ("path", "ur5e", "path.csv", "--remedies"),
+        ("nearest", "planar3r", "--q", "0.3,1.2,0.4", "--certificate", "ball.json"),
+        ("verify", "ball.json"),
+        ("aspects", "ur5e", "--poses", "2"),
+        ("through", "planar2r", "--q", "0,0", "--along", "-1,0"),
+        ("tolerant", "planar3r", "--starts", "30"),
+        ("cover", "planar3r", "--width", "0.4"),
+        ("compare", "planar2r", "planar3r", "--task", "planar-position", "--starts", "50", "--workers", "1"),
+    ):
+        out = run(*line, width=2000).out
+        assert out, line
         assert too_long(out) == [], line
         assert [text for text in out.splitlines() if JARGON.search(text)] == [], line
 

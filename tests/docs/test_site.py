@@ -147,6 +147,9 @@ def test_the_atlas_has_a_page_for_every_arm_and_finds_them(site: Path, pages: di
     for name in robot_names():
         assert f"{name}.html" in pages[site / "atlas" / "index.html"].links
     assert index.count("<tr data-words=") == len(robot_names())
+    row = next(part for part in index.split("<tr ") if '<td><a href="ur10e.html">ur10e</a>' in part)
+    for part in ("Universal Robots", "elbow: axes 2, 3, 4 coplanar", "5 of corank 2", "alike: ", 'href="ur10.html"'):
+        assert part in row
     ur10e = (site / "atlas" / "ur10e.html").read_text(encoding="utf-8")
     assert "<title>Singularities of the Universal Robots UR10e" in ur10e
     assert "ur10e" in (site / "searchindex.js").read_text(encoding="utf-8")
@@ -164,7 +167,9 @@ def test_every_command_has_a_page_with_its_help(site: Path) -> None:
 @pytest.mark.browser
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
 @pytest.mark.parametrize(
-    "name", ["index", "start", "choose", "commands/analyze", "mathematics/escape", "mathematics/distance", "api/local"]
+    "name",
+    ["index", "start", "choose", "commands/analyze", "mathematics/escape", "mathematics/distance", "api/local",
+     "atlas/index", "atlas/ur10e"],
 )
 def test_pages_fit_a_phone_and_show_no_error(name: str, site: Path, tmp_path: Path) -> None:
     """The page, in a frame as wide as a phone (no window is so narrow), tells its own width once it is laid out."""

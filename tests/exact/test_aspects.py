@@ -11,7 +11,7 @@ from rankdrop.errors import ConfigurationError, OptionError, TaskError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.aspects import between, configuration_flags, signs_of, zeros_between
 from rankdrop.exact.decoupling import decouple
-from rankdrop.exact.signs import real_points
+from rankdrop.exact.signs import zeros_of
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
@@ -70,7 +70,7 @@ def test_a_configuration_on_a_family_has_flag_zero(name):
     chain = exact_chain(open_robot(name))
     signs = signs_of(chain)
     for k, factor in enumerate(signs.factors):
-        points = real_points(chain, factor.atoms, 3)
+        points = zeros_of(chain, factor.atoms, 3)
         assert len(points) == 3
         for q in points:
             assert configuration_flags(chain, q, signs=signs).flags[k].sign == 0
@@ -79,7 +79,7 @@ def test_a_configuration_on_a_family_has_flag_zero(name):
 def test_real_points_are_singular_and_of_the_atom():
     chain = exact_chain(open_robot("xarm6"))
     for part in signs_of(chain, names=False).factors:
-        points = real_points(chain, part.atoms, 6)
+        points = zeros_of(chain, part.atoms, 6)
         assert len(points)
         sigma = np.linalg.svd(task_jacobian(chain.robot, points, chain.task), compute_uv=False)
         assert sigma[:, -1].max() < 1e-9

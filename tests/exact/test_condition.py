@@ -10,6 +10,7 @@ import pytest
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.writing.condition import Condition
+from rankdrop.exact.writing.notation import Python
 from rankdrop.robot.open import open_robot
 
 LETTERS = {"a": 0.635, "d": 6.85}
@@ -46,7 +47,7 @@ def test_numeric_lengths_are_whole_numbers_or_six_digits():
     ring = Ring([1])
     f = ring.to_half(12345678901 * ring.c[1] + 7654321098).f
     assert Condition(ring, f).text() == "c1 + 0.62 = 0"
-    assert "7654321098" in Condition(ring, f).expression()
+    assert "7654321098" in Condition(ring, f).code(Python())
 
 
 @pytest.fixture(scope="module")
@@ -102,8 +103,8 @@ def assert_same_zeros(condition, shifts=(0.1, 0.0, 0.3, -0.7, 1.1, 0, 0, 0, 0, 2
     f = condition.polynomial
     terms = [([int(e) for e in powers], float(value.p) / float(value.q)) for powers, value in f.terms()]
     equation = condition.equation(LETTERS, 10, shifts)
-    text = condition.expression(letters=LETTERS, shifts=shifts)
-    named = condition.expression(shifts=shifts)
+    text = condition.code(Python(LETTERS, shifts))
+    named = condition.code(Python(shifts=shifts))
     scope = {"sin": math.sin, "cos": math.cos, "pi": math.pi}
     for _ in range(8):
         q = rng.uniform(-3, 3, 10)
@@ -129,7 +130,7 @@ def test_expression_and_equation_have_the_zeros_of_the_polynomial(robot):
         equation = condition.equation(chain.numbers, chain.n, chain.shifts)
         scope = {"sin": np.sin, "cos": np.cos, "pi": np.pi}
         q = np.random.default_rng(1).uniform(-3, 3, (20, chain.n))
-        text = condition.expression(letters=chain.numbers, shifts=chain.shifts)
+        text = condition.code(Python(chain.numbers, chain.shifts))
         values = eval(text, scope | {f"q{j + 1}": q[:, j] for j in range(chain.n)})
         ratio = equation(q) / values
         assert ratio == pytest.approx(np.full(20, ratio[0]), rel=1e-9)

@@ -13,6 +13,7 @@ import pytest
 from rankdrop.exact.algebra.work import Work
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.determinants import Minor, determinants_of
+from rankdrop.exact.writing.notation import Python
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
 from rankdrop.results.conditions.text import steps_text
@@ -29,7 +30,7 @@ def texts(name: str, task: str | None = None) -> list[str]:
 
 def values(one: Minor, chain, q) -> np.ndarray:
     """What the code that is written gives."""
-    text = one.value.expression(shifts=chain.shifts)
+    text = one.value.code(Python(shifts=chain.shifts))
     joints = {f"q{j}": q[:, j - 1] for j in range(1, chain.n + 1)}
     return eval(text, {"sin": np.sin, "cos": np.cos, **chain.numbers, **joints}) + np.zeros(len(q))
 

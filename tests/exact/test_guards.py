@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -16,9 +18,9 @@ from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
+from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.verbs import analyze as analyze_module
 from rankdrop.verbs.analyze import join
 from rankdrop.verbs.conditions import _cloud, conditions
 
@@ -84,8 +86,11 @@ def test_ranks_that_differ_are_a_disagreement(monkeypatch: pytest.MonkeyPatch, c
     robot = open_robot("scara")
     task = resolve_task(None, robot)
     numeric = families(search(robot, 1, starts=100))
-    monkeypatch.setattr(analyze_module, "conditions", lambda *args, **options: replace(conditions(*args, **options),
-                                                                                    **change))  # fmt: skip
+
+    def changed(*args: Any, **options: Any) -> Conditions:
+        return replace(conditions(*args, **options), **change)
+
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
     _, found = join(robot, task, 4, [numeric])
     assert found is not None
     assert found.status == DIFFERS

@@ -13,7 +13,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime, Work
 from rankdrop.exact.algebra.zeroset import independent
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.exact.reading.lint import lint, real_points, words
+from rankdrop.exact.reading.lint import lint, round_points, words
 from rankdrop.exact.tree import rank_tree
 from rankdrop.local.block import generic_rank
 
@@ -149,7 +149,7 @@ def test_what_is_derived_is_exact_by_its_own_words():
 def test_real_points_lie_on_their_set_and_have_round_free_angles():
     chain, pieces = singular("puma560")
     for piece in pieces:
-        found = [point for point, _ in zip(real_points(piece, chain), range(5), strict=False)]
+        found = [point for point, _ in zip(round_points(piece, chain), range(5), strict=False)]
         assert len(found) == 5
         for theta in found:
             sigma = np.linalg.svd(jacobian(chain.robot, theta - chain.shifts), compute_uv=False)

@@ -13,6 +13,7 @@ from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
 from rankdrop.exact.writing.condition import AnglePin, Condition
+from rankdrop.exact.writing.notation import Python
 
 LETTERS = {"a2": 0.4, "a3": -0.3, "c": 1.7}
 
@@ -96,7 +97,7 @@ def test_what_is_printed_is_read_back(ring):
             {tuple(rng.randint(0, 1) for _ in ring.names): rng.randint(-5, 5) or 2 for _ in range(5)}
         )
         condition = Condition(ring, f)
-        wanted = parse_condition(condition.expression(), ring).atoms
+        wanted = parse_condition(condition.code(Python()), ring).atoms
         assert {atom.key for atom in wanted} == {atom.key for atom in parse_condition(condition.text(), ring).atoms}
         kept = [factor for factor, _ in f.factor()[1] if factor.degrees()[: ring.moving] != (0,) * ring.moving]
         assert {ring.atom(factor).key for factor in kept if not ring.is_unit(factor)} >= {
@@ -104,7 +105,7 @@ def test_what_is_printed_is_read_back(ring):
         }
         assert wanted
     for values in [("0", "pi"), ("pi/2", "-pi/2"), ("-pi/2",), ("pi",), ("0", "pi/2"), SIMPLE]:
-        for text in (AnglePin(4, values).text(), AnglePin(4, values).expression()):
+        for text in (AnglePin(4, values).text(), AnglePin(4, values).code(Python())):
             assert {atom.value for atom in parse_condition(text, ring).atoms} == set(values)
 
 

@@ -10,6 +10,7 @@ import pytest
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.writing.condition import RADIANS, AnglePin
+from rankdrop.exact.writing.notation import C, Python
 
 SUBSETS = [values for size in range(1, 5) for values in itertools.combinations(SIMPLE, size)]
 
@@ -20,7 +21,7 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
     shifts = [0.0, shift, 0.0]
     pin = AnglePin(2, values)
     equation = pin.equation({}, 3, shifts)
-    text = pin.expression(shifts=shifts)
+    text = pin.code(Python(shifts=shifts))
     theta = np.concatenate([[RADIANS[value] for value in SIMPLE], np.linspace(-3, 3, 40)])
     q = np.zeros((len(theta), 3))
     q[:, 1] = theta - shift
@@ -29,7 +30,7 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
     expected = np.array([value in values for value in SIMPLE] + [False] * 40)
     assert ((np.abs(one) < 1e-9) == expected).all()
     assert ((np.abs(two) < 1e-9) == expected).all()
-    assert not pin.c_code(shifts=shifts).count("pi")
+    assert not pin.code(C(shifts=shifts)).count("pi")
 
 
 @pytest.mark.parametrize(
@@ -43,7 +44,7 @@ def test_expression_and_equation_vanish_exactly_there(values, shift):
 )
 def test_pins_read_as_in_tables(values, text, latex, expression):
     pin = AnglePin(4, values)
-    assert (pin.text(), pin.latex(), pin.expression()) == (text, latex, expression)
+    assert (pin.text(), pin.latex(), pin.code(Python())) == (text, latex, expression)
 
 
 def test_other_angles_are_refused():

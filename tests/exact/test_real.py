@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from math import prod
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from rankdrop.exact.tree import Drop
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.tolerances import REAL_STARTS
 from rankdrop.verbs.conditions import conditions
 
 
@@ -122,6 +124,17 @@ def test_points_of_a_lower_rank_than_claimed_are_none_of_a_set(chain: Chain) -> 
     points, smooth, _ = real_points(chain, ZeroSet(chain.ring, {3: "0", 4: "0", 5: "0"}), 4, np.random.default_rng(1))
     assert smooth
     assert len(points) > 50
+
+
+def test_a_set_that_one_start_in_ten_reaches_is_found_whatever_the_seed(chain: Chain) -> None:
+    """θ5 = 0 among nine sheets θ4 = const that are regular: `REAL_STARTS` are enough (16 miss it with a seventh of the
+    seeds)."""
+    t = chain.ring.t
+    f = t[5] * prod(t[4] - k for k in (0, 1, -1, 2, -2, 3, -3, 5, -5))
+    sheets = ZeroSet(chain.ring, {}, rest=(f,), equations=(f,))
+    reached = [len(real_points(chain, sheets, 5, np.random.default_rng(seed))[0]) for seed in range(40)]
+    assert 0.05 < np.mean(reached) / REAL_STARTS < 0.15
+    assert min(reached) > 0
 
 
 def test_gradients_at_a_double_zero_are_rounding_and_small_ones_are_not() -> None:

@@ -157,6 +157,10 @@ def test_disagreement_is_said(rng: np.random.Generator) -> None:
     assert not verdict(without).agree
     assert "nearer than every named family" in verdict(without).words
     assert verdict(without).family is None
+    assert "not asked" not in verdict(without).words
+    unnamed = replace(records[0], family=replace(records[0].family, named=False), distance=inf)
+    assert "(a family without conditions was not asked)" in verdict((*without, unnamed)).words
+    assert "(2 families have no conditions and were not asked)" in verdict((*without, unnamed, unnamed)).words
     missed = verdict(records, distance=0.5)
     assert (missed.agree, missed.family) == (False, records[0].family)
     assert missed.gap == pytest.approx(0.2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, pi
+from math import atan2, pi, radians
 
 import numpy as np
 import pytest
@@ -203,6 +203,17 @@ def test_a_broken_coefficient_is_unsound(name, rng):
             assert len(strangers) == verdict.tested - verdict.agree
             broken += 1
     assert broken
+
+
+def test_a_witness_stays_where_the_limits_are():
+    """The second joint of a planar arm turns from 190° to 400° only: straight is 360° there, not 0."""
+    robot = open_robot("planar3r")
+    turned = replace(robot.joints[1], lower=radians(190.0), upper=radians(400.0))
+    within = replace(robot, joints=(robot.joints[0], turned, robot.joints[2]))
+    (family,) = table(within, 1, limits=True).families
+    assert family.witness[1] == pytest.approx(2 * pi)
+    (anywhere,) = table(robot, 1).families
+    assert abs(anywhere.witness[1]) <= pi
 
 
 def test_a_row_without_solutions_is_not_sound(rng):

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from math import pi
 
 import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
+from rankdrop.families import signature
 from rankdrop.families.linear import Linear, boxes, canonical, grow, vanishing_on
+from rankdrop.families.residual import minors
 from rankdrop.families.signature import candidates, independent
-from rankdrop.problem import wrap
+from rankdrop.kinematics import task_jacobian
+from rankdrop.problem import Problem, wrap
 from rankdrop.robot.open import open_robot
+from rankdrop.task import resolve_task
 
 
 def linear(*covectors, robot="pa10") -> Linear:
@@ -123,3 +128,49 @@ def test_values_far_apart_stay_two(rng):
     q = np.zeros((20, 7))
     q[:, 1] = np.where(np.arange(20) % 2, -2.2, 3.0)
     assert sorted(conditions.combinations(q, np.ones(20), 1e-6)) == [(-2.2,), (3.0,)]
+
+
+def test_minors_are_of_the_values_that_are_pinned(rng):
+    """det J of PUMA is a product of shoulder, elbow and wrist; with θ3 and θ5 pinned, of the shoulder alone."""
+    robot = open_robot("puma560")
+    problem = Problem(robot, resolve_task(None, robot))
+    pinned = linear((0, 0, 1, 0, 0, 0), (0, 0, 0, 0, 1, 0), robot="puma560")
+    found = minors(problem, pinned, (0.7, 0.9), (1,), 2, rng)
+    assert len(found) == 1
+    q = rng.uniform(-pi, pi, (8, 6))
+    q[:, 2], q[:, 4] = 0.7, 0.9
+    at = np.linspace(-pi, pi, 2001)
+    line = np.repeat(q[:1], len(at), axis=0)
+    line[:, 1] = at
+    determinant = np.linalg.det(task_jacobian(robot, line, problem.task))
+    value = found[0](line)
+    scale = (determinant @ value) / (value @ value)
+    np.testing.assert_allclose(scale * value, determinant, atol=1e-12 * np.abs(determinant).max() + 1e-14)
+    assert minors(problem, pinned, (0.0, 0.0), (1,), 2, rng) == []  # the wrist is straight: nothing is left to vanish
+
+
+def test_relations_of_many_points_take_as_much_memory_as_those_of_some(rng):
+    """Ten coupled joints have 2,430 candidates: 6,000 points at once would be 117 MB for a table of numbers alone."""
+    normals = rng.normal(size=(6_000, 10))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals[::2] = np.array([1, 1, *(0,) * 8]) / np.sqrt(2)  # half of them have a relation: θ1 + θ2
+    conormal = normals[:, :, None] * normals[:, None, :]
+    tracemalloc.start()
+    try:
+        told = signature._relations(conormal, tuple(range(10)), 10)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 60e6
+    assert told[0] == ((1, 1, *(0,) * 8),)
+    assert told[1] == ()
+
+
+def test_an_arm_of_thirty_joints_is_taken_apart():
+    """Its D has 25 rows, more than the core takes apart: singular values and spaces are as of fewer."""
+    d = np.random.default_rng(0).normal(size=(3, 25, 30))
+    s, v = signature._right(d)
+    np.testing.assert_allclose(np.linalg.norm(d @ v[..., :25], axis=1), s, atol=1e-12)
+    np.testing.assert_allclose(d @ v[..., 25:], 0, atol=1e-12)
+    narrow, bases = signature._right(d[:, :5])
+    np.testing.assert_allclose(np.linalg.norm(d[:, :5] @ bases[..., :5], axis=1), narrow, atol=1e-12)

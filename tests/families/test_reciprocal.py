@@ -15,6 +15,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import EXACT
 from rankdrop.families.searching import refine, search
 from rankdrop.family.which import families_at
+from rankdrop.local.block import generic_rank
 from rankdrop.results.codec import json_text
 from rankdrop.results.findings import find_to_dict
 from rankdrop.results.known import shipped
@@ -62,7 +63,7 @@ def test_shoulder_elbow_and_wrist_are_among_them(name):
 def test_every_stratum_has_families_of_its_own():
     # at two joints a random wrench goes past the wrist centre, so that axes 4 and 6 align; nothing else comes of it
     robot = open_robot("puma560")
-    found = search(robot, 1, starts=600, method="reciprocal", seed=1)
+    found = search(robot, 1, starts=1500, method="reciprocal", seed=1)
     task = resolve_task(None, robot)
     families = [one for one in shipped("puma560").families if one.corank == 1]
     names = np.array(found.strata)[found.stratum]
@@ -82,7 +83,7 @@ def test_higher_coranks_are_drawn_too(name, corank):
     found = search(robot, corank, starts=300, method="reciprocal", seed=2)
     assert len(found.q) == 300
     assert found.rank == 6 - corank
-    assert all("together" in one or "alone" in one for one in found.strata)
+    assert not any("wrenches" in one for one in found.strata)
     task = resolve_task(None, robot)
     for q in found.q[:60]:
         full = reference_jacobian(robot, q) / np.array([task.scale(robot)] * 3 + [1.0] * 3)[:, None]
@@ -154,27 +155,48 @@ def test_the_record_satisfies_its_schema_and_tells_the_strata():
     assert all(one["residual"] <= EXACT for one in record["strata"])
 
 
-@pytest.mark.parametrize(("name", "corank", "task", "words"), [
-    ("ur5", 1, "0,1,5", "some rows"), ("scara", 1, "pose", "wherever it stands"),
-    ("fetch", 1, "vx,vy", "some rows"),
+@pytest.mark.parametrize(("name", "task"), [
+    ("scara", "pose"), ("xarm5", None), ("open_manipulator", None), ("fetch", "vx,vy"), ("ur5", "position"),
+    ("puma560", "orientation"),
 ])  # fmt: skip
-def test_what_cannot_be_drawn_is_refused_with_what_to_use(name, corank, task, words):
-    task = "planar" if task == "0,1,5" else task
-    with pytest.raises(OptionError, match=words) as error:
-        search(open_robot(name), corank, task=task, method="reciprocal")
-    assert "lm" in str(error.value)
+def test_any_task_is_drawn_of(name, task):
+    """Arms that never fill their task, tasks of some rows, whole blocks: by Newton's method at least."""
+    robot = open_robot(name)
+    found = search(robot, 1, starts=60, method="reciprocal", task=task)
+    assert len(found.q) == 60
+    assert (found.sigma[:, found.rank] <= EXACT * found.sigma[:, 0]).all()
+    assert found.rank == generic_rank(robot, resolve_task(task, robot)) - 1
 
 
-def test_mimics_and_screws_are_refused():
+def test_mimics_and_screws_are_drawn_of_too():
     from reference import region
 
     coupled = region.coupled(np.random.default_rng(6), "r r r1:0.3 r r r r")
-    with pytest.raises(OptionError, match="follows another"):
-        search(coupled, 1, method="reciprocal")
-    with pytest.raises(OptionError, match="screws"):
-        search(arms.random_chain(np.random.default_rng(5), "rhrrrr"), 1, method="reciprocal")
+    for robot in (coupled, arms.random_chain(np.random.default_rng(5), "rhrrrr")):
+        found = search(robot, 1, starts=60, method="reciprocal")
+        assert len(found.q) == 60
+        assert not any("wrenches" in one for one in found.strata)
+        sigma = np.linalg.svd(reference_jacobian(robot, found.q[0]) / np.array(
+            [resolve_task(None, robot).scale(robot)] * 3 + [1.0] * 3)[:, None], compute_uv=False)  # fmt: skip
+        assert sigma[found.rank] <= 10 * EXACT * sigma[0]
+
+
+def test_what_is_no_search_is_refused():
     with pytest.raises(OptionError, match="nothing is iterated"):
         search(open_robot("ur5"), 1, method="reciprocal", iterations=5)
+
+
+def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
+    """Two families of the Cobotta pin joints 2 to 5 all at once: random starts of these four hardly ever lead there."""
+    robot = open_robot("cobotta")
+    found = search(robot, 2, starts=600, method="reciprocal", seed=1)
+    families = [one for one in shipped("cobotta").families if one.id in ("k2.f1", "k2.f2")]
+    names = np.array(found.strata)[found.stratum]
+    task = resolve_task(None, robot)
+    on = [families_at(families, robot, q, task, DEFAULT) for q in found.q]
+    from_a_pin = ["joint" in name and " at " in name for name in names]
+    assert {one.family.id for here, pin in zip(on, from_a_pin, strict=True) if pin for one in here} == {
+        "k2.f1", "k2.f2"}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])

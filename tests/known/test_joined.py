@@ -60,7 +60,7 @@ def meddle(monkeypatch: pytest.MonkeyPatch) -> Any:
             derived = conditions(*arguments, **options)
             return replace(derived, families=tuple(change(derived.families)))
 
-        monkeypatch.setattr(analyze_module, "conditions", changed)
+        monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", changed)
 
     return with_change
 
@@ -162,7 +162,7 @@ def test_ctrl_c_in_the_derivation_leaves_it_out_and_keeps_the_rest(monkeypatch: 
     def interrupting(*arguments: Any, **options: Any) -> Conditions:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(analyze_module, "conditions", interrupting)
+    monkeypatch.setattr(sys.modules["rankdrop.verbs.conditions"], "conditions", interrupting)
     found = analyze(open_robot("scara"), starts=100)
     assert (found.complete, len(found.families)) == (True, 1)
     assert found.exact is not None

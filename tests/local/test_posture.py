@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from rankdrop.families.posture import posed
+import rankdrop
+from rankdrop.families import posture
+from rankdrop.families.posture import _turned, posed
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.posture import fault, spine, start_posture
 from rankdrop.results.known import shipped
@@ -65,3 +69,20 @@ def test_a_posed_family_tells_what_is_lost_where_it_stands() -> None:
     lost = lost_directions(found.robot, np.array(family.witness), found.task, 1)
     assert abs(float((lost @ family.lost_directions.T).item())) == pytest.approx(1.0)
     assert not np.allclose(family.lost_directions, found.families[0].lost_directions)
+
+
+def test_the_first_joint_counts_twice_in_how_far_an_arm_is_turned() -> None:
+    robot = open_robot("planar3r")
+    first, second, none = _turned(robot, np.array([[np.pi / 2, 0.0, 0.0], [0.0, -np.pi / 2, 0.0], [0.0, 0.0, 0.0]]))
+    assert (first, second, none) == (pytest.approx(1.0), pytest.approx(0.5), 0.0)
+
+
+def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The tip of a 2R arm stands still along x where both joints' columns have no x: σ₁ itself is zero there."""
+    found = rankdrop.analyze(open_robot("planar2r"), task="vx", starts=200)
+    family = found.families[0]
+    assert found.generic_rank == family.corank == 1
+    monkeypatch.setattr(posture, "_WORTH", -10.0)  # wherever it goes
+    after = posed(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
+    assert after.witness != (9.0, 9.0)
+    assert singular_values(found.robot, after.witness, found.task)[0] <= 1e-9

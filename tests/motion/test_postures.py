@@ -182,7 +182,7 @@ def test_the_record_is_valid_and_the_same_again() -> None:
         assert records[0] == records[1]
         record = json.loads(records[0])
         check.validate(record)
-        for entry in record:
+        for entry in set(record) - {"units"}:  # which files of 0.2.0 do not have
             assert not check.is_valid({key: value for key, value in record.items() if key != entry}), entry
 
 

@@ -112,12 +112,11 @@ def test_a_line_is_tried_by_the_tests_that_reach_it(tmp_path: Path) -> None:
         data.executemany("insert into line_bits values (1, ?, ?)", [(0, b"\x02"), (1, b"\xf0\x01"), (2, b"\x00\x01")])
     data.close()
     file = mutate.ROOT / "src" / "rankdrop" / "version.py"
-    reached = mutate.Reached(recorded, 2)
+    reached = mutate.Reached(recorded)
     assert reached.tests(file, 8) == ["a.py::narrow", "a.py::wide"]
     assert reached.tests(file, 4) == ["a.py::wide"]
     assert reached.tests(file, 1) == ["a.py::narrow", "a.py::wide"]
     assert reached.tests(file, 3) == []
-    assert mutate.Reached(recorded, 1).tests(file, 8) == ["a.py::narrow"]
 
 
 def test_memory_that_grows_is_not_flat() -> None:

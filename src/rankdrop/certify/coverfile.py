@@ -41,7 +41,7 @@ class Plan:
     Attributes:
         robot, fingerprint: the arm's name and numbers.
         task, rows: name and rows of the task.
-        rank: the rank whose loss is looked for: the generic one.
+        rank: the generic one.
         method: "split determinant" or "enclosures".
         width: of leaves, as asked for [rad; slides divided by the length scale].
         limits: whether the ranges are the joint limits.
@@ -52,6 +52,7 @@ class Plan:
         top: level of the boxes that are made one by one.
         further: halvings by which leaves that are not proven are looked into.
         version: of rankdrop.
+        corank: leaves hold every configuration of this corank or more.
     """
 
     robot: str
@@ -70,15 +71,25 @@ class Plan:
     top: int
     further: int
     version: str
+    corank: int = 1
+
+    @property
+    def kept(self) -> int:
+        """The rank whose loss is looked for: a box that has it everywhere is free."""
+        return self.rank - self.corank + 1
 
     @property
     def shape(self) -> Shape:
         """How boxes are halved."""
         return Shape(self.depth, self.top)
 
+    def entries(self) -> dict[str, Any]:
+        """As written; corank 1 is left out: files older than this number keep their hash."""
+        return {key: value for key, value in asdict(self).items() if (key, value) != ("corank", 1)}
+
     def line(self) -> bytes:
         """As JSON of one line, the same for the same plan; the arm's name, which decides nothing, is left out."""
-        record = {key: value for key, value in asdict(self).items() if key != "robot"}
+        record = {key: value for key, value in self.entries().items() if key != "robot"}
         return json.dumps(record, sort_keys=True, separators=(",", ":")).encode()
 
 
@@ -95,7 +106,7 @@ def write_covering(path: Path, plan: Plan, tree: BitTree, tested: int, freed: in
     """
     payload = tree.payload()
     found = digest(plan, payload)
-    record = {"plan": asdict(plan), "sha256": found, "tested": tested, "freed": freed, "bytes": len(payload),
+    record = {"plan": plan.entries(), "sha256": found, "tested": tested, "freed": freed, "bytes": len(payload),
               "leaves": tree.leaves, "proven": tree.proven_leaves}  # fmt: skip
     line = json.dumps(record, sort_keys=True).encode()
     try:
@@ -143,6 +154,8 @@ def _check_shape(plan: Plan) -> None:
     depth = plan.depth
     if not isinstance(depth, tuple) or not 1 <= len(depth) <= _MOST_VARIABLES:
         raise ValueError(f"depth has one to {_MOST_VARIABLES} entries")
+    if type(plan.corank) is not int or type(plan.rank) is not int or not 1 <= plan.corank <= plan.rank:
+        raise ValueError("corank is from 1 to the rank")
     if not all(type(x) is int and 0 <= x <= _DEEPEST for x in (*depth, plan.top)) or plan.top >= plan.shape.levels:
         raise ValueError(f"halvings are 0 … {_DEEPEST}, and top is above the leaves")
 

@@ -7,7 +7,8 @@ What is left, down to leaves of a given width, holds every singular configuratio
   centre c and half-widths h is free where |f(c)| > Σ |∂_j f(c)| h_j + ½ Σ |f_jk| h_j h_k + rounding, or where the
   Bernstein coefficients of f in the tangents of half angles have one sign. A leaf is proven to hold a singularity where
   f has two signs at its corners, beyond rounding.
-- enclosures: any other arm, by the bound of certified balls (`rankdrop.certify.setting`).
+- enclosures: any other arm, by the bound of certified balls (`rankdrop.certify.setting`). So are coranks K above 1 of
+  every arm: a box is free where K − 1 less than the generic rank is proven to be kept in all of it.
 
 Variables that move no column against another are free: a box is a cylinder over them.
 """
@@ -25,7 +26,7 @@ from numpy.typing import NDArray
 from rankdrop import _core
 from rankdrop.certify.bittree import BitTree, Masks, Shape, counts, joined
 from rankdrop.certify.coverfile import Journal, Plan
-from rankdrop.certify.enclosed import BudgetSpent, closer, enclosed_trees, viewed
+from rankdrop.certify.enclosed import BudgetSpent, Looked, Near, closer, enclosed_trees, viewed
 from rankdrop.certify.setting import Setting
 from rankdrop.certify.split import split_of
 from rankdrop.errors import OptionError
@@ -134,6 +135,7 @@ def covering(
     width: float = 0.05,
     task: str | Task | None = None,
     *,
+    corank: int = 1,
     limits: bool = False,
     budget: int = BUDGET,
     further: int = FURTHER,
@@ -141,12 +143,13 @@ def covering(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> Covering:
-    """Boxes no wider than `width` that hold every configuration where the rank is below the generic one.
+    """Boxes no wider than `width` that hold every configuration of a corank or more.
 
     Args:
         robot: the arm.
         width: of a leaf, at most [rad; slides divided by the length scale].
         task: as everywhere.
+        corank: by how much the rank falls below the generic one, at least.
         limits: within the joint limits only; else turning joints go all the way round. Slides need limits.
         budget: enclosures, at most; arms of six turning joints need none.
         further: halvings by which leaves not proven are looked into (six turning joints).
@@ -155,10 +158,10 @@ def covering(
         progress: progress(done, total) parts.
 
     Raises:
-        OptionError: a width or a budget outside what is allowed, a slide without limits, an arm or task that cannot be
-            certified, more than five variables that matter, or a journal of another covering.
+        OptionError: a width, a corank or a budget outside what is allowed, a slide without limits, an arm or task that
+            cannot be certified, more than five variables that matter, or a journal of another covering.
     """
-    plan = plan_of(robot, width, task, limits=limits, further=further)
+    plan = plan_of(robot, width, task, corank=corank, limits=limits, further=further)
     if plan.method == SPLIT:
         return _by_split(robot, plan, journal, threads, progress)
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 1:
@@ -167,7 +170,8 @@ def covering(
 
 
 def plan_of(
-    robot: Robot, width: float, task: str | Task | None = None, *, limits: bool = False, further: int = FURTHER
+    robot: Robot, width: float, task: str | Task | None = None, *, corank: int = 1, limits: bool = False,
+    further: int = FURTHER,
 ) -> Plan:
     """What is to be covered, and how: all that decides the covering.
 
@@ -178,7 +182,10 @@ def plan_of(
     if not NARROWEST <= width <= WIDEST:
         raise OptionError("no such width of boxes", where="width", got=width, allowed=f"{NARROWEST:.4f} … π [rad]")
     setting = viewed(robot, resolved)
-    split = _splits(robot, resolved, setting)
+    if isinstance(corank, bool) or not isinstance(corank, int | np.integer) or not 1 <= corank <= setting.rank:
+        raise OptionError("there is no such corank for this arm and task", where="corank", got=corank,
+                          allowed=f"1 … {setting.rank}")  # fmt: skip
+    split = corank == 1 and _splits(robot, resolved, setting)
     numbers = tuple(int(j) + 1 for j in np.flatnonzero(setting.matters))
     if not numbers:
         raise OptionError("no joint decides whether this arm is singular: there is nothing to cover", got=robot.name)
@@ -198,7 +205,7 @@ def plan_of(
         robot=robot.name, fingerprint=fingerprint(robot), task=resolved.name, rows=resolved.rows,
         rank=generic_rank(robot, resolved), method=SPLIT if split else ENCLOSURES, width=float(width), limits=limits,
         variables=numbers, lower=lower, upper=upper, turns=turns, depth=depth, top=top,
-        further=further if split else 0, version=VERSION,
+        further=further if split else 0, version=VERSION, corank=int(corank),
     )  # fmt: skip
 
 
@@ -242,22 +249,28 @@ def tables_of(robot: Robot, plan: Plan) -> _core.Split:
 
 
 def looked_into(
-    robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, threads: int = 0
-) -> NDArray[np.int8]:
+    robot: Robot, task: Task, found: Covering, cells: NDArray[np.int32], *, near: Near | None = None, threads: int = 0
+) -> Looked:
     """Leaves (M, d) looked at more closely: free after all (0), proven to hold a singularity (1), or neither (2).
+
+    By enclosures, and with `near`, also: all that is left of it is near families (3); and the number of one of them.
 
     Args:
         robot, task: what the covering is about.
         found: it.
         cells: leaves of it.
+        near: which family is near parts of leaves.
         threads: 0 for all cores.
     """
+    nothing = np.full(len(cells), -1, dtype=np.int64)
     if not len(cells):
-        return np.zeros(0, dtype=np.int8)
+        return np.zeros(0, dtype=np.int8), nothing
     if found.plan.method == SPLIT:
         leaves, parts = np.ascontiguousarray(cells), int(np.clip(_PARTS // len(cells), 64, 4096))
-        return _core.judge_leaves(tables_of(robot, found.plan), leaves, _CLOSER, parts=parts, threads=threads)
-    return closer(robot, task, viewed(robot, task), found.plan, cells, threads)
+        return _core.judge_leaves(
+            tables_of(robot, found.plan), leaves, _CLOSER, parts=parts, threads=threads
+        ), nothing  # fmt: skip
+    return closer(robot, task, viewed(robot, task, found.plan.corank), found.plan, cells, threads, near)
 
 
 def _by_split(
@@ -274,7 +287,7 @@ def _by_split(
 def _by_enclosures(
     robot: Robot, task: Task, plan: Plan, budget: int, journal: Path | None, threads: int, progress: Progress | None
 ) -> Covering:
-    setting = viewed(robot, task)
+    setting = viewed(robot, task, plan.corank)
     spent = 0
 
     def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:

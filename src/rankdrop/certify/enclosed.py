@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -19,21 +21,31 @@ from rankdrop.task import Task
 _TRIED = 200  # random configurations at which settings are compared
 _ROUNDING = 1e-12  # of a determinant, per product of the lengths of its columns: a thousand times what LU loses
 _SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wider
-_ROUNDS, _MOST = 4, 1 << 22  # of a closer look: rounds, boxes
+_ROUNDS, _MOST = 6, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
+
+
+Near = Callable[[Cells, int], NDArray[np.int64]]
+"""near(parts of leaves, how often they are halved) -> for each the number of a family that is near, or −1."""
+Looked = tuple[NDArray[np.int8], NDArray[np.int64]]
+"""Of leaves: 0 free, 1 proven to hold a singularity, 2 neither, 3 all that is left is near families; and which."""
 
 
 class BudgetSpent(Exception):
     """More enclosures are needed than were allowed."""
 
 
-def viewed(robot: Robot, task: Task) -> Setting:
+def viewed(robot: Robot, task: Task, corank: int = 1) -> Setting:
     """The setting that certifies the largest balls at random configurations.
+
+    Args:
+        robot, task: the arm and what it does.
+        corank: that must not be reached in a ball: the setting's rank is the one that is kept then.
 
     Raises:
         OptionError: the arm or the task cannot be certified.
     """
-    settings = settings_of(robot, task)
+    settings = [replace(one, rank=one.rank - corank + 1) for one in settings_of(robot, task)]
     q = sample(robot, task, _TRIED, seed=7)
     sizes = [float(np.median(enclose(robot, setting, q)[1])) for setting in settings]
     return settings[int(np.argmax(sizes))]
@@ -85,27 +97,33 @@ def enclosed_trees(
 
 
 def closer(
-    robot: Robot, task: Task, setting: Setting, plan: Plan, cells: Cells, threads: int
-) -> NDArray[np.int8]:
-    """Leaves (M, d) halved on: free after all (0), proven to hold a singularity (1), or neither (2).
+    robot: Robot, task: Task, setting: Setting, plan: Plan, cells: Cells, threads: int, near: Near | None = None
+) -> Looked:
+    """Leaves (M, d) halved on, and what is left of them asked about.
 
-    Each takes at most `_ROUNDS` rounds, and no more than `_MOST` boxes are kept for all of them.
+    Each takes at most `_ROUNDS` rounds, and no more than `_MOST` boxes are kept for all of them. Parts near a family
+    are halved no further; a leaf of which nothing else is left is explained, by the family of the first of them.
     """
     shape = plan.shape
     boxes = _Boxes(robot, task, setting, plan, threads)
-    found = np.where(boxes.proven(cells), 1, 0).astype(np.int8)
-    parts, owner, level = cells, np.arange(len(cells)), shape.levels
+    proven = boxes.proven(cells)
+    by = np.full(len(cells), -1, dtype=np.int64)
+    parts, owner, halvings = cells, np.arange(len(cells)), 0
     corners = np.array(list(product((0, 1), repeat=shape.variables)), dtype=np.int32)
-    for _ in range(_ROUNDS):
-        if not len(parts) or len(parts) << shape.variables > _MOST:
-            break
+    while len(parts) and halvings < _ROUNDS and len(parts) << shape.variables <= _MOST:
         parts = (parts[:, None, :] * 2 + corners).reshape(-1, shape.variables)
-        owner, level = np.repeat(owner, len(corners)), level + 1
-        left = ~boxes.free(parts, level)
+        owner, halvings = np.repeat(owner, len(corners)), halvings + 1
+        left = ~boxes.free(parts, shape.levels + halvings)
         parts, owner = parts[left], owner[left]
+        if near is not None:
+            told = near(parts, halvings)
+            there = np.flatnonzero(told >= 0)[::-1]  # of several the first is the last to be written
+            by[owner[there]] = told[there]
+            parts, owner = parts[told < 0], owner[told < 0]
+    found = np.where(by >= 0, 3, 0).astype(np.int8)
     left = np.unique(owner)
-    found[left] = np.where(found[left] == 1, 1, 2)
-    return found
+    found[left] = np.where(proven[left], 1, 2)
+    return found, by
 
 
 def _prune(shape: Shape, masks: list[Masks]) -> None:
@@ -145,9 +163,12 @@ class _Boxes:
         return found
 
     def proven(self, cells: Cells) -> Flags:
-        """(M,) whether a determinant has two signs among centre and corners; False where the Jacobian is not square."""
+        """(M,) whether a determinant has two signs among centre and corners.
+
+        False where the Jacobian is not square, and for coranks above 1, which no sign tells.
+        """
         found = np.zeros(len(cells), dtype=np.bool_)
-        if not self.task.m == self.robot.n == self.plan.rank:
+        if not self.task.m == self.robot.n == self.plan.kept:
             return found
         for begin in range(0, len(cells), _PART):
             part = slice(begin, begin + _PART)

@@ -43,6 +43,7 @@ def cover(
         rankdrop cover puma560 --width 0.1 --limits
         rankdrop cover my_arm.urdf --out my_arm.cover --json my_arm.json
         rankdrop cover iiwa7 --width 0.4
+        rankdrop cover ur5 --corank 2
 
     Exit code 0: complete, and all is explained; 3: some boxes are not, or the
     budget is spent; 130: interrupted, with --out the same command goes on; 2: bad
@@ -51,11 +52,12 @@ def cover(
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
         width: Of the boxes, at most [rad; slides divided by the length scale]; 3deg is understood.
-        corank: 1: the boxes hold every configuration of corank 1 or more. Nothing else is covered.
+        corank: The boxes hold every configuration of this corank or more; above 1 every arm takes enclosures.
         limits: Within the joint limits only.
         explain: Hold the boxes against families.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found here.
-        budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none.
+        budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none
+            for corank 1.
         threads: Processors to use; 0 means all. The result does not depend on it.
         out: Keep the boxes in this file; what is finished is in FILE.journal meanwhile.
         certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must

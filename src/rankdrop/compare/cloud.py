@@ -19,7 +19,7 @@ from rankdrop.exact.algebra.zeroset import ZeroSet
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.family import ExactFamily
 from rankdrop.exact.merge import alone, merge
-from rankdrop.exact.reading.lint import real_points
+from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
@@ -164,7 +164,7 @@ def sets_without_points(
     lost: dict[str, ZeroSet] = {}
     unmet: dict[str, ZeroSet] = {}
     for piece, order, last in tree.without_points:
-        theta = [point for point, _ in zip(real_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
+        theta = [point for point, _ in zip(round_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
         if not theta:
             unmet[piece.key] = piece
         elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):

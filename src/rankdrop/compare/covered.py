@@ -1,9 +1,9 @@
 """A covering against families: which boxes known families explain, and what a descent finds where nothing known does.
 
-A leaf is explained where a point of some family was found within half a diagonal of its centre. The point is one of
-the family, so no leaf is explained that is not near one; one that is not explained may be near a point that was not
-found. When every leaf is explained, every singular configuration lies within one diagonal of a known family. The boxes
-that are left are grouped: places to look at.
+A leaf is explained where a point of some family was found within half a diagonal of its centre, or of the centre of
+each part of it that is left when it is halved on. The point is one of the family, so no leaf is explained that is not
+near one; one that is not explained may be near a point that was not found. When every leaf is explained, every singular
+configuration lies within one diagonal of a known family. The boxes that are left are grouped: places to look at.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rankdrop.certify.bittree import Cells, Flags
 from rankdrop.certify.covering import Covering
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Family
-from rankdrop.family.system import System
+from rankdrop.family.system import SOLVED, System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, Robot
@@ -112,8 +112,8 @@ def _descended(
         starts.append(q)
         owner += [number] * len(chosen)
     begun, whose = np.concatenate(starts), np.array(owner)
-    ends = refine(robot, begun, 1, task=task, limits=found.plan.limits)
-    rank = found.plan.rank
+    ends = refine(robot, begun, found.plan.corank, task=task, limits=found.plan.limits)
+    rank = found.plan.kept
     width = 2 * found.boxes(cells[:1])[1]
     away = np.abs(ends.q - begun)[:, place]
     away = np.where(np.array(found.plan.turns), np.abs(wrap(away)), away)
@@ -172,17 +172,21 @@ class Explainer:
         robot: its arm.
         families: of this arm and task; those without equations, or on joints that are not covered, explain nothing.
         scale: (n,) unit of motion of each joint, as for distances.
+        halvings: of leaves, whose parts are asked about: near is what it is for the whole leaf.
     """
 
-    def __init__(self, found: Covering, robot: Robot, families: Sequence[Family], scale: Array) -> None:
+    def __init__(
+        self, found: Covering, robot: Robot, families: Sequence[Family], scale: Array, halvings: int = 0
+    ) -> None:
         self.found, self.families = found, tuple(families)
         shape = found.tree.shape
         self.place = np.array(found.plan.variables) - 1
         self.n, self.unit = robot.n, scale[self.place]
-        self.cells = shape.cells(shape.levels)
+        leaves = shape.cells(shape.levels)
+        self.cells = tuple(count << halvings for count in leaves)
         self.low = np.array(found.plan.lower)
         self.width = (np.array(found.plan.upper) - self.low) / self.cells
-        self.radius = float(np.linalg.norm(self.width / self.unit)) / 2 + _WIDER
+        self.radius = float(np.linalg.norm(self.width / self.unit)) * (1 << halvings) / 2 + _WIDER
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]
         order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
         self._sights = {i: _Sight(self, self.families[i]) for i in order}
@@ -299,11 +303,23 @@ class _Sight:
         return np.asarray((length[:, 0] > 0.0) & ((np.abs(f) <= sure) | ((f * other < 0.0) & (np.abs(other) > sure))))
 
     def _walked(self, q: Array, radius: Array, scale: Array) -> Flags:
-        """A zero at the end of Newton's walk, near enough."""
-        system = System(self.others)
+        """A zero at the end of Newton's walk, near enough.
+
+        Where equations are more than conditions, one that has double zeros leads astray: what the others lead to, each
+        left out once, is a zero as well if it is one of all.
+        """
+        whole = System(self.others)
         moves = np.flatnonzero(scale)
         along = np.zeros((len(scale), len(moves)))
         along[moves, np.arange(len(moves))] = 1.0
-        end, there = system.solve(q, along=along, iterations=_STEPS)
-        away = np.linalg.norm((end - q)[:, moves] / scale[moves], axis=1)
-        return np.asarray(there & (away <= radius))
+        near = np.zeros(len(q), dtype=np.bool_)
+        fewer = [tuple(one for one in self.others if one is not out) for out in self.others]
+        for system in (whole, *(System(some) for some in fewer if some)):
+            open_ = np.flatnonzero(~near)
+            if not len(open_):
+                break
+            end, there = system.solve(q[open_], along=along, iterations=_STEPS)
+            away = np.linalg.norm((end - q[open_])[:, moves] / scale[moves], axis=1)
+            there &= (away <= radius[open_]) & (np.abs(whole.values(end)).max(axis=1) <= SOLVED)
+            near[open_] = there
+        return near

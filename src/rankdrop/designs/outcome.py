@@ -278,7 +278,8 @@ class Designs:
             letters = ", ".join(f"{name} = {value:.4g}" for name, value in one["letters"].items()).replace("-", "−")
             told = [("; ".join(family["conditions"]), family["real"]) for family in one["families"] if family["real"]]
             told += [(text, "no") for text in one["not_real"]]
-            told = told or [(f"{len(one['families'])} families", "for all lengths of these signs")]
+            count = len(one["families"])
+            told = told or [(f"{count} famil{'y' if count == 1 else 'ies'}", "for all lengths of these signs")]
             rows += [(str(one["variant"]) if k == 0 else "", what, real, letters if k == 0 else "")
                      for k, (what, real) in enumerate(told)]  # fmt: skip
         about = "a variant of each of the commonest sets, with letters for the lengths; families not always real"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
-from rankdrop.exact.writing.notation import latex_angle, latex_name
+from rankdrop.exact.writing.notation import C, Python, latex_angle, latex_name
 
 if TYPE_CHECKING:
     from rankdrop.exact.determinants import Minor
@@ -79,7 +79,7 @@ class Code:
         lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
         lines += ["", "    Returns:", "        (...) its value.", '    """', "    q = np.asarray(q, dtype=float)"]
         joints = range(1, self.n + 1)
-        text = one.value.expression(shifts=self._shifts, names=names)
+        text = one.value.code(Python(shifts=self.shifts, names=names))
         lines += [f"    q{j} = q[..., {j - 1}]" for j in joints if re.search(rf"\bq{j}\b", text)]
         return "\n".join([*lines, f"    return {text} + np.zeros(q.shape[:-1])"]) + "\n"
 
@@ -87,8 +87,9 @@ class Code:
         return {name: name + "_" for name in self.letters if iskeyword(name) or name in TAKEN}
 
     def _python_function(self, family: ExactFamily) -> str:
-        names, shifts = self._python_names(), self._shifts
-        residuals = [one.expression(shifts=shifts, names=names) for one in family.stated]
+        names = self._python_names()
+        notation = Python(shifts=self.shifts, names=names)
+        residuals = [one.code(notation) for one in family.stated]
         used = {names.get(name, name): float(self.letters[name]) for name in self._used(family)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
         lines = [f"def {_function(family.id)}(q{', *' if used else ''}{keywords}):"]
@@ -120,21 +121,21 @@ class Code:
             macro = f"{prefix}_LENGTH"
             lines += [f"#ifndef {macro}", f"#define {macro} (1.0) /* slides are divided by it in distances [m] */"]
             lines += ["#endif"]
-        names = {name: f"{prefix}_{name}" for name in self.letters}
+        notation = C(shifts=self.shifts, names={name: f"{prefix}_{name}" for name in self.letters})
         for family in self.families:
-            lines += ["", *self._c_function(family, f"rankdrop_{mark}", names)]
-            lines += ["", *self._c_gradient(family, f"rankdrop_{mark}", names)]
+            lines += ["", *self._c_function(family, f"rankdrop_{mark}", notation)]
+            lines += ["", *self._c_gradient(family, f"rankdrop_{mark}", notation)]
             lines += ["", *self._c_distance(family, f"rankdrop_{mark}")]
         for one in self.determinants:
-            text = one.value.c_code(shifts=self._shifts, names=names)
+            text = one.value.code(notation)
             head = f"static inline double rankdrop_{mark}_{one.mark}(const double q[{self.n}])"
             unused = [] if "q[" in text else ["    (void)q;"]
             lines += ["", f"/* {_comment(one.name)} of the Jacobian. q [rad, slides m]. */"]
             lines += [head, "{", *unused, f"    return {text};", "}"]
         return "\n".join([*lines, "", "#endif", ""])
 
-    def _c_function(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
-        residuals = [one.c_code(names=names, shifts=self._shifts) for one in family.stated]
+    def _c_function(self, family: ExactFamily, prefix: str, notation: C) -> list[str]:
+        residuals = [one.code(notation) for one in family.stated]
         lines = [f"/* {_comment(family.name)}, corank {family.corank}."]
         lines += [f" * {_comment(line)}" for line in self._conditions(family)]
         lines += [" * q [rad, slides m]; every residual is zero exactly on the family. */"]
@@ -143,8 +144,8 @@ class Code:
         body = [f"    residual[{place}] = {text};" for place, text in enumerate(residuals)]
         return [*lines, f"static inline void {head}", "{", *body, "}"]
 
-    def _c_gradient(self, family: ExactFamily, prefix: str, names: Mapping[str, str]) -> list[str]:
-        rows = [one.c_gradient(names=names, shifts=self._shifts) for one in family.stated]
+    def _c_gradient(self, family: ExactFamily, prefix: str, notation: C) -> list[str]:
+        rows = [one.gradient(notation) for one in family.stated]
         body = [f"    gradient[{i}][{j - 1}] = {text};" for i, row in enumerate(rows) for j, text in row.items()]
         unused = [] if any("q[" in line for line in body) else ["    (void)q;"]
         head = f"{prefix}_{_mark(family.id)}_gradient(const double q[{self.n}], double gradient[{len(rows)}][{self.n}])"
@@ -206,10 +207,6 @@ class Code:
         tail = [r"\par\smallskip", ", ".join(f"${text}$" for text in below)] if below else []
         said = [line for value in values for line in (r"\par\smallskip", value)]
         return "\n".join([*head, *rows, r"\end{tabular}", *said, *tail, ""])
-
-    @property
-    def _shifts(self) -> Sequence[float] | None:
-        return self.shifts if len(self.shifts) else None
 
     def _shifted(self) -> Iterator[tuple[int, float]]:
         """(joint, shift) of the joints whose angle is not their variable."""

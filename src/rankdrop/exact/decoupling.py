@@ -37,10 +37,8 @@ from rankdrop.exact.signs import condition_text, look, merged, roles_of
 from rankdrop.local.lines import Scene
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import ROWS
+from rankdrop.tolerances import ENTRY
 from rankdrop.units import out_of_units
-
-_FORCE = 1e-6
-"""Share of a unit null vector (lengths per reach) below which its force counts as none: a couple."""
 
 
 def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...]) -> str:
@@ -67,18 +65,14 @@ def across_statement(robot: Robot, points: Array, group: tuple[int, ...], joints
 
 
 def _has_line(scene: Scene, parallel: int, others: list[int]) -> bool:
-    """At every sample the null vector of (z·v, x·ω, y·ω) of the other joints has a force."""
+    """At every sample the null vector of (z·v, x·ω, y·ω) of the other joints has a force, and is no couple."""
     z = scene.z[parallel]
     x = np.cross(z, np.eye(3)[np.abs(z).argmin(axis=1)])
     x /= np.linalg.norm(x, axis=1, keepdims=True)
     y = np.cross(z, x)
     v, w = scene.screws[:, :3, others] / scene.length, scene.screws[:, 3:, others]
     rows = np.stack([np.einsum("ni,nij->nj", a, b) for a, b in ((z, v), (x, w), (y, w))], axis=1)
-    return bool((np.abs(np.linalg.svd(rows)[0][:, 0, -1]) > _FORCE).all())
-
-
-_LOST = 1e-6
-"""Share of the block's largest velocity below which a direction is lost at a sample."""
+    return bool((np.abs(np.linalg.svd(rows)[0][:, 0, -1]) > ENTRY).all())
 
 
 def centre_statement(robot: Robot, points: Array, group: tuple[int, ...], joints: tuple[int, ...], part: str) -> str:
@@ -127,12 +121,15 @@ def _directions(scene: Scene, centre: Array, own: list[int], name: str) -> Itera
 
 
 def _lost(direction: Array, velocities: Array) -> bool:
-    """Whether no column of (N, 3, k) velocities has a part along the direction (N, 3), at every sample."""
+    """Whether no column of (N, 3, k) velocities has a part along the direction (N, 3), at every sample.
+
+    A part counts from a share `ENTRY` of the largest velocity on.
+    """
     length = np.linalg.norm(direction, axis=1)
-    if (length < _LOST).any():
+    if (length < ENTRY).any():
         return False
     part = np.einsum("ni,nij->nj", direction / length[:, None], velocities)
-    return bool((np.abs(part) <= _LOST * np.abs(velocities).max()).all())
+    return bool((np.abs(part) <= ENTRY * np.abs(velocities).max()).all())
 
 
 @dataclass(frozen=True, eq=False)

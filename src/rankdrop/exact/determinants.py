@@ -34,6 +34,7 @@ from rankdrop.exact.arm.link_jacobian import POSE, POSITION
 from rankdrop.exact.arm.structure import listed
 from rankdrop.exact.decoupling import Decoupling, decouple
 from rankdrop.exact.methods.derivation import values_of
+from rankdrop.exact.writing.notation import C, Python
 from rankdrop.exact.writing.value import FOLDED, Quotient, Value
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import sample
@@ -249,8 +250,8 @@ def _minor_dict(one: Minor, shifts: tuple[float, ...]) -> dict[str, Any]:
         "terms": one.value.terms,
         "text": one.value.text(),
         "latex": one.value.latex(),
-        "python": one.value.expression(shifts=shifts),
-        "c": one.value.c_code(shifts=shifts),
+        "python": one.value.code(Python(shifts=shifts)),
+        "c": one.value.code(C(shifts=shifts)),
     }  # fmt: skip
 
 

@@ -86,7 +86,7 @@ def _sum(turns: tuple[tuple[int, int], ...], point: Point) -> tuple[int, int]:
     return cosine - prime * (2 * cosine > prime), sine - prime * (2 * sine > prime)
 
 
-_SAME = 1e-9
+_SAME = 1e-9  # cosines and sines of whole turns and quarters, to rounding
 
 Pins = dict[int, tuple[str, ...]]
 """Joint number -> the simple angles it stands at."""

@@ -31,7 +31,7 @@ from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.screws import words
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array
-from rankdrop.tolerances import DEFAULT
+from rankdrop.tolerances import DEFAULT, REAL_ROOT
 from rankdrop.units import counted_length, out_of_units
 
 _READABLE = 60  # terms above which a factor is not written out
@@ -75,7 +75,7 @@ class SignedFactor:
         """
         total = np.full(len(theta), float(self.sense))
         for atom in self.atoms:
-            total = total * half_values(self.ring, atom, theta, letters, power)
+            total = total * half_angle_values(self.ring, atom, theta, letters, power)
         return total
 
 
@@ -135,7 +135,7 @@ def _independent(basis: list[int], row: int) -> bool:
     return row != 0
 
 
-def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
+def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
     """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients; `power` as in
     `SignedFactor.values`.
     """
@@ -176,7 +176,7 @@ def numeric_terms(
 
 
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
-    """(text of an atom's function, sign of that text over `half_values`)."""
+    """(text of an atom's function, sign of that text over `half_angle_values`)."""
     if atom.pinned:
         angle = {"0": f"θ{atom.joint}/2", "pi": f"θ{atom.joint}/2"}.get(atom.value, "")
         text = {"0": f"sin({angle})", "pi": f"cos({angle})"}.get(atom.value)
@@ -193,12 +193,12 @@ def _text(f: Polynomial, text: str) -> str:
 
 
 def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:
-    """Sign of `to_trig` over `half_values`: the same everywhere, so any point that is not a zero tells it."""
+    """Sign of `to_trig` over `half_angle_values`: the same everywhere, so any point that is not a zero tells it."""
     rng = np.random.default_rng(0)
     joints = max((*ring.revolute, *ring.prismatic))
     theta = rng.uniform(-np.pi, np.pi, (8, joints))
     letters = dict(zip(ring.letters, rng.uniform(1, 2, len(ring.letters)), strict=True))
-    values = half_values(ring, atom, theta, letters)
+    values = half_angle_values(ring, atom, theta, letters)
     best = int(np.argmax(np.abs(values)))
     point = {f"q{j}": theta[best, j - 1] for j in ring.prismatic} | letters
     for j in ring.revolute:
@@ -236,10 +236,9 @@ def _signed(ring: Ring, atoms: tuple[Atom, ...], periodic: bool) -> SignedFactor
 
 
 _TRIES = 8  # random settings of the other joints per point wanted
-_REAL = 1e-9  # imaginary part of a root below this: real
 
 
-def real_points(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
+def zeros_of(chain: Chain, atoms: Sequence[Atom], count: int, seed: int = 0) -> Array:
     """(N, n) configurations q of `Chain.own`, N ≤ count, on each of which one of the atoms holds, in turn.
 
     The joints that an atom does not fix stand at random tenths. Fewer than `count` where no real zeros were found.
@@ -286,7 +285,7 @@ def _solve(chain: Chain, atom: Atom, theta: Array, rng: np.random.Generator) -> 
                 coefficient *= x ** powers[i]
         coefficients[degrees[place] - powers[place]] += coefficient
     roots = np.roots(coefficients) if np.isfinite(coefficients).all() and coefficients.any() else np.zeros(0)
-    real = roots[np.abs(roots.imag) < _REAL].real
+    real = roots[np.abs(roots.imag) < REAL_ROOT].real
     if not len(real):
         return None
     root = float(rng.choice(real))
@@ -337,7 +336,7 @@ def look(chain: Chain, atoms: Sequence[Atom]) -> Seen:
     Names and lost directions are seen at `POINTS` random configurations; they are not proofs.
     """
     robot, task = chain.own, chain.own_task
-    points = real_points(chain, atoms, POINTS)
+    points = zeros_of(chain, atoms, POINTS)
     if not len(points):
         return "", points, ()
     rank = generic_rank(robot, task)

@@ -235,7 +235,9 @@ def agreement(distances: Sequence[FamilyDistance], nearest: Nearest | None) -> A
 
 
 def _more(unnamed: int) -> str:
-    return f" ({unnamed} families have no conditions and were not asked)" if unnamed else ""
+    if unnamed <= 1:
+        return " (a family without conditions was not asked)" if unnamed else ""
+    return f" ({unnamed} families have no conditions and were not asked)"
 
 
 def _record(problem: Problem, family: Family, points: Array, centre: Array, *, exact: bool) -> FamilyDistance:

@@ -10,7 +10,7 @@ from rankdrop.families.walk import within_travel
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
 from rankdrop.local.posture import candidates, fault
-from rankdrop.problem import Problem, wrapped
+from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.units import in_metres, metre_exponent, task_in_metres
@@ -72,18 +72,7 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     points = wrapped(robot, points[solved])
     problem = Problem(robot, task, family.corank)
     points = points[problem.singular(points) & within_travel(problem, family, points)]
-    return _into_limits(robot, points)
-
-
-def _into_limits(robot: Robot, q: Array) -> Array:
-    """Turning joints by whole turns to where their limits are, if they can be there."""
-    turned = q.copy()
-    for sign in (-1, 1):
-        other = q + sign * 2 * np.pi
-        better = robot.periodic & ((turned < robot.lower) | (turned > robot.upper))
-        better = better & (other >= robot.lower) & (other <= robot.upper)
-        turned = np.where(better, other, turned)
-    return turned
+    return into_limits(robot, points)
 
 
 def _turned(robot: Robot, q: Array) -> Array:

@@ -16,9 +16,12 @@ k where k independent ones are. Three ways to begin, each a *stratum*, and every
   begin anywhere, and U₂ᵀ J V₂ = 0 (`rankdrop.local.block`) is solved by Newton's method in these joints alone. A family
   of codimension c is, almost everywhere, a graph over all joints but some c: every family is met by a stratum of as
   many joints as it has conditions, if enough are drawn.
+- joint p at 0, ±π/2 or π, the others by Newton's method together, each step the shortest: families of many conditions
+  have few starts that lead to them, and hardly one of them is without such a joint.
 
-The first two are of corank 1 (or more) and in closed form. Every configuration is looked at once more: σ_r is at most
-`EXACT` times σ_1, else it is dropped and drawn anew.
+The first two are of corank 1 (or more), of joints each for itself that turn or slide, of arms that fill their task,
+and in closed form. Every configuration is looked at once more: σ_r is at most `EXACT` times σ_1, else it is dropped
+and drawn anew.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ from numpy.typing import NDArray
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import block, generic_rank, sample, sampling_box, singular_values
+from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
@@ -48,6 +52,7 @@ _ONE_BATCH = 2048
 _DEGREE = 4  # of the trigonometric polynomials, at most
 _ON_CIRCLE = 1e-4  # how far a root may be from the unit circle before it is no angle
 _ABSENT = 1e-11  # rows of the Jacobian below this share of its size are zero for this arm
+_RIGHT_ANGLES = {"0": 0.0, "π": np.pi, "π/2": np.pi / 2, "−π/2": -np.pi / 2}
 _MEND = "methods lm, gradient and almarkhi search any arm and task"
 _TYPED = "--method lm"
 
@@ -64,7 +69,7 @@ class Drawn:
         q: (N, n) [rad, m].
         sigma: (N, min(m, n)) singular values there.
         stratum: (N,) which of `strata`.
-        strata: what was begun with: "wrenches of joints 4-6", "joint 3 alone", "joints 2, 5 together".
+        strata: what was begun with: "wrenches of joints 4-6", "joint 3 alone", "joints 2, 5 together", "joint 4 at 0".
         complete: False where it was interrupted: fewer than were asked for.
     """
 
@@ -91,15 +96,16 @@ def drawn(
         progress: progress(done, count).
 
     Raises:
-        OptionError: joints that follow others or that screw, a task whose rank depends on the axes or that the arm
-            never fills, or no stratum that has a singular configuration.
+        OptionError: no stratum that has a singular configuration.
     """
-    full = _checked(robot, task)
+    full = generic_rank(robot, task)
     rank = full + 1 - corank  # σ of this number vanishes
     arm = _Chain(robot, task, limits)
-    ways = [*arm.wrenches(), *arm.single_joints(full)] if corank == 1 else []
+    ways: list[tuple[str, Draw]] = []
+    if corank == 1 and _in_closed_form(robot, task, full):
+        ways = [*arm.wrenches(), *arm.single_joints(full)]
     exact = len(ways)
-    ways += arm.together(rank - 1, full, corank)
+    ways += [*arm.together(rank - 1, alone=not ways or corank > 1), *arm.pinned(rank - 1)]
     rng = np.random.default_rng(seed)
     alive = set(range(len(ways)))
     parts: list[tuple[Array, Array, int]] = []
@@ -152,45 +158,110 @@ def _gathered(
     return Drawn(q[order], sigma[order], stratum[order], tuple(name for name, _ in ways), complete)
 
 
-def _checked(robot: Robot, task: Task) -> int:
-    """The generic rank, where wrenches of the task can be told.
+def _in_closed_form(robot: Robot, task: Task, rank: int) -> bool:
+    """Whether wrenches of the task can be told, and joints solved for one by one.
 
-    Raises:
-        OptionError: they cannot.
+    Not where a joint follows another or screws, where some wrench is reciprocal to the arm wherever it stands, or
+    where the task takes some rows only and their wrenches depend on where the arm stands.
     """
-
-    def refused(what: str, got: str) -> OptionError:
-        return OptionError(what, where="method", got=got, mend=_MEND, typed=_TYPED)
-
-    for joint in robot.joints:
-        if joint.mimic is not None:
-            raise refused("reciprocal wrenches solve for one joint at a time, and this one follows another", joint.name)
-        if joint.kind is JointKind.HELICAL:
-            raise refused("reciprocal wrenches have no closed form for a joint that screws", joint.name)
-    rank = generic_rank(robot, task)
-    if rank != task.m:
-        raise refused("some wrench is reciprocal to this arm wherever it stands", f"rank {rank} of {task.m}")
+    if any(joint.mimic is not None or joint.kind is JointKind.HELICAL for joint in robot.joints) or rank != task.m:
+        return False
     blocks = [block for block in ((0, 1, 2), (3, 4, 5)) if set(block) & set(task.rows)]
     missing = [row for block in blocks for row in block if row not in task.rows]
-    if missing:
-        full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)
-        if np.abs(full[:, missing]).max() > _ABSENT * np.abs(full).max():
-            raise refused("the wrenches of a task that takes some rows only depend on where the arm stands", task.name)
-    return rank
+    if not missing:
+        return True
+    full = jacobian(robot, sample(robot, task, 16, seed=5), task.frame)
+    return bool(np.abs(full[:, missing]).max() <= _ABSENT * np.abs(full).max())
 
 
 class _Chain:
-    """The arm as screws at q = 0 in base coordinates, linear part first; joints and links from 0."""
+    """An arm: its variables, and its screws at q = 0 in base coordinates, linear part first; joints and links from 0.
+
+    Wrenches, and joints solved for one by one, are for arms `_in_closed_form`.
+    """
 
     def __init__(self, robot: Robot, task: Task, limits: bool) -> None:
-        self.robot, self.task, self.limits = robot, task, limits
-        self.n = robot.n
+        self.robot, self.task, self.n = robot, task, robot.n
         self.low, self.high = sampling_box(robot, task, limits=limits)
+        self.slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.variables])
+        # a slide is drawn inside its limits; what is solved for may be a reach beyond them where they do not count
+        room = 0.0 if limits else reach(robot)
+        self.bound = self.slides | limits
+        self.least, self.most = self.low - room * self.slides, self.high + room * self.slides
         self.screws = np.array([joint.screw for joint in robot.joints])
-        self.slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.joints])
         self.ads = np.array([_ad(screw) for screw in self.screws])
         self.whole = task.rows == (0, 1, 2, 3, 4, 5)
         self.basis = self._basis()
+
+    def drawn(self, count: int, rng: np.random.Generator) -> Array:
+        """(count, n) configurations at random."""
+        return rng.uniform(self.low, self.high, (count, self.n))
+
+    def kept(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
+        """Those that are singular to rounding, angles in (−π, π]; within the limits where these count."""
+        turning = ~self.slides
+        inside = np.isfinite(q).all(axis=1)
+        q = q[inside]
+        wrapped = q[:, turning] - 2 * np.pi * np.ceil((q[:, turning] - np.pi) / (2 * np.pi))
+        q[:, turning] = np.clip(wrapped, -np.pi, np.pi)
+        q = q[((q >= self.least) & (q <= self.most) | ~self.bound).all(axis=1)]
+        if not len(q):
+            return q, np.zeros((0, min(self.task.m, self.n)))
+        sigma = singular_values(self.robot, q, self.task)
+        good = np.flatnonzero(sigma[:, rank - 1] <= EXACT * sigma[:, 0])[:most]
+        return q[good], sigma[good]
+
+    def together(self, kept: int, *, alone: bool) -> list[tuple[str, Draw]]:
+        """Strata in which some joints are solved for by Newton's method; those of few joints first.
+
+        As many joints as the rank's fall to `kept` is conditions, (m − r)(n − r) at most, and two at least.
+
+        Args:
+            kept: the rank r that is left.
+            alone: turning joints alone, too; slides always.
+        """
+        most = min(max(2, (self.task.m - kept) * (self.n - kept)), max(1, self.n - 1))
+        found: list[tuple[str, Draw]] = []
+        for count in range(1, most + 1):
+            for joints in combinations(range(self.n), count):
+                if (count > 1 or alone or self.slides[joints[0]]) and len(found) < _SETS:
+                    name = f"joints {', '.join(str(j + 1) for j in joints)} together"
+                    by_itself = f"joint {joints[0] + 1} alone"
+                    found.append((name if count > 1 else by_itself, self._newton(list(joints), kept)))
+        return found
+
+    def pinned(self, kept: int) -> list[tuple[str, Draw]]:
+        """Strata in which a turning joint stands at a multiple of a right angle, and all others are solved for."""
+        found: list[tuple[str, Draw]] = []
+        for p in range(self.n):
+            others = [j for j in range(self.n) if j != p]
+            for name, value in _RIGHT_ANGLES.items():
+                if others and not self.slides[p] and (not self.bound[p] or self.low[p] <= value <= self.high[p]):
+                    found.append((f"joint {p + 1} at {name}", self._newton(others, kept, (p, value))))
+        return found
+
+    def _newton(self, joints: list[int], kept: int, pin: tuple[int, float] | None = None) -> Draw:
+        def draw(count: int, rng: np.random.Generator) -> Array:
+            q = self.drawn(min(count, _ONE_BATCH), rng)
+            if pin is not None:
+                q[:, pin[0]] = pin[1]
+            done = [np.zeros((0, self.n))]
+            for step in range(_STEPS):
+                found = block(self.robot, q, self.task, kept)
+                share = found.sigma[:, kept] / found.sigma[:, 0]
+                done.append(q[share <= EXACT])
+                left = (share > EXACT) & (share <= _SIFTED.get(step, np.inf))
+                q = q[left].copy()
+                if not len(q):
+                    break
+                move = _shortest(found.f[left].reshape(len(q), -1), found.d[left][..., joints].reshape(
+                    len(q), -1, len(joints)))  # fmt: skip
+                size = np.linalg.norm(move, axis=1, keepdims=True)
+                q[:, joints] -= move * np.minimum(1.0, _STEP / np.maximum(size, _STEP))
+            return np.concatenate(done)
+
+        return draw
+
 
     def _basis(self) -> Array:
         """(6, m) wrenches of the task in the frame of the last link, as it stands at q = 0."""
@@ -208,25 +279,6 @@ class _Chain:
             axis = axes[:, row % 3]
             found[:, place] = np.concatenate([axis, np.cross(point, axis)] if row < 3 else [np.zeros(3), axis])
         return found
-
-    def drawn(self, count: int, rng: np.random.Generator) -> Array:
-        """(count, n) configurations at random."""
-        return rng.uniform(self.low, self.high, (count, self.n))
-
-    def kept(self, q: Array, rank: int, most: int) -> tuple[Array, Array]:
-        """Those that are singular to rounding, angles in (−π, π]; within the limits where these count."""
-        turning = ~self.slides
-        inside = np.isfinite(q).all(axis=1)
-        q = q[inside]
-        wrapped = q[:, turning] - 2 * np.pi * np.ceil((q[:, turning] - np.pi) / (2 * np.pi))
-        q[:, turning] = np.clip(wrapped, -np.pi, np.pi)
-        bound = self.slides | self.limits
-        q = q[((q >= self.low) & (q <= self.high) | ~bound).all(axis=1)]
-        if not len(q):
-            return q, np.zeros((0, min(self.task.m, self.n)))
-        sigma = singular_values(self.robot, q, self.task)
-        good = np.flatnonzero(sigma[:, rank - 1] <= EXACT * sigma[:, 0])[:most]
-        return q[good], sigma[good]
 
     def wrenches(self) -> list[tuple[str, Draw]]:
         """Strata that begin with the wrenches reciprocal to a block of joints."""
@@ -321,41 +373,6 @@ class _Chain:
         """Strata in which one turning joint is solved for."""
         return [(f"joint {p + 1} alone", self._one_joint(p, rank)) for p in range(self.n) if not self.slides[p]]
 
-    def together(self, kept: int, full: int, corank: int) -> list[tuple[str, Draw]]:
-        """Strata in which some joints are solved for by Newton's method; those of few joints first.
-
-        As many joints as a family of this corank has conditions, k (n − r + k) at most, and two at least.
-        """
-        most = min(max(2, corank * (self.n - full + corank)), self.n - 1)
-        found: list[tuple[str, Draw]] = []
-        for count in range(1, most + 1):
-            for joints in combinations(range(self.n), count):
-                if (count > 1 or corank > 1 or self.slides[joints[0]]) and len(found) < _SETS:
-                    name = f"joints {', '.join(str(j + 1) for j in joints)} together"
-                    alone = f"joint {joints[0] + 1} alone"
-                    found.append((name if count > 1 else alone, self._newton(list(joints), kept)))
-        return found
-
-    def _newton(self, joints: list[int], kept: int) -> Draw:
-        def draw(count: int, rng: np.random.Generator) -> Array:
-            q = self.drawn(min(count, _ONE_BATCH), rng)
-            done = [np.zeros((0, self.n))]
-            for step in range(_STEPS):
-                found = block(self.robot, q, self.task, kept)
-                share = found.sigma[:, kept] / found.sigma[:, 0]
-                done.append(q[share <= EXACT])
-                left = (share > EXACT) & (share <= _SIFTED.get(step, np.inf))
-                q = q[left].copy()
-                if not len(q):
-                    break
-                f, d = found.f[left].reshape(len(q), -1, 1), found.d[left][..., joints].reshape(len(q), -1, len(joints))
-                move = (np.linalg.pinv(d, rcond=1e-9) @ f)[..., 0]
-                size = np.linalg.norm(move, axis=1, keepdims=True)
-                q[:, joints] -= move * np.minimum(1.0, _STEP / np.maximum(size, _STEP))
-            return np.concatenate(done)
-
-        return draw
-
     def _one_joint(self, p: int, rank: int) -> Draw:
         mix = np.eye(self.n) if self.n == rank else np.random.default_rng(p + 1).standard_normal((self.n, rank))
 
@@ -377,6 +394,14 @@ class _Chain:
             return np.concatenate(found)
 
         return draw
+
+
+def _shortest(f: Array, d: Array) -> Array:
+    """(B, n) the shortest x with d x = f, (B, k, n) and (B, k), in the sense of least squares."""
+    if d.shape[1] == 1:
+        square = (d[:, 0] ** 2).sum(axis=1, keepdims=True)
+        return np.asarray(d[:, 0] * (f / np.where(square > 0.0, square, np.inf)))
+    return np.asarray((np.linalg.pinv(d, rcond=1e-9) @ f[..., None])[..., 0])
 
 
 def _zeros(waves: Waves, slope: bool) -> tuple[NDArray[np.int64], Array]:

@@ -16,7 +16,7 @@ from rankdrop.families.signature import HIGHER, Signature
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check
 from rankdrop.family.system import Mask, System
-from rankdrop.problem import Problem, wrapped
+from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array
 
 CONDITIONED = 1e-3  # solutions where the equations' Jacobian has a smaller singular value are too inexact to judge σ
@@ -234,7 +234,6 @@ def _moves(linear: Linear) -> Array:
 
 
 def _near_zero(problem: Problem, q: Array) -> Array:
-    """Angles in (−π, π] where no limits are set; rounding around zero taken off."""
-    if not problem.limits:
-        q = wrapped(problem.robot, q)
+    """Angles in (−π, π], or between the limits where they are set; rounding around zero taken off."""
+    q = into_limits(problem.robot, q) if problem.limits else wrapped(problem.robot, q)
     return np.where(np.abs(q) < 1e-15, 0.0, q)

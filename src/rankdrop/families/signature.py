@@ -101,7 +101,7 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
     d = np.asarray(local.d).reshape(count, -1, n)
-    _, s, v = _core.svd(np.ascontiguousarray(d))
+    s, v = _right(d)
     s = np.concatenate([s, np.zeros((count, n - s.shape[1]))], axis=1) if s.shape[1] < n else s[:, :n]
     ranks = (s > tolerances.block_rank).sum(axis=1)
     smallest = np.where(ranks > 0, s[np.arange(count), np.maximum(ranks - 1, 0)], 0.0)
@@ -111,6 +111,18 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     conormal, tangent = ((v * part[:, None, :]) @ v.swapaxes(1, 2) for part in (inside, ~inside))
     signatures = signatures_of(robot, conormal, tangent, ranks, regular, tolerances)
     return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
+
+
+_WIDEST = 16  # narrow side of a matrix that the core takes apart
+
+
+def _right(d: Array) -> tuple[Array, Array]:
+    """Singular values (N, min(e, n)) and right vectors (N, n, n), by columns, of matrices (N, e, n)."""
+    if min(d.shape[1:]) <= _WIDEST:
+        _, s, v = _core.svd(np.ascontiguousarray(d))
+        return s, v
+    _, s, vt = np.linalg.svd(d)
+    return s, vt.swapaxes(1, 2)
 
 
 def signatures_of(

@@ -137,30 +137,6 @@ def _system(equations: Sequence[Equation], robot: Robot) -> System:
     return System(tuple(rescaled(one, slides_of(robot), power) if power else one for one in equations))
 
 
-def place_words(met: Sequence[Incidence], corank: int) -> str:
-    """Where a configuration of this corank lies, in words: one family, one inside others, or a meeting point.
-
-    Args:
-        met: from `families_at`.
-        corank: of the configuration.
-    """
-    own = [one.family for one in met if one.family.corank == corank]
-    names = list(dict.fromkeys(one.family.name for one in met))
-    if not met:
-        return "on no known family"
-    if not own:
-        lower = met[0].family.corank
-        if len(names) == 1:
-            return f"a special point of the corank-{lower} family “{names[0]}”"
-        return "meeting point of families: " + "; ".join(names)
-    first = own[0]
-    others = [name for name in names if name != first.name]
-    if len(own) > 1 and own[1].dimension == first.dimension:
-        alike = [family.name for family in own if family.dimension == first.dimension]
-        return "meeting point of families: " + "; ".join(dict.fromkeys(alike))
-    return f"on “{first.name}”" + (f", which lies on: {'; '.join(others)}" if others else "")
-
-
 def _first_step(system: System, q: Array, scale: Array) -> float:
     """Length of the shortest step that solves the linearised equations; √|f| where they have no slope."""
     f, a = system.linear(q[None])

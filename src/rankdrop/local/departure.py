@@ -329,5 +329,7 @@ def _gradient(place: Place, motions: Array) -> Array:
     lost = slice(min(place.rank, place.generic - 1), place.generic)
     sigma = np.maximum(parts.sigma[:, lost], 1e-12)
     weights = (sigma[:, -1:] / sigma) ** _SOFT
-    slopes = np.einsum("cmk,cmij,cik->ckj", parts.u[..., lost], derivative, parts.v[..., lost], optimize=True)
-    return np.asarray(np.einsum("ck,ckj->cj", weights, slopes) * place.scale)
+    left, right = parts.u[..., lost].swapaxes(1, 2), parts.v[..., lost].swapaxes(1, 2)  # (c, k, m), (c, k, n)
+    turned = (left @ derivative.reshape(len(rows), place.task.m, -1)).reshape(*right.shape, place.robot.n)
+    slopes = (right[:, :, None] @ turned)[:, :, 0]  # (c, k, n)
+    return np.asarray((weights[:, None] @ slopes)[:, 0] * place.scale)

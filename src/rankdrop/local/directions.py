@@ -5,7 +5,9 @@ A readable basis of a subspace: orthonormal, with as many zeros as plane rotatio
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +23,7 @@ from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, six_rows
 from rankdrop.tolerances import ENTRY
-from rankdrop.units import counted, in_metres, into_metres, shifted, task_in_metres, told_exponent
+from rankdrop.units import counted, given_exponent, in_metres, into_metres, shifted, task_in_metres
 
 _DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain
 
@@ -150,10 +152,10 @@ def lost_in_sparsest_frame(
     blocked, always = _blocked(robot, configuration, task, corank, without)
     frames = _candidates(task.frame, len(robot.joints))
     links, length = link_poses(robot, configuration), counted(robot)
-    seen, never = (seen_in_frames(some, links, task.frame, frames, length) for some in (blocked, always))
-    found = _readable(seen, never, corank)
+    both = seen_in_frames(np.concatenate([blocked, always]), links, task.frame, frames, length)
+    found = _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
     best = _sparsest(found)
-    return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
+    return FramedDirections(found[best], frames[best], frame_name(frames[best], given_exponent(robot)))
 
 
 def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Frame) -> FramedDirections:
@@ -174,7 +176,7 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
     links, length = link_poses(robot, configuration), counted(robot)
     pair = _blocked(robot, configuration, task, corank)
     seen, never = (seen_in_frames(some, links, task.frame, [frame], length) for some in pair)
-    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, told_exponent(robot)))
+    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, given_exponent(robot)))
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -213,7 +215,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     found = readable_bases(bases[0][still]).swapaxes(1, 2)
     best = _sparsest(found)
     frame = frames[still[best]]
-    return FramedDirections(found[best], frame, frame_name(frame, told_exponent(robot)))
+    return FramedDirections(found[best], frame, frame_name(frame, given_exponent(robot)))
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:
@@ -223,7 +225,7 @@ def _every_frame(own: Frame, joints: int) -> list[Frame]:
     return frames + [Frame(axes, origin) for origin in links for axes in links if axes != origin]
 
 
-def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: list[Frame], length: float = 1.0) -> Array:
+def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[Frame], length: float = 1.0) -> Array:
     """Wrenches of the task's frame rewritten in other frames of the chain, at one configuration.
 
     Args:
@@ -239,7 +241,9 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: list[Frame
     joints = len(links) - 2
     axes = links[[link_index(frame.axes, joints, "axes") for frame in frames], :3, :3]
     old = links[link_index(own.axes, joints, "axes"), :3, :3]
-    points = np.stack([_point(links, frame, joints) for frame in frames]) - _point(links, own, joints)
+    carriers = links[[link_index(frame.origin, joints, "point") for frame in frames]]
+    there = (carriers[:, :3, :3] @ np.array([frame.point for frame in frames])[..., None])[..., 0] + carriers[:, :3, 3]
+    points = there - _point(links, own, joints)
     turns = old.T @ axes  # (F, 3, 3) columns are the new axes in the old ones
     offsets = points @ old / length  # (F, 3) the new points seen from the old one
     return rewrite_wrench(wrenches, turns, offsets[:, None])
@@ -318,9 +322,10 @@ def _sparsest(directions: Array) -> int:
     return int((np.abs(directions) > ENTRY).sum(axis=(1, 2)).argmin())
 
 
-def _candidates(own: Frame, joints: int) -> list[Frame]:
+@lru_cache(maxsize=64)
+def _candidates(own: Frame, joints: int) -> tuple[Frame, ...]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
-    return [own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links)]
+    return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links))
 
 
 def _point(links: Array, frame: Frame, joints: int) -> Array:

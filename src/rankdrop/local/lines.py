@@ -39,40 +39,51 @@ class Lines:
         self.cross = np.linalg.norm(cross(self.z[:, None], self.z[None, :]), axis=-1)
         self.dot = np.abs(self.z @ self.z.T)
         offset = cross(self.p[None, :] - self.p[:, None], self.z[:, None]) / self.length
-        self.line = (np.linalg.norm(offset, axis=-1) < tolerance) & (self.cross < tolerance)
+        parallel = self.cross < tolerance
+        self._line = ((np.linalg.norm(offset, axis=-1) < tolerance) & parallel).tolist()
+        self._parallel, self._normal = parallel.tolist(), (self.dot < tolerance).tolist()
 
     def parallel(self, i: int, j: int) -> bool:
         """|z_i × z_j| = 0."""
-        return bool(self.cross[i, j] < self.tolerance)
+        known: bool = self._parallel[i][j]
+        return known
 
     def normal(self, i: int, j: int) -> bool:
         """z_i · z_j = 0."""
-        return bool(self.dot[i, j] < self.tolerance)
-
-    def through(self, point: Array) -> list[bool]:
-        """Of every joint: (point − p_i) × z_i = 0."""
-        offset = cross(point - self.p, self.z) / self.length
-        near: list[bool] = (np.linalg.norm(offset, axis=-1) < self.tolerance).tolist()
-        return near
+        known: bool = self._normal[i][j]
+        return known
 
     def one_line(self, i: int, j: int) -> bool:
         """Parallel, and p_j on axis i."""
-        return bool(self.line[i, j])
+        known: bool = self._line[i][j]
+        return known
 
     def one_pitch(self, i: int, j: int) -> bool:
         """h_i = h_j."""
         return bool(abs(self.h[i] - self.h[j]) < self.tolerance * self.length)
 
-    def meeting_point(self, i: int, j: int) -> Array | None:
-        """The point of two axes that meet and are not parallel: p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j."""
-        if self.parallel(i, j):
-            return None
-        skew, apart = cross(self.z[i], self.z[j]), self.p[j] - self.p[i]
-        if abs(float(apart @ skew)) > self.tolerance * self.length:  # at least their distance · |z_i × z_j|
-            return None
-        s = float(cross(apart, self.z[j]) @ skew) / float(skew @ skew)
-        point = np.asarray(self.p[i] + s * self.z[i])
-        return point if self.through(point)[j] else None
+    def through_meeting(self, i: int, j: int) -> list[bool] | None:
+        """Of every joint: its axis goes through the point where axes i and j meet; None where they do not meet in one.
+
+        They meet at p_i + s z_i, s from (p_j − p_i) × z_j = s z_i × z_j.
+        """
+        met, on = self._meetings
+        return on[i][j] if met[i][j] else None
+
+    @cached_property
+    def _meetings(self) -> tuple[list[list[bool]], list[list[list[bool]]]]:
+        """Of every two joints whether they meet in one point (N, N), and which axes go through it (N, N, N)."""
+        skew, apart = cross(self.z[:, None], self.z[None]), self.p[None] - self.p[:, None]
+        met = self.cross >= self.tolerance
+        met &= np.abs((apart * skew).sum(axis=-1)) <= self.tolerance * self.length  # at least distance · |z_i × z_j|
+        size = (skew * skew).sum(axis=-1)
+        s = (cross(apart, self.z[None]) * skew).sum(axis=-1) / np.where(met, size, 1.0)
+        points = self.p[:, None] + s[..., None] * self.z[:, None]
+        offset = cross(points[:, :, None] - self.p, self.z) / self.length
+        on = np.linalg.norm(offset, axis=-1) < self.tolerance
+        number = np.arange(len(self.p))
+        met &= on[number[:, None], number, number]
+        return met.tolist(), on.tolist()
 
 
 Verdicts = NDArray[np.bool_]  # one per configuration

@@ -216,15 +216,25 @@ def _euler(r: Array, order: str) -> Array:
     return np.stack([first, middle, last], axis=-1)
 
 
+def _outer() -> Array:
+    """(9, 16) what each entry of R adds to each of 4 q qᵀ; the diagonal has 1 besides."""
+    table = np.zeros((3, 3, 4, 4))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        table[i, i, 0, 0] = table[i, i, i + 1, i + 1] = 1.0
+        table[i, i, j + 1, j + 1] = table[i, i, k + 1, k + 1] = -1.0
+        table[k, j, 0, i + 1] = table[k, j, i + 1, 0] = 1.0
+        table[j, k, 0, i + 1] = table[j, k, i + 1, 0] = -1.0
+        for entry in ((i, j), (j, i)):
+            table[(*entry, i + 1, j + 1)] = table[(*entry, j + 1, i + 1)] = 1.0
+    return table.reshape(9, 16)
+
+
+_OUTER, _ONES = _outer(), np.eye(4).ravel()
+
+
 def _quaternion(r: Array) -> Array:
     """(w, x, y, z), w ≥ 0: the column of 4 q qᵀ with the largest diagonal entry, so that no digits are lost."""
-    trace = r[..., 0, 0] + r[..., 1, 1] + r[..., 2, 2]
-    outer = np.empty((*r.shape[:-2], 4, 4))
-    outer[..., 0, 0] = 1.0 + trace
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        outer[..., i + 1, i + 1] = 1.0 + 2.0 * r[..., i, i] - trace
-        outer[..., 0, i + 1] = outer[..., i + 1, 0] = r[..., k, j] - r[..., j, k]
-        outer[..., i + 1, j + 1] = outer[..., j + 1, i + 1] = r[..., i, j] + r[..., j, i]
+    outer = (r.reshape(*r.shape[:-2], 9) @ _OUTER + _ONES).reshape(*r.shape[:-2], 4, 4)
     largest = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
     column = np.take_along_axis(outer, largest[..., None, None], axis=-1)[..., 0]
     unit = column / np.linalg.norm(column, axis=-1, keepdims=True)
@@ -248,7 +258,7 @@ _ACCEPTED = 1e-11  # far above rounding, far below the 1e-10 that self-motions p
 _ROUNDS = 12  # Gauss–Newton converges in three or four
 
 
-def told_by_pose(task: Task) -> bool:
+def determined_by_pose(task: Task) -> bool:
     """Whether "these rows stand still" says where the arm is, and not only how it moves.
 
     All six rows, or the three of the orientation, do so in every frame; three translations in every axes at a point of

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -211,14 +212,26 @@ def relations_at(robot: Robot, q: ArrayLike, tolerance: float = ALIGNED) -> tupl
         True axes 2, 3 parallel
     """
     here = Lines(robot, one_configuration(robot, q), tolerance)
-    elsewhere = [Lines(robot, c, tolerance) for c in structural_sample(robot, resolve_task(None, robot), _SAMPLES)]
+    elsewhere, always = _structure(robot, tolerance)
     groups = _groups(here)
-    always = [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere[1:])]
     special = [group for group in groups if not all(_holds(lines, group) for lines in elsewhere)]
     structural = [group for group in groups if group not in special]
     structural += [group for group in always if group not in groups and len(group[1]) > 2 and _holds(here, group)]
     told = [_relation(here, group, False) for group in special] + [_relation(here, group, True) for group in structural]
     return tuple(sorted(told, key=lambda r: (r.structural, _ORDER.index(r.kind), r.joints)))
+
+
+_known: WeakKeyDictionary[Robot, dict[float, tuple[list[Lines], list[Group]]]] = WeakKeyDictionary()
+
+
+def _structure(robot: Robot, tolerance: float) -> tuple[list[Lines], list[Group]]:
+    """The arm at random configurations, and the groups that it has at all of them: a robot never changes."""
+    known = _known.setdefault(robot, {})
+    if tolerance not in known:
+        elsewhere = [Lines(robot, c, tolerance) for c in structural_sample(robot, resolve_task(None, robot), _SAMPLES)]
+        always = [group for group in _groups(elsewhere[0]) if all(_holds(lines, group) for lines in elsewhere[1:])]
+        known[tolerance] = elsewhere, always
+    return known[tolerance]
 
 
 def _groups(lines: Lines) -> list[Group]:
@@ -229,9 +242,8 @@ def _groups(lines: Lines) -> list[Group]:
     parallel = {tuple(j for j in every if lines.parallel(i, j)) for i in every} - aligned
     points = {}
     for i, j in combinations(turns, 2):
-        point = lines.meeting_point(i, j)
-        if point is not None:
-            on = lines.through(point)
+        on = lines.through_meeting(i, j)
+        if on is not None:
             points[i, j] = tuple(k for k in turns if on[k])
     concurrent = {group for group in points.values() if len(group) > 2}
     pairs = {group for group in points.values() if len(group) == 2}
@@ -249,11 +261,8 @@ def _holds(lines: Lines, group: Group) -> bool:
     if kind == "parallel":
         return all(lines.parallel(i, j) for i, j in pairs)
     crossing = [pair for pair in pairs if not lines.parallel(*pair)]
-    point = lines.meeting_point(*crossing[0]) if crossing else None
-    if point is None:
-        return False
-    on = lines.through(point)
-    return all(on[i] for i in joints)
+    on = lines.through_meeting(*crossing[0]) if crossing else None
+    return on is not None and all(on[i] for i in joints)
 
 
 def _relation(lines: Lines, group: Group, structural: bool) -> Relation:

@@ -16,6 +16,7 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop import _core
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.orientation import (
@@ -160,7 +161,10 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     configuration = one_configuration(robot, q)
     arm = rank_at(robot, configuration, resolve_task("pose", robot), tolerances)
     rotation = pose(robot, configuration)[:3, :3]
-    found = {name: _describe(rotation, name, tolerances) for name in NAMES}
+    coordinates = {name: orientation_coordinates(rotation, name) for name in NAMES}
+    sigma = _smallest(coordinates)
+    turned = float(np.linalg.norm(coordinates["rotvec"]))
+    found = {name: _describe(name, coordinates[name], sigma[name], turned, tolerances) for name in NAMES}
     singular = [part.name for part in found.values() if part.singular]
     if arm.corank:
         words = "the arm is singular for the whole pose" + (f", and so are the coordinates {', '.join(singular)}"
@@ -173,11 +177,24 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     return Representations(arm, found["zyz"], found["rpy"], found["quaternion"], found["rotvec"], words, others)
 
 
-def _describe(rotation: Array, name: str, tolerances: Tolerances) -> Representation:
-    coordinates = orientation_coordinates(rotation, name)
+def _smallest(coordinates: dict[str, Array]) -> dict[str, float]:
+    """Smallest singular values of E, by name; 0 where coordinates are not finite."""
+    finite = [name for name, values in coordinates.items() if np.isfinite(values).all()]
+    square = [name for name in finite if len(coordinates[name]) == 3]
+    found = dict.fromkeys(coordinates, 0.0)
+    sigma = _core.svd(np.stack([rate_matrix(coordinates[name], name) for name in square]), vectors=False)
+    found |= dict(zip(square, sigma[:, -1].tolist(), strict=True))
+    for name in finite:
+        if name not in square:
+            found[name] = float(np.linalg.svd(rate_matrix(coordinates[name], name), compute_uv=False)[-1])
+    return found
+
+
+def _describe(
+    name: str, coordinates: Array, sigma: float, turned: float, tolerances: Tolerances
+) -> Representation:
+    """One set of coordinates, with the smallest singular value of E and the angle of the whole turn."""
     finite = bool(np.isfinite(coordinates).all())
-    sigma = float(np.linalg.svd(rate_matrix(coordinates, name), compute_uv=False)[-1]) if finite else 0.0
-    turned = float(np.linalg.norm(orientation_coordinates(rotation, "rotvec")))
     jump = max(0.0, pi - turned) if name in JUMPING else inf
     if name in ("zyz", "rpy", *EULER):
         back = name == "zyz" or name[0] == name[2]  # the first axis comes back

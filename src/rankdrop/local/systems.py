@@ -99,9 +99,8 @@ def _all_members(lines: Lines) -> Iterator[Member]:
         yield _member("planar" if i in straight else "planar with a screw", 3, pitched + across, keep_direction)
         yield _member("Schönflies", 4, keep_direction, keep_direction)
     for i, j in combinations(straight, 2):
-        point = lines.meeting_point(i, j)
-        if point is not None:
-            on = lines.through(point)
+        on = lines.through_meeting(i, j)
+        if on is not None:
             ball = [k for k in straight if on[k]]
             yield _member("spherical", 3, ball, ball)
     yield from _translations(lines)

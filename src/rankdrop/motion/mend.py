@@ -149,8 +149,8 @@ class _Work:
             self.notes.append(f"the tool's path cannot be followed: {error.what}")
             wants = wants | {TILT: 0.0, SHIFT: 0.0}
         else:
-            self._first(NULL, null_spaces(tool, self._told(NULL)), "null space")
-            self._first(FLIP, branches(tool, self._told(FLIP)), "other branch at the first pose")
+            self._first(NULL, null_spaces(tool, self._told(NULL)), "joint motion that leaves the tool where it is")
+            self._first(FLIP, branches(tool, self._told(FLIP)), "other posture at the first pose")
         if wants[BLEND] > 0.0:
             self._blend(wants[BLEND])
         if wants[TILT] > 0.0:

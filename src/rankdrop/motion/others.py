@@ -71,6 +71,8 @@ class Ranking:
             return f"there is no {what}"
         reasons = {"singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
                    "start": "do not reach the first pose"}  # fmt: skip
+        if list(self.ended.values()) == [self.tried] and self.tried > 1 and not self.found:
+            return f"all {self.tried} that were tried {reasons[next(iter(self.ended))]}"
         parts = [f"{count} {reasons[reason]}" for reason, count in sorted(self.ended.items())]
         if self.found:
             parts.append(f"{len(self.found)} run it as far as a first look tells, and none of them was proven free")

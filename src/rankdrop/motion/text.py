@@ -77,13 +77,13 @@ def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section
     columns = ["nearest family", "rows", *(["time [s]"] if timed else []), "closest", "σ", "weak",
                *(["speed"] if limited else [])]  # fmt: skip
     rows = []
-    for one in free:
+    for one in sorted(free, key=lambda one: (one.start.row, one.start.share)):
         name = f"{one.name or '(not known)'}{f' [{one.family}]' if one.family else ''}"
         time = [f"{one.start.time:.4g} – {one.end.time:.4g}"] if timed else []
         speed = ["–" if isnan(one.speed_factor) else f"× {one.speed_factor:.3g}"] if limited else []
         rows.append((
-            name, f"{_row(one.start)} – {_row(one.end)}", *time, _near(one),
-            short(one.closest.sigma, 3), "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
+            name, f"{_row(one.start)} – {_row(one.end)}", *time, *_near(one),
+            "–" if isnan(one.closest.weak) else _percent(one.closest.weak), *speed,
         ))  # fmt: skip
     where = tuple(
         f"{_far(one.closest.distance)} at row {_row(one.closest.place)}{_way(one, found.robot)}: "
@@ -133,12 +133,15 @@ def _way(one: Stretch, robot: Robot) -> str:
     return f" ({', '.join(parts)} away)"
 
 
-def _near(one: Stretch) -> str:
-    return "at its end" if one.closest.distance < LEADS else _far(one.closest.distance)
+def _near(one: Stretch) -> tuple[str, str]:
+    """How near it comes and σ there; a stretch that ends at a singularity comes as near as one likes."""
+    if one.closest.distance < LEADS:
+        return "at its end", "→ 0"
+    return _far(one.closest.distance), short(one.closest.sigma, 3)
 
 
 def _percent(share: float) -> str:
-    return f"{short(100 * share, 3)} %"
+    return "< 0.1 %" if 0.0 < share < 1e-3 else f"{short(100 * share, 3)} %"
 
 
 def _slow(one: Stretch, robot: Robot) -> str:

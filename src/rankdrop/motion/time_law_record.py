@@ -83,7 +83,7 @@ class Through:
             TANGENT: "Trackable through the singularity at any speed: the path is in the image of J to second order.",
             CORNER: f"Trackable through the singularity with a stop at it, where the joints change direction: s = ± c "
             f"t^{2 * (k or 1)}.",
-            TURNS: f"Not trackable through: only {side} is the path within reach. With s = c t^{k} the arm reaches the "
+            TURNS: f"Not trackable through: the path is within reach only {side}. With s = c t^{k} the arm reaches the "
             "singularity and comes back on the path in another posture, at finite joint rates.",
             NOT: "Not trackable: no joint motion from this configuration follows the path, on either side of it.",
             UNDECIDED: f"Undecided: nothing is settled by terms up to order {HIGHEST}.",

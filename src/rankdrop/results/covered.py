@@ -46,7 +46,7 @@ class Account:
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Every singular configuration is in a box of `covering`.
+    """Every singular configuration, of the corank asked for or more, is in a box of `covering`.
 
     Attributes:
         robot, task: what was covered.
@@ -86,15 +86,18 @@ class Covered:
     def sentence(self) -> str:
         """What may be said, in one sentence."""
         if not self.complete:
-            share = float(self.covering.tree.finished.mean())
+            share = 100 * float(self.covering.tree.finished.mean())
             why = f" ({self.covering.stopped})" if self.covering.stopped else ""
-            return f"Not complete{why}: {share:.1%} of the joint space was covered; nothing is said of the rest."
+            return f"Not complete{why}: {share:.1f} % of the joint space was covered, nothing is said of the rest."
+        if not self.covering.tree.leaves:
+            within = " within the limits" * self.covering.plan.limits
+            return f"There is no {self._what}{within}: all of the joint space is proven free."
         if self.account is None:
-            return f"Covered: every singular configuration lies in one of {self.covering.tree.leaves:,} boxes."
+            return f"Covered: every {self._what} lies in one of {self.covering.tree.leaves:,} boxes."
         if not self.account.spots:
             return (
-                f"Nothing else exists down to {self.width:.3g} rad: every box that may hold a singular configuration "
-                f"is explained by a known family, and none lies farther than {self.account.diagonal:.3g} rad from one."
+                f"Nothing else exists down to {self.width:.3g} rad. Every box that may hold a {self._what} "
+                f"is explained by a known family; none lies farther than {self.account.diagonal:.3g} rad from one."
             )
         boxes = sum(one.boxes for one in self.account.spots)
         proven = sum(one.proven for one in self.account.spots)
@@ -103,13 +106,18 @@ class Covered:
             f"to look at, {proven:,} of them proven to hold a singularity."
         )
 
+    @property
+    def _what(self) -> str:
+        corank = self.covering.plan.corank
+        return "singular configuration" if corank == 1 else f"configuration of corank {corank} or more"
+
     def to_dict(self) -> dict[str, Any]:
         """The record that `rankdrop cover --json` writes; docs/json.md. Boxes are in the file of `--out`."""
         covering, plan = self.covering, self.covering.plan
         return {
             **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, plan.rank),
-            "settings": {"width": plan.width, "limits": plan.limits, "corank": 1, "version": plan.version},
+            "settings": {"width": plan.width, "limits": plan.limits, "corank": plan.corank, "version": plan.version},
             "method": plan.method,
             "sentence": self.sentence,
             "complete": self.complete,
@@ -132,20 +140,21 @@ class Covered:
         tree = covering.tree
         joints = ", ".join(f"θ{j}" if self.robot.variables[j - 1].unit == "rad" else f"q{j}" for j in plan.variables)
         whose = " of the part done"
-        share = tree.proven_leaves / tree.leaves if tree.leaves else 1.0
+        share = 100 * tree.proven_leaves / tree.leaves if tree.leaves else 100.0
+        free = f"{100 * covering.free_share:.2f} % of the joint space{' within the limits' * plan.limits}"
         rows = (
             ("joints that decide", joints),
             ("method", plan.method),
             ("boxes no wider than", f"{self.width:.4g} rad"),
-            ("proven free", f"{covering.free_share:.2%} of the joint space{' within the limits' * plan.limits}"),
-            ("boxes left", f"{tree.leaves:,}; every singular configuration{'' if self.complete else whose} is in one"),
-            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1%})"),
+            ("proven free", free),
+            ("boxes left", f"{tree.leaves:,}; every {self._what}{'' if self.complete else whose} is in one"),
+            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1f} %)"),
             ("boxes tested", f"{covering.tested:,}"),
         )  # fmt: skip
         after = (f"sha256 {self.sha256}",) if self.complete else ()
         parts = [
             Section("", lines=(self.sentence,)),
-            Section(f"{self.robot.name}: covering", columns=("", ""), rows=rows, texts=(0, 1), after=after),
+            Section(f"{self.robot.name}: covering", columns=("what", "found"), rows=rows, texts=(0, 1), after=after),
         ]
         if self.account is not None:
             parts += _account_sections(self.account, plan.variables, deg=deg)

@@ -10,7 +10,7 @@ import numpy as np
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.determinants import ClosedInverse
-from rankdrop.exact.writing.notation import Latex, latex_name
+from rankdrop.exact.writing.notation import Latex, Python, latex_name
 from rankdrop.exact.writing.value import FOLDED, form_of, text_of
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.robot.model import Array, Robot
@@ -125,7 +125,7 @@ class LinkJacobian:
 
     def to_dict(self) -> Record:
         """Plain data: see docs/json.md and schema/jacobian.schema.json."""
-        closed = self.closed
+        closed, code = self.closed, Python(shifts=self.shifts)
         return {
             **heading(SCHEMA),
             "robot": robot_to_dict(self.robot, self.task, min(self.task.m, self.robot.n)),
@@ -140,7 +140,7 @@ class LinkJacobian:
             "inverse": None if closed is None else {
                 "determinant": closed.determinant.text(),
                 "entries": [
-                    [{"text": x.text(), "latex": x.latex(), "python": x.expression(shifts=self.shifts)} for x in row]
+                    [{"text": x.text(), "latex": x.latex(), "python": x.code(code)} for x in row]
                     for row in closed.entries
                 ],
             },

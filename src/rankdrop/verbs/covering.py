@@ -13,7 +13,6 @@ from rankdrop.certify.bittree import Cells
 from rankdrop.certify.coverfile import load, write_covering
 from rankdrop.certify.covering import BUDGET, Covering, covering, looked_into, plan_of
 from rankdrop.compare.covered import Explainer, spots
-from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.local.block import joint_scale
 from rankdrop.results.analysis import Analysis
@@ -53,7 +52,7 @@ def cover(
         robot: the arm.
         task: name, rows or Task; None is the task the arm is made for.
         width: of the boxes, at most [rad; slides divided by the length scale].
-        corank: 1: a covering of higher coranks is not made.
+        corank: the boxes hold every configuration of this corank or more; above 1 by enclosures.
         limits: within the joint limits only.
         explain: hold the boxes against families.
         analysis: these families; None: those shipped with the package, else an analysis made here.
@@ -64,7 +63,7 @@ def cover(
         report: report(label, done, total) of progress.
 
     Raises:
-        OptionError: another corank, a width or budget outside what is allowed, an arm or task that cannot be covered,
+        OptionError: a corank, width or budget outside what is allowed, an arm or task that cannot be covered,
             an analysis of another arm.
         ResultFileError: `out` cannot be written, is no covering, or its journal is that of another one.
 
@@ -75,21 +74,16 @@ def cover(
         (2, True)
     """
     check_robot(robot)
-    if isinstance(corank, bool) or corank != 1:
-        raise OptionError(
-            "only corank 1 is covered: boxes that hold every configuration of corank 1 or more", where="corank",
-            got=corank, allowed="1", mend="leave it out; families of higher corank: rankdrop.analyze",
-            typed="leave --corank out; families of higher corank: rankdrop analyze",
-        )  # fmt: skip
     resolved = resolve_task(task, robot)
     families, source = known_families(robot, resolved, analysis, DEFAULT)
     tell = report if report is not None else _silent
-    found = _made(robot, resolved, width, limits, out, budget, threads, tell)
+    found = _made(robot, resolved, width, corank, limits, out, budget, threads, tell)
     if not found.complete or not explain:
         return Covered(robot, resolved, found, None)
     if source == "on the spot":
         made = analyze(robot, resolved, starts=_STARTS, limits=False, threads=threads)
         families, source = made.families, "made here"
+    families = tuple(one for one in families if one.corank >= found.plan.corank)
     return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, threads, tell))
 
 
@@ -98,23 +92,26 @@ def _silent(label: str, done: int, total: int) -> None:
 
 
 def _made(
-    robot: Robot, task: Task, width: float, limits: bool, out: str | Path | None, budget: int, threads: int,
-    tell: Report,
+    robot: Robot, task: Task, width: float, corank: int, limits: bool, out: str | Path | None, budget: int,
+    threads: int, tell: Report,
 ) -> Covering:  # fmt: skip
     def progress(done: int, total: int) -> None:
         tell("parts covered", done, total)
 
     if out is None:
-        return covering(robot, width, task, limits=limits, budget=budget, threads=threads, progress=progress)
+        return covering(
+            robot, width, task, corank=corank, limits=limits, budget=budget, threads=threads, progress=progress
+        )
     path = Path(out)
     journal = path.with_name(f"{path.name}.journal")
-    plan = plan_of(robot, width, task, limits=limits)
+    plan = plan_of(robot, width, task, corank=corank, limits=limits)
     if path.is_file() and path.stat().st_size:
         there = Covering(*load(path))
         if there.plan.line() == plan.line():
             return there
     found = covering(
-        robot, width, task, limits=limits, budget=budget, journal=journal, threads=threads, progress=progress
+        robot, width, task, corank=corank, limits=limits, budget=budget, journal=journal, threads=threads,
+        progress=progress,
     )
     if found.complete:
         write_covering(path, found.plan, found.tree, found.tested, found.freed)
@@ -125,17 +122,22 @@ def _made(
 def _account(
     found: Covering, robot: Robot, task: Task, families: tuple[Family, ...], source: str, threads: int, tell: Report
 ) -> Account:
-    explainer = Explainer(found, robot, families, joint_scale(robot, task))
+    scale = joint_scale(robot, task)
+    explainer = Explainer(found, robot, families, scale)
     told = explainer.all(lambda done, total: tell("boxes explained", done, total))
     left, proven = told.left, told.proven
     open_ = np.flatnonzero(~proven)
-    judged = looked_into(robot, task, found, left[open_], threads=threads)
+    judged, by = looked_into(
+        robot, task, found, left[open_], threads=threads,
+        near=lambda parts, halvings: Explainer(found, robot, families, scale, halvings).by(parts),
+    )  # fmt: skip
     proven = proven.copy()
     proven[open_] = judged == 1
     stays = np.ones(len(left), dtype=np.bool_)
-    stays[open_] = judged != 0
+    stays[open_] = (judged == 1) | (judged == 2)
+    explained = told.families + np.bincount(by[judged == 3], minlength=len(families))
     groups = spots(found, robot, task, *_those(left, proven, stays))
-    return Account(families, source, told.families, int((~stays).sum()), groups, explainer.diagonal)
+    return Account(families, source, explained, int((judged == 0).sum()), groups, explainer.diagonal)
 
 
 def _those(left: Cells, proven: NDArray[np.bool_], stays: NDArray[np.bool_]) -> tuple[Cells, NDArray[np.bool_]]:

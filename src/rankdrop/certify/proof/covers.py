@@ -20,7 +20,7 @@ from rankdrop.certify.bittree import BitTree, bits, counts
 from rankdrop.certify.coverfile import Plan, digest, load
 from rankdrop.certify.proof.determinant import Determinant, applies
 from rankdrop.certify.proof.intervals import Arm, Interval, Region, flint
-from rankdrop.certify.proof.reading import Told, Unproven, Work, text
+from rankdrop.certify.proof.reading import COVERING, Told, Unproven, Work, text, whole
 from rankdrop.errors import ResultFileError
 
 ACROSS, _FEW = 100, 100
@@ -226,15 +226,30 @@ class _Journal:
         self._file.close()
 
 
+def corank_of(told: Told) -> int:
+    """Of a covering: by how much the rank that is kept outside it is below the one almost everywhere, and one more.
+
+    Of all else 1.
+
+    Raises:
+        ValueError: the claim is malformed.
+    """
+    if told.kind != COVERING:
+        return 1
+    return whole(told.claim.get("corank", 1), 1, 6, "corank")  # certificates of 0.2.0 do not tell it
+
+
 def _compare(arm: Arm, told: Told, plan: Plan) -> None:
     """The covering is about the arm, task and rank of the certificate, and leaves out no variable that matters."""
-    if plan.fingerprint != told.model or tuple(plan.rows) != told.rows or plan.rank != told.rank:
+    if plan.fingerprint != told.model or tuple(plan.rows) != told.rows or plan.kept != told.rank:
         raise Unproven("the covering is about another arm or task than its certificate")
     places = [j - 1 for j in plan.variables]
     if len({len(plan.lower), len(plan.upper), len(plan.turns), len(plan.depth), len(places)}) != 1:
         raise Unproven("the covering has another number of ranges than of variables")
     if not set(arm.moving) <= set(places) <= set(range(told.variables)):
         raise Unproven("the covering leaves out a joint that decides")
+    if corank_of(told) != plan.corank:
+        raise Unproven("the covering is of another corank than its certificate says")
     record = asdict(plan)
     for key in ("variables", "lower", "upper", "turns", "limits"):
         said = told.claim[key]

@@ -75,8 +75,10 @@ def verify_ball(arm: Arm, told: Told, work: Work) -> str:
         work.tell(place, len(tree))
         _free(arm, told, _Ball(q, scale, side, share), leaf, work)
     fixed = [str(j + 1) for j in range(told.variables) if j not in arm.moving]
-    free = f"; joint{'s' if len(fixed) > 1 else ''} {', '.join(fixed)} wherever" if fixed else ""
-    return f"no configuration within {radius:.9g} rad of q has a rank below {told.rank} (slides in their scale){free}"
+    joints = f"joint{'s' if len(fixed) > 1 else ''} {' and '.join(filter(None, (', '.join(fixed[:-1]), fixed[-1])))}" \
+        if fixed else ""
+    free = f"; {joints} may stand anywhere" if fixed else ""
+    return f"no configuration within {radius:.9g} rad of q has a rank below {told.rank}{_slides(told)}{free}"
 
 
 def text_of_tree(value: object) -> str:
@@ -210,8 +212,13 @@ def verify_distance(arm: Arm, told: Told, work: Work) -> str:
     for stretch in range(count):
         work.tell(stretch, count)
         path.keeps_away(stretch, distance, np.array(scale))
-    return f"no configuration of this arm nearer to the path than {distance:.9g} rad has a rank below {told.rank} " \
-           "(slides in their scale)"
+    return f"no configuration of this arm nearer to the path than {distance:.9g} rad has a rank below {told.rank}" \
+           f"{_slides(told)}"
+
+
+def _slides(told: Told) -> str:
+    """How slides are counted in a distance; nothing where there are none."""
+    return " (slides divided by their scale)" if any(one.kind == SLIDE for one in told.links) else ""
 
 
 def _scale(told: Told) -> list[float]:

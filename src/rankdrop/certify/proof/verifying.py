@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.certify.proof.covers import verify_covering
+from rankdrop.certify.proof.covers import corank_of, verify_covering
 from rankdrop.certify.proof.existence import verify_existence
 from rankdrop.certify.proof.intervals import BITS, SCREW, SLIDE, Arm, Interval, Region, flint
 from rankdrop.certify.proof.minors import verify_in_minors
@@ -70,8 +70,8 @@ class Verified:
         of = f"{self.kind} of {self.arm}" if self.kind else "certificate"
         counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
         if not self.holds:
-            return (Section(of, "does not hold", (f"{self.reason}.",), notes=counted),)
-        return (Section(of, "holds", (f"{self.claim}.",), notes=(*counted, *self.assumed)),)
+            return (Section("Does not hold", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
+        return (Section("Holds", of, (f"{self.claim}.",), notes=(*counted, *self.assumed), tone="good"),)
 
     def __str__(self) -> str:
         return text(self.sections())
@@ -130,7 +130,7 @@ def verify(
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     place = write_certificate(ball_certificate(arm, [0.3, 1.2, 0.4], radius=1.1), f"{folder}/ball.json")
         ...     print(verify(place, arm).claim)
-        no configuration within 1.1 rad of q has a rank below 3 (slides in their scale); joints 1, 3 wherever
+        no configuration within 1.1 rad of q has a rank below 3; joints 1 and 3 may stand anywhere
     """
     _check_whole("enclosures", enclosures)
     if sample is not None:
@@ -288,20 +288,23 @@ def _rows_left_out(told: Told) -> list[str]:
 def _rank_is_generic(arm: Arm, told: Told) -> list[str]:
     """No configuration tried has a higher rank: else the certificate would speak of another loss.
 
+    A covering of a higher corank is about a rank that is lower by so much than the one almost everywhere.
+
     Raises:
         Unproven: one has.
     """
     f = flint()
     most = min(len(told.whole_rows), told.variables)
-    if told.rank > most:
-        raise Unproven(f"the rank is at most {most}, not {told.rank}")
-    if told.rank == most:
+    rank = told.rank + corank_of(told) - 1
+    if rank > most:
+        raise Unproven(f"the rank is at most {most}, not {rank}")
+    if rank == most:
         return []
     zero = [f.arb(0)] * told.variables
     for q in np.random.default_rng(1).uniform(-1.0, 1.0, (_TRIED, told.variables)):
-        if arm.keeps_rank(Region([f.arb(float(x)) for x in q], zero), told.whole_rows, told.rank + 1):
-            raise Unproven(f"the rank is above {told.rank} almost everywhere")
-    return [f"{told.rank} is the rank almost everywhere (no higher one at {_TRIED} configurations)"]
+        if arm.keeps_rank(Region([f.arb(float(x)) for x in q], zero), told.whole_rows, rank + 1):
+            raise Unproven(f"the rank is above {rank} almost everywhere")
+    return [f"{rank} is the rank almost everywhere (no higher one at {_TRIED} configurations)"]
 
 
 def _model(told: Told) -> list[str]:

@@ -269,7 +269,7 @@ def tree_of(test: _Test, radius: float, boxes: int) -> str | None:
 
 
 def covering_certificate(robot: Robot, plan: Plan, sha256: str, file: str, task: Task) -> Record:
-    """A certificate that every configuration in no box of a covering has the generic rank.
+    """A certificate that every configuration in no box of a covering has the generic rank, or one less than its corank.
 
     Args:
         robot: the arm.
@@ -280,9 +280,9 @@ def covering_certificate(robot: Robot, plan: Plan, sha256: str, file: str, task:
     """
     claim = {
         "file": file, "sha256": sha256, "variables": list(plan.variables), "lower": list(plan.lower),
-        "upper": list(plan.upper), "turns": list(plan.turns), "limits": plan.limits,
+        "upper": list(plan.upper), "turns": list(plan.turns), "limits": plan.limits, "corank": plan.corank,
     }  # fmt: skip
-    return record_of(robot, task, COVERING, viewed(robot, task), claim, {})
+    return record_of(robot, task, COVERING, viewed(robot, task, plan.corank), claim, {})
 
 
 def existence_certificate(

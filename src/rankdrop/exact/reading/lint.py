@@ -28,6 +28,7 @@ from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind
+from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_KEPT
 from rankdrop.units import into_units, out_of_units
 
 _ZERO = 1e-12  # σ below it is printed as 0
@@ -136,7 +137,7 @@ def words(piece: ZeroSet) -> str:
     return " and ".join([*pins, *(Condition(piece.ring, f).text() for f in piece.equations)]) or "every configuration"
 
 
-def real_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
+def round_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Array]:
     """Real points of a set at the arm's own lengths, one per start that arrives.
 
     Args:
@@ -170,10 +171,6 @@ def real_points(piece: ZeroSet, chain: Chain, *, seed: int = 0) -> Iterator[Arra
         yield out_of_units(chain.robot, theta)
 
 
-ZERO = 1e-9
-"""σ and values of conditions at or below this, beside the largest σ or the largest value, are zero."""
-CLEAR = 1e-6
-"""Above this they are not; a counter-example between the two is not shown."""
 _LOOKED = 12  # real points of a set among which the clearest counter-example is chosen
 
 
@@ -249,7 +246,7 @@ class _Comparison:
     @property
     def real(self) -> bool:
         """Whether a real zero of the condition is found."""
-        return any(next(real_points(piece, self.chain), None) is not None for piece in self.users)
+        return any(next(round_points(piece, self.chain), None) is not None for piece in self.users)
 
     def special(self, f: Polynomial) -> Polynomial:
         """A half-angle polynomial at the given lengths."""
@@ -320,13 +317,13 @@ class _Comparison:
     def example(self, piece: ZeroSet, *, singular: bool) -> Example | None:
         """A real configuration of a set, singular where the condition does not hold, or regular where it does."""
         best: tuple[float, Example] | None = None
-        for looked, theta in enumerate(real_points(piece, self.chain)):
+        for looked, theta in enumerate(round_points(piece, self.chain)):
             if looked == _LOOKED:
                 break
             one, largest = self.measured(theta)
-            if singular and one.sigma <= ZERO * largest and abs(one.value) > CLEAR:
+            if singular and one.sigma <= DEFAULT.singular * largest and abs(one.value) > CONDITION_FAILS:
                 clear = abs(one.value)
-            elif not singular and one.sigma > CLEAR * largest and abs(one.value) <= ZERO:
+            elif not singular and one.sigma > RANK_KEPT * largest and abs(one.value) <= DEFAULT.singular:
                 clear = one.sigma
             else:
                 continue

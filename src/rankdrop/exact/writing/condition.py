@@ -18,7 +18,7 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import SIMPLE, Polynomial
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.writing.form import Product, Symbol, Wave, derivative, fourier, total
-from rankdrop.exact.writing.notation import C, Latex, Notation, Python, Text, angle_words, latex_angle
+from rankdrop.exact.writing.notation import Latex, Notation, Python, Text, angle_words, latex_angle
 from rankdrop.exact.writing.shortest import parts_of, shortest
 from rankdrop.family.equation import Equation, Term, normalised
 
@@ -47,10 +47,11 @@ class AnglePin(NamedTuple):
         values: out of `SIMPLE`.
 
     Example:
+        >>> from rankdrop.exact.writing.notation import C, Python
         >>> pin = AnglePin(4, ("0", "pi"))
-        >>> pin.text(), pin.expression(), pin.c_code(), pin.c_gradient()
+        >>> pin.text(), pin.code(Python()), pin.code(C()), pin.gradient(C())
         ('θ4 = 0 or π', 'sin(q4)', 'sin(q[3])', {4: 'cos(q[3])'})
-        >>> AnglePin(3, ("pi/2", "-pi/2")).text(), AnglePin(4, ("pi/2",)).expression()
+        >>> AnglePin(3, ("pi/2", "-pi/2")).text(), AnglePin(4, ("pi/2",)).code(Python())
         ('θ3 = ±π/2', 'sin((q4 - pi/2)/2)')
     """
 
@@ -85,25 +86,13 @@ class AnglePin(NamedTuple):
             return rf"{name} = \pm\frac{{\pi}}{{2}}"
         return rf"{name} \in \{{{', '.join(LATEX[value] for value in kept)}\}}"
 
-    def expression(
-        self,
-        *,
-        letters: Mapping[str, float] | None = None,
-        shifts: Sequence[float] | None = None,
-        names: Mapping[str, str] | None = None,
-    ) -> str:
-        """A Python expression in q that vanishes there and nowhere else; no length plays a part."""
-        return self._written(Python(shifts=() if shifts is None else shifts))
+    def code(self, notation: Python) -> str:
+        """An expression in q that vanishes there and nowhere else; no length plays a part."""
+        return "*".join(f"{kind}({angle})" for kind, angle, _ in self._factors(notation))
 
-    def c_code(self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
-        """The same as a C expression in q[0] …."""
-        return self._written(C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
-
-    def c_gradient(
-        self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None
-    ) -> dict[int, str]:
-        """The derivative of `c_code` by its joint variable, as a C expression."""
-        factors = self._factors(C(shifts=() if shifts is None else shifts, variable="q[{1}]"))
+    def gradient(self, notation: Python) -> dict[int, str]:
+        """The derivative of `code` by its joint variable."""
+        factors = self._factors(notation)
         parts = []
         for place, (kind, angle, whole) in enumerate(factors):
             number = ("" if whole else "0.5*") if kind == "sin" else ("-" if whole else "-0.5*")
@@ -128,9 +117,6 @@ class AnglePin(NamedTuple):
                 if kind == "cos" or power:
                     terms.append(Term(float(part), kind, harmonics, (0,) * n, phase))
         return normalised(terms)
-
-    def _written(self, notation: Python) -> str:
-        return "*".join(f"{kind}({angle})" for kind, angle, _ in self._factors(notation))
 
     def _factors(self, notation: Python) -> list[tuple[str, str, bool]]:
         """(sin or cos, of what, whether of whole angles): the product of these vanishes there and nowhere else."""
@@ -197,40 +183,12 @@ class Condition:
             return _related(*relation, r"\theta_{{{}}}", "-", latex_angle)
         return self._slide("q_{{{}}}", Latex(), r"\,\mathrm{m}") or _sides(self.form, Latex())
 
-    def expression(
-        self,
-        *,
-        letters: Mapping[str, float] | None = None,
-        shifts: Sequence[float] | None = None,
-        names: Mapping[str, str] | None = None,
-    ) -> str:
-        """The left-hand side as a Python expression in q1 …, sin, cos and the lengths; zero where the condition holds.
+    def code(self, notation: Python) -> str:
+        """The left-hand side as an expression in q; zero where the condition holds."""
+        return notation.zero(self.form)
 
-        Args:
-            letters: numbers that replace lengths [m].
-            shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
-            names: what lengths are called there, where it is something else.
-        """
-        return Python(letters or {}, () if shifts is None else shifts, names=names or {}).zero(self.form)
-
-    def c_code(self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None) -> str:
-        """The left-hand side as a C expression in q[0] …, with <math.h>.
-
-        Args:
-            names: what lengths are called there, where it is something else.
-            shifts: θ_j = q[j − 1] + shifts[j − 1] [rad]; None for none.
-        """
-        return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {}).zero(self.form)
-
-    def c_gradient(
-        self, *, names: Mapping[str, str] | None = None, shifts: Sequence[float] | None = None
-    ) -> dict[int, str]:
-        """Derivatives of `c_code` as C expressions, by the number of the joint; those that vanish are left out.
-
-        Args:
-            names, shifts: as in `c_code`.
-        """
-        notation = C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {})
+    def gradient(self, notation: Python) -> dict[int, str]:
+        """Derivatives of `code` by the number of the joint; those that vanish are left out."""
         parts = notation.parts(self.form)
         slopes = {joint: total(derivative(part, joint) for part in parts) for joint in self.joints}
         return {joint: notation.value(slope) for joint, slope in slopes.items() if slope.number}

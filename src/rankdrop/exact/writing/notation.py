@@ -329,7 +329,9 @@ class Python(Notation):
 
 @dataclass(frozen=True)
 class C(Python):
-    """C99, with <math.h>."""
+    """C99, with <math.h>: a2*cos(q[1]) + a3*cos(q[1] + q[2])."""
+
+    variable: str = "q[{1}]"
 
     def number(self, value: Fraction) -> str:
         """A double."""

@@ -17,7 +17,7 @@ from rankdrop.exact.algebra.polynomial import SIMPLE, Atom, Factors, Polynomial,
 from rankdrop.exact.algebra.ring import Ring, polynomial_of
 from rankdrop.exact.writing.condition import WORDS
 from rankdrop.exact.writing.form import Factor, Product, Sum, Symbol, Wave, fourier, half_of, product, symbols, total
-from rankdrop.exact.writing.notation import C, Latex, Notation, Python, Text
+from rankdrop.exact.writing.notation import Latex, Notation, Python, Text
 from rankdrop.exact.writing.shortest import factor_forms, gathered, length, multiplied, parts_of, shortest
 from rankdrop.robot.model import Array
 
@@ -95,7 +95,7 @@ class Value:
         >>> ring = Ring([1, 2], letters=["a1", "a2"])
         >>> p = -3 * ring.letter["a1"] * ring.letter["a2"] ** 2 * ring.s[2]
         >>> value = Value(ring, p, ring.factor(p))
-        >>> value.text(), value.latex(), value.expression()
+        >>> value.text(), value.latex(), value.code(Python())
         ('−3 a1 a2² s2', '-3 a_1 a_2^{2} s_2', '-3*a1*a2**2*sin(q2)')
     """
 
@@ -134,18 +134,9 @@ class Value:
         """LaTeX, without delimiters."""
         return Latex().value(self.form)
 
-    def expression(self, *, shifts: Sequence[float] | None = None, names: Mapping[str, str] | None = None) -> str:
-        """A Python expression in q1 …, sin, cos and the lengths.
-
-        Args:
-            shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
-            names: what lengths are called there, where it is something else.
-        """
-        return Python({}, () if shifts is None else shifts, names=names or {}).value(self.form)
-
-    def c_code(self, *, shifts: Sequence[float] | None = None, names: Mapping[str, str] | None = None) -> str:
-        """A C expression in q[0] …, with <math.h>; arguments as of `expression`."""
-        return C(shifts=() if shifts is None else shifts, variable="q[{1}]", names=names or {}).value(self.form)
+    def code(self, notation: Python) -> str:
+        """An expression in q and the lengths."""
+        return notation.value(self.form)
 
     def powers(self) -> tuple[tuple[str, str, int], ...]:
         """(text, LaTeX, multiplicity) of each factor."""
@@ -266,14 +257,9 @@ class Quotient:
         upper, lower = Product(abs(above.number), above.factors), below
         return rf"{sign}\frac{{{notation.value(upper)}}}{{{notation.value(lower)}}}"
 
-    def expression(self, *, shifts: Sequence[float] | None = None) -> str:
-        """A Python expression in q1 …, sin, cos and the lengths.
-
-        Args:
-            shifts: θ_j = q_j + shifts[j − 1] [rad]; None for none.
-        """
-        above, below = self.forms
-        return _joined(Python({}, () if shifts is None else shifts), above, below, "/")
+    def code(self, notation: Python) -> str:
+        """An expression in q and the lengths."""
+        return _joined(notation, *self.forms, "/")
 
     def at(self, theta: Array, letters: Mapping[str, float]) -> float:
         """Its value at one configuration θ (n,), with values of the lengths [m]; inf or nan where below is zero."""

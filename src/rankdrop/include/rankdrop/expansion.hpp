@@ -106,9 +106,15 @@ class Expansion {
         slack_ = fill(kSlack) * (fill(2.0) + size) + far * (kFar * l * slides_) + size * turned * kTurned;
     }
 
+    // SIX: all six rows of the twist, in their order; else those of the view
+    template <bool SIX>
     Pack along_row(const Pack* row, const Pack* twist) const {
         Pack sum = fill(0.0);
-        for (int c = 0; c < view_.m; ++c) sum = sum + row[view_.row[c]] * twist[view_.row[c]];
+        if constexpr (SIX) {
+            for (int c = 0; c < 6; ++c) sum = sum + row[c] * twist[c];
+        } else {
+            for (int c = 0; c < view_.m; ++c) sum = sum + row[view_.row[c]] * twist[view_.row[c]];
+        }
         return sum;
     }
 
@@ -129,7 +135,8 @@ class Expansion {
         }
     }
 
-    // Coefficients of B: in a box the sums themselves (in bound_), in a ball the norms of g, H and the factor of T.
+    // Coefficients of B: in a box the sums themselves (in bound_), in a ball the norms of g, H and the factor of T. Six of
+    // six, the common case, has loops of lengths that the compiler knows.
     void expand(bool box) {
         const Pack zero = fill(0.0);
         for (int e = 0; e < 36; ++e) first_[e] = second_[e] = bound_[e] = zero;
@@ -137,50 +144,59 @@ class Expansion {
         Pack weight[6];
         for (int a = 0; a < r_; ++a) weight[a] = fill(1.0) / sqrt(max(ws_.sigma[a], ws_.sigma[0] * fill(1e-6)));
         allow();
+        const bool six = r_ == 6 && view_.m == 6;
         for (int j = 0; j < r_; ++j) {
             const Pack* x = ws_.v + j * n_;
-            walk(x, [&](int l, const Pack* twist) {
-                Pack share = zero;
-                for (int a = 0; a < r_; ++a) {
-                    const Pack slope = along_row(left_ + 6 * a, twist);
-                    if (box) {
-                        const Pack part = abs(slope) * half_[l];
-                        bound_[a * r_ + j] = bound_[a * r_ + j] + part;
-                        share = share + part * weight[a];
-                    } else {
-                        first_[a * r_ + j] = first_[a * r_ + j] + slope * slope;
-                    }
-                }
-                score_[l] = score_[l] + share * weight[j];
-                curve(l, j, twist, weight, box);
-            });
+            if (box)
+                six ? column<true, true>(j, x, weight) : column<true, false>(j, x, weight);
+            else
+                six ? column<false, true>(j, x, weight) : column<false, false>(j, x, weight);
             third_[j] = remainder(x, box, box ? weight[j] * weight[r_ - 1] : zero);
         }
     }
 
-    // second derivatives by joints l and k, k from l to the link: [S_k, [S_l, .]]
-    void curve(int l, int j, const Pack* twist, const Pack* weight, bool box) {
-        const int side = l < link_;
-        const int to = side ? link_ : link_ - 1, step = side ? 1 : -1;
-        const Pack sign = fill(side ? -1.0 : 1.0);
-        Pack twice[6];
-        for (int k = l; k != to; k += step) {
-            bracket6(mover_ + 6 * k, twist, sign, twice);
-            const double times = k == l ? 0.5 : 1.0;
+    // Column j of B: first derivatives by every joint l, and second ones by l and k, k from l to the link: [S_k, [S_l, .]].
+    template <bool BOX, bool SIX>
+    void column(int j, const Pack* x, const Pack* weight) {
+        const int r = SIX ? 6 : r_;
+        Pack bound[6], first[6], second[6];
+        for (int a = 0; a < r; ++a) bound[a] = first[a] = second[a] = fill(0.0);
+        walk(x, [&](int l, const Pack* twist) {
             Pack share = fill(0.0);
-            for (int a = 0; a < r_; ++a) {
-                const Pack bend = along_row(left_ + 6 * a, twice);
-                if (box) {
-                    const Pack part = abs(bend) * half_[k] * half_[l] * times;
-                    bound_[a * r_ + j] = bound_[a * r_ + j] + part;
+            for (int a = 0; a < r; ++a) {
+                const Pack slope = along_row<SIX>(left_ + 6 * a, twist);
+                if constexpr (BOX) {
+                    const Pack part = abs(slope) * half_[l];
+                    bound[a] = bound[a] + part;
                     share = share + part * weight[a];
                 } else {
-                    second_[a * r_ + j] = second_[a * r_ + j] + bend * bend * (k == l ? 1.0 : 2.0);
+                    first[a] = first[a] + slope * slope;
                 }
             }
             score_[l] = score_[l] + share * weight[j];
-            if (k != l) score_[k] = score_[k] + share * weight[j];
-        }
+            const int side = l < link_;
+            const int to = side ? link_ : link_ - 1, step = side ? 1 : -1;
+            const Pack sign = fill(side ? -1.0 : 1.0);
+            Pack twice[6];
+            for (int k = l; k != to; k += step) {
+                bracket6(mover_ + 6 * k, twist, sign, twice);
+                const Pack width = half_[k] * half_[l] * (k == l ? 0.5 : 1.0);
+                share = fill(0.0);
+                for (int a = 0; a < r; ++a) {
+                    const Pack bend = along_row<SIX>(left_ + 6 * a, twice);
+                    if constexpr (BOX) {
+                        const Pack part = abs(bend) * width;
+                        bound[a] = bound[a] + part;
+                        share = share + part * weight[a];
+                    } else {
+                        second[a] = second[a] + bend * bend * (k == l ? 1.0 : 2.0);
+                    }
+                }
+                score_[l] = score_[l] + share * weight[j];
+                if (k != l) score_[k] = score_[k] + share * weight[j];
+            }
+        });
+        for (int a = 0; a < r; ++a) bound_[a * r + j] = bound[a], first_[a * r + j] = first[a], second_[a * r + j] = second[a];
     }
 
     // T_j = 1/6 sum_i |x_i| (M_i t^3 + 3 m_i t^2 s), t and s the turns and slides between i and the link, m_i the

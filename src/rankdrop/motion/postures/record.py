@@ -117,10 +117,11 @@ class Postures:
         """The verdict and what it rests on."""
         if self.change is not None:
             corners, spent = len(self.change.q), self.change.evaluations
-            return (f"Cuspidal: a path of {corners} corners from one solution of a pose to another is proven free of "
-                    f"singularities ({spent:,} enclosures).")  # fmt: skip
+            return (f"It can change its posture without a singularity (cuspidal): a path of {corners} corners from one "
+                    f"solution of a pose to another is proven free ({spent:,} enclosures).")  # fmt: skip
         if self.decision.impossible:
-            return f"Not cuspidal, proven: {self.decision.words}."
+            words = f"{self.decision.words[:1].upper()}{self.decision.words[1:]}"
+            return f"It cannot change its posture without a singularity (not cuspidal): proven. {words}."
         where = " within the joint limits" if self.settings.limits else ""
         poses = f"{len(self.solved)} pose{'' if len(self.solved) == 1 else 's'}"
         return f"No change of posture without a singularity was found in {poses}{where}; that is no proof of absence."
@@ -182,7 +183,8 @@ class Postures:
         return "\n".join([head, *(",".join(repr(float(x)) for x in row) for row in self.change.q)]) + "\n"
 
     def _about(self) -> Iterator[str]:
-        yield f"without a search: {self.decision.words}"
+        if not self.decision.impossible:  # else the verdict says it
+            yield f"without a search: {self.decision.words}"
         where = "within the joint limits" if self.settings.limits else "joint limits ignored"
         yield (f"solutions of the inverse: Newton's method from {self.settings.starts:,} starts for each pose, seed "
                f"{self.settings.seed}, {where}; more may exist")  # fmt: skip

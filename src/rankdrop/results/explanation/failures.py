@@ -36,10 +36,10 @@ def failures_table(found: Failures, title: str) -> Section:
     least = found.worst
     after = [f"worst case: σ{r} = {short(least.sigma_min)} without joint {numbers(found.worst_numbers)}"]
     if found.bound is not None and n > r:
-        after[0] += f"; no worst case is above √({n - r}/{n}) σ1 = {short(found.bound)} here"
-    return Section(title, "it stands still: its column is gone from the Jacobian", (),
+        after[0] += f"; at most {short(found.bound)} is possible here"
+    return Section(title, "it stands still for good", (),
                    ("joint", f"σ{r} left", "ρ", "rank", "lost then"), rows, (0, 4), tuple(after),
-                   ("ρ: what is left of √det(JJᵀ)",))  # fmt: skip
+                   ("ρ: the share of Yoshikawa's manipulability that is left",))  # fmt: skip
 
 
 def failures_to_dict(found: Failures) -> Record:

@@ -112,10 +112,10 @@ def out_of_units(robot: Robot, q: ArrayLike) -> Array:
 
 def as_given(robot: Robot, q: ArrayLike) -> Array:
     """Configurations (..., n) of a robot as the user's: for sentences written where only `in_units` is at hand."""
-    return _slid(robot, q, told_exponent(robot))
+    return _slid(robot, q, given_exponent(robot))
 
 
-def told_exponent(robot: Robot) -> int:
+def given_exponent(robot: Robot) -> int:
     """Power of ten by which lengths of a robot are told larger than they stand there: that of `in_units`, else 0."""
     return robot.exponent if isinstance(robot, UnitRobot) else 0
 
@@ -189,7 +189,7 @@ def counted_exponent(robot: Robot) -> int:
     """Power of ten of `counted_length`: a multiple of three."""
     known = _counted.get(robot)
     if known is None:
-        given = log10(reach(robot)) + told_exponent(robot)
+        given = log10(reach(robot)) + given_exponent(robot)
         known = _counted[robot] = 3 * floor(given / 3 + 0.5)
     return known
 

@@ -15,15 +15,15 @@ from rankdrop.errors import OptionError
 from rankdrop.exact import methods
 from rankdrop.exact.algebra import factoring
 from rankdrop.exact.algebra.factoring import factors_within
-from rankdrop.exact.algebra.field import P, Point, common_zeros, complete, holds, in_one, in_two, roots
+from rankdrop.exact.algebra.field import P, Point, bivariate, common_zeros, complete, holds, roots, univariate
 from rankdrop.exact.algebra.polynomial import SIMPLE
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import spent
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.verify import random_points, rank_check
 from rankdrop.exact.methods import METHODS, Derivation, derive
+from rankdrop.exact.methods.builder import Case, DerivationBuilder
 from rankdrop.exact.methods.derivation import Words
-from rankdrop.exact.methods.draft import Case, Draft
 from rankdrop.exact.methods.reciprocity import _choices
 from rankdrop.local.block import sample, singular_values
 from rankdrop.robot.dh import from_dh
@@ -71,12 +71,12 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
         minors = [ring.determinant([[column[row] for column in subset] for row in range(m)]) for subset in chosen]
         found = [ring.to_half(p).f for p in (ring.at(p, pins) for p in minors) if p != 0]
         if found and moving and rng.random() < 0.5:
-            zeros = roots(in_one(ring, found[0], moving[0], values))
+            zeros = roots(univariate(ring, found[0], moving[0], values))
             if zeros:
                 values[moving[0]] = rng.choice(zeros)
         elif len(found) == 2 and len(moving) > 1:
             x, y = moving[:2]
-            pair = next(common_zeros(*(in_two(ring, f, x, y, values) for f in found)), None)
+            pair = next(common_zeros(*(bivariate(ring, f, x, y, values) for f in found)), None)
             if pair is not None:
                 values[x], values[y] = pair
         point = complete(ring, values, pins)
@@ -189,9 +189,9 @@ def test_the_screw_of_kg_vanishes_where_c5_and_s6_do(theta4: str, singular: tupl
 def test_what_is_said_to_vanish_does() -> None:
     """At θ4 = π, θ5 = π/2, θ6 = 0 every element of the screw is zero, and the other angles are free."""
     chain = chain_of("canadarm2")
-    draft = Draft(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
+    builder = DerivationBuilder(chain, "reciprocity", 30.0, frame=5, basic=(2, 3, 4, 5, 6, 7))
     case = Case(pins=((4, "pi"),))
-    joints, screw = _choices(draft, case.columns(chain.ring, draft.columns))[0]
+    joints, screw = _choices(builder, case.columns(chain.ring, builder.columns))[0]
     assert [j + 1 for j in joints] == [2, 3, 4, 6, 7]
     assert any(w != 0 for w in screw)
     assert all(chain.ring.at(w, {4: "pi", 5: "pi/2", 6: "0"}) == 0 for w in screw)
@@ -246,7 +246,7 @@ def test_a_case_analysis_that_is_cut_short_keeps_what_it_found() -> None:
 
 
 def test_a_long_determinant_without_time_is_kept_whole_and_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rankdrop.exact.methods.draft.factors_within", lambda *_: None)
+    monkeypatch.setattr("rankdrop.exact.methods.builder.factors_within", lambda *_: None)
     found = derive(chain_of("canadarm2"), "determinant", 10.0)
     assert not found.complete
     points, singular = strata("canadarm2")
@@ -275,7 +275,7 @@ def test_a_process_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch)
 def test_the_process_is_ended_by_its_own_time_and_not_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """A second of the processor: the product of two minors of a Gen3, 1,416 terms."""
     chain = chain_of("gen3")
-    minors = sorted(Draft(chain, "determinant", 30.0).minors(chain.columns[:7], 6), key=len)
+    minors = sorted(DerivationBuilder(chain, "determinant", 30.0).minors(chain.columns[:7], 6), key=len)
     monkeypatch.setattr(factoring, "_PATIENCE", 1000.0)
     assert factors_within(chain.ring, chain.ring.reduce(minors[2] * minors[4]), 0.2) is None
 
@@ -369,7 +369,8 @@ def test_a_polynomial_too_long_in_half_angles_is_not_factored_and_no_error() -> 
     chain = exact_chain(from_dh(rows, convention="standard"))
     found = derive(chain, "cofactors")
     assert found.complete
-    long = sum((minor**2 for minor in Draft(chain, "determinant", 30.0).minors(chain.columns, 6)), chain.ring.zero)
+    builder = DerivationBuilder(chain, "determinant", 30.0)
+    long = sum((minor**2 for minor in builder.minors(chain.columns, 6)), chain.ring.zero)
     assert factors_within(chain.ring, chain.ring.reduce(long), 30.0) is None
 
 

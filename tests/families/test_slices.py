@@ -11,12 +11,13 @@ from rankdrop.families.curves import sweeps
 from rankdrop.families.slices import Slice, curves, slice_through, surface, telling_joints, telling_slices
 from rankdrop.families.solid import closed, solids
 from rankdrop.families.walk import general_member, members
-from rankdrop.families.workspaces import workspace
+from rankdrop.families.workspaces import _across, section_of, workspace
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.problem import wrap
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.known import shipped
+from rankdrop.robot.model import Joint, JointKind, Robot
 
 ARMS = ["pa10", "ur5", "stanford", "planar2r", "scara", "canadarm2"]
 SINGULAR = 1e-9
@@ -205,3 +206,24 @@ def test_the_same_seed_gives_the_same_pictures() -> None:
     assert np.array_equal(first.tips, again.tips)
     assert np.array_equal(first.walls, again.walls)
     assert all(np.array_equal(a, b) for (_, a), (_, b) in zip(first.images, again.images, strict=True))
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (-0.95, 0.3122498999199199, 0.0)])
+def test_a_section_has_two_unit_vectors_across_its_axis(axis: tuple[float, float, float]) -> None:
+    x, y = _across(np.array(axis))
+    frame = np.array([x, y, axis])
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(frame) == pytest.approx(1.0)
+
+
+def test_a_section_is_about_the_first_axis_that_turns_or_upright_where_none_does() -> None:
+    """The first axis of this arm passes through (0.3, −0.2, 0) along x; slides alone have the base's z."""
+    place, along = np.array([0.3, -0.2, 0.5]), np.array([1.0, 0.0, 0.0])
+    slide = Joint("out", JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]))
+    turn = Joint("turn", JointKind.REVOLUTE, np.array([*np.cross(place, along), *along]))
+    section = section_of(Robot("turned", (slide, turn)), np.random.default_rng(0).normal(size=(20, 3)))
+    np.testing.assert_allclose(section.axis, along)
+    np.testing.assert_allclose(np.cross(section.origin - place, along), 0.0, atol=1e-15)
+    assert not section.planar
+    gantry = section_of(Robot("gantry", (slide,)), np.array([[1.0, 2.0, 0.1], [0.5, 0.0, 0.1]]))
+    assert (gantry.origin.tolist(), gantry.axis.tolist(), gantry.planar) == ([0.0] * 3, [0.0, 0.0, 1.0], True)

@@ -12,7 +12,7 @@ from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.null_motion import REACHED, self_motion
-from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.second_order import distinct
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot
@@ -89,7 +89,7 @@ TOLD = [
 def test_rows_that_say_where_the_arm_is(words: str, frame: Frame, expected: bool) -> None:
     robot = open_robot("pa10")
     task = resolve_task(words, robot, frame=frame)
-    assert told_by_pose(task) is expected
+    assert determined_by_pose(task) is expected
     found = escape(robot, [0.1, 0.5, 0.7, 0.2, 0.9, 0.4, 0.2], task)
     assert ("not looked for" in found.avoidable_words) is not expected
     assert (found.still is not None) is expected

@@ -10,7 +10,7 @@ from rankdrop.families.searching import search
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local import second_order as still
 from rankdrop.local.block import singular_values
-from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.place import place_at
 from rankdrop.local.second_order import definite, forms, null_basis, proof_of, trace, vanishing
 from rankdrop.local.ways_out import Escape, escape
@@ -56,7 +56,7 @@ def test_puma_types_and_boundary() -> None:
     assert [found.types[0].type for found in (wrist, shoulder, elbow)] == [2, 1, 1]
     assert [found.boundary for found in (wrist, shoulder, elbow)] == [None, True, True]
     assert [found.avoidable for found in (wrist, shoulder, elbow)] == [False, False, False]
-    assert "traced, not proven" in wrist.avoidable_words
+    assert "(no proof)" in wrist.avoidable_words
     assert elbow.avoidable_words == "you cannot leave it with the tool held still"
     assert "is definite" in proof_of(elbow.avoidable_words)
     assert "not decided" in wrist.boundary_words
@@ -77,7 +77,7 @@ def test_a_shoulder_without_offset_is_left_by_internal_motion_only() -> None:
     assert found.boundary is None
     assert found.avoidable is False
     assert "not decided" in found.boundary_words
-    assert "traced, not proven" in found.avoidable_words
+    assert "(no proof)" in found.avoidable_words
 
 
 def reachable(robot: Robot, q: Array, lost: Array, size: float) -> bool:
@@ -143,7 +143,7 @@ def test_pa10_wrist_and_elbow_differ_in_what_a_self_motion_can_do() -> None:
     elbow = escape(robot, [0.1, 0.5, 0.7, 0, 0.9, 0.4, 0.2])
     assert elbow.still is None
     assert elbow.avoidable is False  # an extended arm can only turn about its own line
-    assert "traced, not proven" in elbow.avoidable_words
+    assert "(no proof)" in elbow.avoidable_words
 
 
 @pytest.mark.parametrize("kinds", ["rrrrrrr", "rrrrrrrr", "rrprrrr"])
@@ -164,11 +164,11 @@ def test_traced_self_motions_are_self_motions(kinds: str, rng: np.random.Generat
             assert found.boundary is True
             random = rng.normal(size=(20, basis.shape[1])) @ basis.T
             random /= np.linalg.norm(random, axis=1, keepdims=True)
-            assert told_by_pose(place.task)
+            assert determined_by_pose(place.task)
             assert not trace(place, random, 0.12).valid.any()
         if found.avoidable:
             assert found.still is not None
-            assert told_by_pose(place.task)
+            assert determined_by_pose(place.task)
             tangent = np.array(found.still.delta) / place.scale
             path = trace(place, tangent[None], 0.12)
             assert path.valid.all()
@@ -188,7 +188,7 @@ def test_self_motions_of_smaller_tasks_keep_the_task(words: str, rng: np.random.
     q = rng.uniform(-1, 1, 6)
     place = place_at(robot, q, task, DEFAULT)
     assert place.corank == 0
-    assert told_by_pose(place.task)
+    assert determined_by_pose(place.task)
     basis = null_basis(place)
     path = trace(place, np.concatenate([basis.T, -basis.T]), 0.12)
     assert path.valid.all()

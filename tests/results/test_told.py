@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rankdrop.results.conditions.known import LONGEST, shipped_conditions, told_conditions
+from rankdrop.results.conditions.known import LONGEST, condition_sentences, shipped_conditions
 from rankdrop.results.known import known_names, shipped
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.shipped
 def told(name: str, id: str, robot: Robot | None = None) -> tuple[str, ...]:
     arm = robot or open_robot(name)
     (family,) = (one for one in shipped(name).families if one.id == id)
-    return told_conditions(arm, resolve_task(None, arm), family)
+    return condition_sentences(arm, resolve_task(None, arm), family)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_no_line_is_longer_than_can_be_read(name: str) -> None:
     arm = open_robot(name)
     task = resolve_task(None, arm)
     for family in shipped(name).families:
-        lines = told_conditions(arm, task, family)
+        lines = condition_sentences(arm, task, family)
         assert lines
         assert all(len(line) <= LONGEST + 80 for line in lines)  # the values of its lengths stand after it
 

@@ -11,9 +11,9 @@ import rankdrop
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (65, 56),
-    "conditions puma560 --quiet": (42, 30),
-    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (70, 61),
+    "analyze planar3r --starts 300 --quiet --threads 1": (64, 55),
+    "conditions puma560 --quiet": (41, 29),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (69, 60),
 }
 """Command line -> at most so many files of the package, at most so many types that instances are made of."""
 

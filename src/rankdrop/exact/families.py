@@ -28,7 +28,7 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
-from rankdrop.family.naming import told_apart
+from rankdrop.family.naming import distinct_names
 from rankdrop.family.record import Check
 from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
@@ -343,7 +343,7 @@ def families(
             check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
-        names = told_apart([one.name for one in here], [partial(getattr, one, "texts") for one in here])
+        names = distinct_names([one.name for one in here], [partial(getattr, one, "texts") for one in here])
         result += [
             replace(family, id=f"k{corank}.f{number}", name=name)
             for number, (family, name) in enumerate(zip(here, names, strict=True), 1)

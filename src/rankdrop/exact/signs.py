@@ -75,7 +75,7 @@ class SignedFactor:
         """
         total = np.full(len(theta), float(self.sense))
         for atom in self.atoms:
-            total = total * half_values(self.ring, atom, theta, letters, power)
+            total = total * half_angle_values(self.ring, atom, theta, letters, power)
         return total
 
 
@@ -135,7 +135,7 @@ def _independent(basis: list[int], row: int) -> bool:
     return row != 0
 
 
-def half_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
+def half_angle_values(ring: Ring, atom: Atom, theta: Array, letters: Mapping[str, float], power: int = 0) -> Array:
     """(N,) an atom's function of half-angles, divided by the sum of the sizes of its coefficients; `power` as in
     `SignedFactor.values`.
     """
@@ -176,7 +176,7 @@ def numeric_terms(
 
 
 def reading(ring: Ring, atom: Atom) -> tuple[str, int]:
-    """(text of an atom's function, sign of that text over `half_values`)."""
+    """(text of an atom's function, sign of that text over `half_angle_values`)."""
     if atom.pinned:
         angle = {"0": f"θ{atom.joint}/2", "pi": f"θ{atom.joint}/2"}.get(atom.value, "")
         text = {"0": f"sin({angle})", "pi": f"cos({angle})"}.get(atom.value)
@@ -193,12 +193,12 @@ def _text(f: Polynomial, text: str) -> str:
 
 
 def _sense(ring: Ring, atom: Atom, trig: Polynomial) -> int:
-    """Sign of `to_trig` over `half_values`: the same everywhere, so any point that is not a zero tells it."""
+    """Sign of `to_trig` over `half_angle_values`: the same everywhere, so any point that is not a zero tells it."""
     rng = np.random.default_rng(0)
     joints = max((*ring.revolute, *ring.prismatic))
     theta = rng.uniform(-np.pi, np.pi, (8, joints))
     letters = dict(zip(ring.letters, rng.uniform(1, 2, len(ring.letters)), strict=True))
-    values = half_values(ring, atom, theta, letters)
+    values = half_angle_values(ring, atom, theta, letters)
     best = int(np.argmax(np.abs(values)))
     point = {f"q{j}": theta[best, j - 1] for j in ring.prismatic} | letters
     for j in ring.revolute:

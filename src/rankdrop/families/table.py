@@ -29,7 +29,7 @@ from rankdrop.families.searching import search
 from rankdrop.families.signature import HIGHER, Inspection, inspect
 from rankdrop.families.unseen import leftovers, none_found, unseen
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.naming import lost_motions, name_family, told_apart
+from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import (
     Check,
     CorankFamilies,
@@ -139,7 +139,7 @@ def families(
 
 def _told_apart(found: Sequence[Family]) -> tuple[Family, ...]:
     """Families with names of their own."""
-    names = told_apart([one.name for one in found], [partial(_texts, one) for one in found])
+    names = distinct_names([one.name for one in found], [partial(_texts, one) for one in found])
     return tuple(replace(one, name=name) for one, name in zip(found, names, strict=True))
 
 

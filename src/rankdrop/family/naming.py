@@ -72,7 +72,7 @@ def name_family(
        "all axes meet one line" where the blocked wrench is a pure force, else the smallest dependent sets of joint
        screws ("screws 2–6 dependent").
 
-    What a name states is true at every sample point. Names are not unique: `told_apart` makes them so.
+    What a name states is true at every sample point. Names are not unique: `distinct_names` makes them so.
 
     Args:
         robot: the arm.
@@ -170,7 +170,7 @@ def _run(joints: Sequence[int], robot: Robot) -> str:
     return ", ".join(letters)
 
 
-def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
+def distinct_names(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[str]]]) -> list[str]:
     """Names made unique: of those that are the same each gets the first short condition that only it has; then short.
 
     Args:
@@ -181,7 +181,7 @@ def told_apart(names: Sequence[str], conditions: Sequence[Callable[[], Sequence[
         The names; where no short condition tells them apart they are counted: "wrist (second)".
 
     Example:
-        >>> told_apart(["elbow", "wrist", "elbow"], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
+        >>> distinct_names(["elbow", "wrist", "elbow"], [lambda: ["θ3 = 0"], lambda: ["θ5 = 0"], lambda: ["θ3 = π"]])
         ['elbow (θ3 = 0)', 'wrist', 'elbow (θ3 = π)']
     """
     result = list(names)

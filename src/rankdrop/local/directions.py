@@ -23,7 +23,7 @@ from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, six_rows
 from rankdrop.tolerances import ENTRY
-from rankdrop.units import counted, in_metres, into_metres, shifted, task_in_metres, told_exponent
+from rankdrop.units import counted, given_exponent, in_metres, into_metres, shifted, task_in_metres
 
 _DEPENDENT = 1e-9  # columns of the input more dependent than this span nothing certain
 
@@ -155,7 +155,7 @@ def lost_in_sparsest_frame(
     both = seen_in_frames(np.concatenate([blocked, always]), links, task.frame, frames, length)
     found = _readable(both[:, : len(blocked)], both[:, len(blocked) :], corank)
     best = _sparsest(found)
-    return FramedDirections(found[best], frames[best], frame_name(frames[best], told_exponent(robot)))
+    return FramedDirections(found[best], frames[best], frame_name(frames[best], given_exponent(robot)))
 
 
 def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Frame) -> FramedDirections:
@@ -176,7 +176,7 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
     links, length = link_poses(robot, configuration), counted(robot)
     pair = _blocked(robot, configuration, task, corank)
     seen, never = (seen_in_frames(some, links, task.frame, [frame], length) for some in pair)
-    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, told_exponent(robot)))
+    return FramedDirections(_readable(seen, never, corank)[0], frame, frame_name(frame, given_exponent(robot)))
 
 
 def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -> FramedDirections | None:
@@ -215,7 +215,7 @@ def lost_over_family(robot: Robot, points: ArrayLike, task: Task, corank: int) -
     found = readable_bases(bases[0][still]).swapaxes(1, 2)
     best = _sparsest(found)
     frame = frames[still[best]]
-    return FramedDirections(found[best], frame, frame_name(frame, told_exponent(robot)))
+    return FramedDirections(found[best], frame, frame_name(frame, given_exponent(robot)))
 
 
 def _every_frame(own: Frame, joints: int) -> list[Frame]:

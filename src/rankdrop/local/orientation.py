@@ -258,7 +258,7 @@ _ACCEPTED = 1e-11  # far above rounding, far below the 1e-10 that self-motions p
 _ROUNDS = 12  # Gauss–Newton converges in three or four
 
 
-def told_by_pose(task: Task) -> bool:
+def determined_by_pose(task: Task) -> bool:
     """Whether "these rows stand still" says where the arm is, and not only how it moves.
 
     All six rows, or the three of the orientation, do so in every frame; three translations in every axes at a point of

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from rankdrop.local.block import singular_values
 from rankdrop.local.bracket import unit
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.orientation import Displacement, told_by_pose
+from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.place import Place, room
 from rankdrop.local.taylor import taylor
 from rankdrop.robot.model import Array
@@ -178,6 +178,9 @@ _FLAT_FORM = "whether the tool is at an edge of its reach is not decided here"
 _SLOWLY = "the tool moves along the lost direction only like the square of the joint motion"
 _INTERNAL = "the tool moves along the lost direction only after a motion of the joints that leaves it still"
 _HELD = "you cannot leave it with the tool held still"
+_TRACED = (
+    "no way to leave it with the tool held still was found: every such motion that was traced stays singular (no proof)"
+)
 _PROOFS = {
     _SEVERAL: "the test at second order is for one lost direction of a task that the arm can make in full",
     _INSIDE: "u · dJ(Δ)Δ takes both signs over the null motions Δ, u the lost direction (near q only)",
@@ -270,7 +273,7 @@ def find_still(place: Place, basis: Array, step: float, seed: int) -> Stillness:
         return _none(each, False, "every joint motion moves the tool")
     if place.corank and definite(each, seed):
         return _none(each, False, _HELD)
-    if not told_by_pose(place.task):
+    if not determined_by_pose(place.task):
         return _none(each, None, "ways out with the tool held still are not looked for with these rows in this frame")
     vectors, all_vanish = vanishing(each, seed)
     if not len(vectors):
@@ -373,7 +376,7 @@ def _stays(place: Place, each: Array, traced: Trace, complete: bool) -> Stillnes
         return _none(each, None, "there is no singularity to leave")
     stayed = bool((traced.sigma.max(axis=1) <= max(_STAYED, place.floor)).all())
     if complete and stayed and traced.valid.all():
-        return _none(each, False, f"{_HELD}: every such motion that was traced stays singular (traced, not proven)")
+        return _none(each, False, _TRACED)
     if stayed and traced.valid.any():
         return _none(each, None, "motions with the tool held still that were traced stay singular; there may be others")
     if traced.valid.any():

@@ -129,12 +129,12 @@ def _family(
         "witness": list(family.witness),
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
-        "told": told(family, words),
+        "told": family_html(family, words),
         "ways": [{"label": one.label, "after": one.after, "q": list(one.q)} for one in ways],
     }
 
 
-def told(family: Family, words: tuple[str, ...]) -> str:
+def family_html(family: Family, words: tuple[str, ...]) -> str:
     """A family in sentences: what is lost and who is to blame."""
     lost = "".join(
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{escape(one)}</li>'

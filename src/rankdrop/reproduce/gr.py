@@ -44,7 +44,7 @@ def example() -> OrderedScrewSet:
 
 
 @cache
-def told() -> OrderedReport:
+def searched() -> OrderedReport:
     """GR's search on it, and the judgement by finite motion."""
     return report(example())
 
@@ -83,7 +83,7 @@ def _shift(adjoint: Array) -> Array:
 
 def rules(sheet: Sheet) -> None:
     """Section 3: what the screws at the ends can do, groups, the five rules."""
-    found, here = told(), example()
+    found, here = searched(), example()
     gains = {joint.number: joint.gain for joint in found.joints}
     sheet.claim("section 3, item 1", "screws 1 and 7 can escape", "can never produce an escape",
                 "their finite motion gains no rank", gains[1] == gains[7] == 0)  # fmt: skip
@@ -128,7 +128,8 @@ def definitions(sheet: Sheet) -> None:
     )  # fmt: skip
     inside = {joint for run in example().subsets() if run.minimal for joint in range(run.first, run.last + 1)}
     sheet.claim("section 2.2", "where the screws that escape are", "in at least one minimal singular ordered subset",
-                f"screws {', '.join(map(str, told().escapes))} are in 1–5 and 3–7", set(told().escapes) <= inside)
+                f"screws {', '.join(map(str, searched().escapes))} are in 1–5 and 3–7",
+                set(searched().escapes) <= inside)  # fmt: skip
     run = example().msos(1, 7)
     sheet.claim(
         "section 4.3", "msos refuses runs of more than six screws", "if 6 < j − i then refuse",
@@ -160,15 +161,15 @@ def matrices(sheet: Sheet) -> None:
     )  # fmt: skip
     J = here.T
     sheet.identity("section 2.2, section 5", "determinant of J Jᵀ", "|J Jᵀ| = 0", float(abs(np.linalg.det(J @ J.T))))
-    sheet.numbers("section 5", "dim [$1 … $7]", "5", told().dimension)
+    sheet.numbers("section 5", "dim [$1 … $7]", "5", searched().dimension)
     sheet.claim(
         "section 5", "freedoms lost", "apparently, the manipulator has lost two degrees of freedom",
-        f"{told().dependencies} dependencies among 7 screws, but {told().lost} task freedom lost (6 − 5)",
-        told().lost == 2, reason="7 − 5 counts dependencies; one of them is the arm's redundancy.",
-        shown=Shown(f"Generic rank {told().generic}, rank here {told().dimension}.",
-                    told().generic == 6 and told().dimension == 5),
+        f"{searched().dependencies} dependencies among 7 screws, but {searched().lost} task freedom lost (6 − 5)",
+        searched().lost == 2, reason="7 − 5 counts dependencies; one of them is the arm's redundancy.",
+        shown=Shown(f"Generic rank {searched().generic}, rank here {searched().dimension}.",
+                    searched().generic == 6 and searched().dimension == 5),
     )  # fmt: skip
-    sheet.numbers("section 6", "freedoms lost, as the conclusions have it", "1", told().lost)
+    sheet.numbers("section 6", "freedoms lost, as the conclusions have it", "1", searched().lost)
     meet = {relation.words for relation in relations_at(open_robot("rcrrrr"), np.zeros(7))}
     sheet.claim("section 5", "screws 5, 6, 7", "concurrent, a spheric pair", "axes 5, 6, 7 meet in one point",
                 "axes 5, 6, 7 meet in one point" in meet)  # fmt: skip
@@ -209,7 +210,7 @@ def printed_session(sheet: Sheet) -> None:
 
 def conclusion(sheet: Sheet) -> None:
     """Which joint escapes."""
-    found, here = told(), example()
+    found, here = searched(), example()
     rates = {joint.number: joint.rate for joint in found.joints}
     dims = {j: [here.propagated(j).dimension(*run) for run in ((1, 5), (1, 6), (2, 7), (1, 7))] for j in (3, 4)}
     sheet.same("section 5", "what the printed procedure concludes", "3", ", ".join(map(str, found.printed)))

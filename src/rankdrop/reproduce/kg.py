@@ -17,8 +17,8 @@ from rankdrop.reproduce.kg_arm import (
     DAMAGED,
     SMALL,
     arm,
+    derivation,
     determinant,
-    found,
     on,
     places,
     screws,
@@ -107,8 +107,8 @@ def matrices(sheet: Sheet) -> None:
                    worst(matrix(kg.EQ_6, q, kg.LENGTHS), screws(q)[..., 1:]), reason=DAMAGED)  # fmt: skip
     sheet.identity("eq. 7", "|$2 … $7|", kg.EQ_7, worst(value(kg.EQ_7, q, kg.LENGTHS), determinant(q, (2, 3, 4, 5, 6,
                    7))),
-                   reason=f"{DAMAGED} Derived exactly as {found().determinant}, rows (v; ω).")  # fmt: skip
-    cases = [conditions_text(case.stratum) for case in found().start.cases]
+                   reason=f"{DAMAGED} Derived exactly as {derivation().determinant}, rows (v; ω).")  # fmt: skip
+    cases = [conditions_text(case.stratum) for case in derivation().start.cases]
     printed = ("s4 = 0", "s6 = 0, s4 ≠ 0", "a s345 + d c3 + d c34 = 0, s4 ≠ 0, s6 ≠ 0")
     for number, (text, ours) in enumerate(zip(printed, cases, strict=True), start=1):
         sheet.same(f"eq. {7 + number}", f"case {number}", text, ours, reason=DAMAGED if number == 3 else "")
@@ -125,14 +125,14 @@ def case_1(sheet: Sheet) -> None:
     sheet.identity("eqs 13, 14", "|$1 $2 $4 $5 $6 $7| where s4 = 0", f"d c4 [{kg.EQ_15}]",
                    worst(value(f"d c4 ({kg.EQ_15})", q, kg.LENGTHS), determinant(q, (1, 2, 4, 5, 6, 7))),
                    reason=DAMAGED)
-    texts = conditions_text(found().families[0].stratum)
+    texts = conditions_text(derivation().families[0].stratum)
     sheet.claim("eq. 15", "family 1", f"s4 = 0, {kg.EQ_15} = 0", texts, _same_family(15, 0),
                 reason="The same set written otherwise: " + BOTH)
 
 
 def _dependent(sheet: Sheet, item: str, number: int, printed: str) -> None:
     """Which screw is dependent in a case."""
-    dependence = found().start.cases[number - 1].dependence
+    dependence = derivation().start.cases[number - 1].dependence
     assert dependence is not None
     ours = f"${dependence.screw} of {', '.join(f'${j}' for j in dependence.on)}"
     sheet.same(item, f"dependent screw of case {number}, and what it is a combination of", printed, ours)
@@ -147,10 +147,10 @@ def _same_family(equation: int, index: int) -> bool:
     zeros, others = kg.FAMILIES[equation]
     q = on(zeros, equation)
     q = q[np.min([np.abs(value(text, q, kg.LENGTHS)) for text in (*others, "1")], axis=0) > 1e-3]
-    family, anywhere = found().families[index], singular()
-    ours = np.max([Distances(found().chain, anywhere).of(p) for p in family.equalities], axis=0) < 1e-5
+    family, anywhere = derivation().families[index], singular()
+    ours = np.max([Distances(derivation().chain, anywhere).of(p) for p in family.equalities], axis=0) < 1e-5
     printed = np.max([np.abs(value(text, anywhere, kg.LENGTHS)) for text in zeros], axis=0) < 1e-5
-    distances = Distances(found().chain, q)
+    distances = Distances(derivation().chain, q)
     return (
         len(q) > 20 and bool(sigma6(q).max() < SMALL) and int(ours.sum()) > 20 and bool((ours == printed).all())
         and all(float(distances.of(p).max()) < 1e-5 for p in family.equalities)
@@ -184,7 +184,7 @@ def case_3(sheet: Sheet) -> None:
     q = places()
     sheet.identity("eq. 22", "|$3 $4 $5 $6 $7|, rows 1 to 5", kg.EQ_22,
                    worst(value(kg.EQ_22, q, kg.LENGTHS), determinant(q, (3, 4, 5, 6, 7), 5)), reason=DAMAGED)
-    dependence = found().start.cases[2].dependence
+    dependence = derivation().start.cases[2].dependence
     assert dependence is not None
     sheet.claim(
         "section 3.3.3", "dependent screw of case 3, which is removed", "$5, of $3, $4, $5, $6 and $7",
@@ -204,13 +204,13 @@ def _family(sheet: Sheet, equation: int, index: int) -> None:
     zeros, others = kg.FAMILIES[equation]
     printed = ", ".join([*(f"{text} = 0" for text in zeros), *(f"{text} ≠ 0" for text in others)])
     sheet.claim(f"eq. {equation}", "a family of singular configurations", printed,
-                conditions_text(found().families[index].stratum), _same_family(equation, index),
+                conditions_text(derivation().families[index].stratum), _same_family(equation, index),
                 reason="The same set: " + BOTH)  # fmt: skip
 
 
 def families(sheet: Sheet) -> None:
     """Sections 3.4 and 4: how many, disjoint, complete, without denominators."""
-    ours = found()
+    ours = derivation()
     sheet.numbers("section 3.4", "families of singular configurations", "5", len(ours.families),
                   layout="five families of singular configurations")  # fmt: skip
     whole = all(int(x.q) == 1 for f in ours.families for p in f.equalities + f.inequalities for x in p.coeffs())
@@ -241,7 +241,7 @@ def families(sheet: Sheet) -> None:
 
 def efficiency(sheet: Sheet) -> None:
     """Section 4: what there is to read of each method's answer, in the same frame and with the same basic screws."""
-    ours = found()
+    ours = derivation()
     chain = exact_chain(arm(), lengths=kg.LENGTHS)
     other = derive(chain, "reciprocity", 20.0, frame=5, basic=tuple(range(2, 8)))
     terms = sum(len(p) for family in ours.families for p in (*family.equalities, *family.inequalities))

@@ -28,7 +28,7 @@ def arm() -> Robot:
 
 
 @cache
-def found() -> Suppression:
+def derivation() -> Suppression:
     """KG's derivation by this package, in their frame and with their basic screws."""
     return suppress(exact_chain(arm(), lengths=kg.LENGTHS), frame=5, basic=range(2, 8))
 

@@ -5,8 +5,8 @@ from .codec import Record as Record
 from .codec import json_text as json_text
 from .codec import plain as plain
 from .conditions.conditions import Conditions as Conditions
+from .conditions.known import condition_sentences as condition_sentences
 from .conditions.known import known_conditions as known_conditions
-from .conditions.known import told_conditions as told_conditions
 from .conditions.text import arm_lines as arm_lines
 from .conditions.text import steps_text as steps_text
 from .covered import Covered as Covered

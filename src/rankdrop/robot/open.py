@@ -16,12 +16,8 @@ from pathlib import Path
 from rankdrop.errors import RobotError, UnknownRobotError, visible
 from rankdrop.reach import link_lengths
 from rankdrop.robot.files import read_text, read_xml
-from rankdrop.robot.mjcf import from_mjcf
 from rankdrop.robot.model import Robot
-from rankdrop.robot.screws import from_screw_list, is_screw_list
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
-from rankdrop.robot.urdf import from_urdf
-from rankdrop.robot.xacro import from_xacro, uses_xacro
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
 _TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
@@ -109,6 +105,8 @@ def open_robot(
     if not text.strip(_BLANK):
         raise RobotError("the file is empty", where=str(path), allowed=_FORMATS)
     if xacro or path.suffix.lower() == ".xacro":
+        from rankdrop.robot.xacro import from_xacro
+
         return with_size_note(from_xacro(path, base=base, tip=tip, packages=packages, args=args,
                                          as_written=as_written))  # fmt: skip
     found = _from_text(text, path, tip, base, as_written)
@@ -183,7 +181,15 @@ def _from_catalog(name: str) -> Robot:
 
 
 def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_written: bool) -> Robot:
-    """The robot that the text of a file describes, by what it holds; xacro is told, not expanded."""
+    """The robot that the text of a file describes, by what it holds; xacro is told, not expanded.
+
+    An arm of the catalogue needs none of the readers imported here.
+    """
+    from rankdrop.robot.mjcf import from_mjcf
+    from rankdrop.robot.screws import from_screw_list, is_screw_list
+    from rankdrop.robot.urdf import from_urdf
+    from rankdrop.robot.xacro import uses_xacro
+
     if path.suffix.lower() == ".toml" or not text.lstrip(_BLANK).startswith("<"):
         if path.suffix.lower() != ".toml" and is_screw_list(text):
             _refuse_links(str(path), tip, base)

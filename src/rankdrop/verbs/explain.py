@@ -29,9 +29,9 @@ from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.results.explanation.parts import (
     checked_frame,
     how_far,
+    incidences_at,
     known_families,
     lost_of,
-    met_at,
     turned_task,
     verdict_of,
 )
@@ -137,7 +137,7 @@ def _explained(asked: Asked) -> Explanation:
         reason=reason,
         rank=rank,
         focus=focus,
-        met=met_at(asked, focus, corank) if corank else (),
+        met=incidences_at(asked, focus, corank) if corank else (),
         source=asked.source,
         relations=relations_at(robot, focus),
         lost=(lost := lost_of(asked, focus, corank or (1 if far.near_miss is not None else 0))),

@@ -11,7 +11,7 @@ import numpy as np
 
 from rankdrop.families import Walk, family_distances
 from rankdrop.family import Family
-from rankdrop.results import angle, told_conditions
+from rankdrop.results import angle, condition_sentences
 from rankdrop.robot import Array
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
@@ -69,7 +69,7 @@ class FamiliesTab:
 
     def _chosen(self, _event: object) -> None:
         family = self.family
-        conditions = map(plain, told_conditions(self.controls.robot, self.controls.live.task, family))
+        conditions = map(plain, condition_sentences(self.controls.robot, self.controls.live.task, family))
         lines = [f"corank {family.corank}, dimension {family.dimension}", *conditions,
                  *(f"lost: {plain(words)}" for words in family.lost_words)]  # fmt: skip
         self._about.content = panel.lines_html(lines)

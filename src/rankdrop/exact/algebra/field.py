@@ -108,13 +108,13 @@ def value_at(ring: Ring, f: Polynomial, point: Mapping[str, int]) -> int:
     return int(residues(*(point.get(name, 0) for name in names)))
 
 
-def in_one(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
+def univariate(ring: Ring, f: Polynomial, name: str, point: Mapping[str, int]) -> list[int]:
     """f as a polynomial in one variable, the others at a point: coefficients from power 0 up, modulo its prime."""
     put, names = _put(ring, f, (name,), point)
     return dense(put, names.index(name))
 
 
-def in_two(ring: Ring, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
+def bivariate(ring: Ring, f: Polynomial, one: str, two: str, point: Mapping[str, int]) -> Polynomial:
     """f as a polynomial in two variables modulo the prime of a point (`flint.nmod_mpoly` in x, y)."""
     put, names = _put(ring, f, (one, two), point)
     a, b = names.index(one), names.index(two)
@@ -132,7 +132,7 @@ def _put(
     return residues.subs({name: point[name] for name in names if name not in left and name in point}), names
 
 
-def half_value(ring: Ring, f: Polynomial, point: Point) -> int:
+def half_angle_value(ring: Ring, f: Polynomial, point: Point) -> int:
     """A half-angle polynomial at a point; of joints at π, which have no t_j there, its highest coefficient."""
     degrees = f.degrees()
     far = {j: "pi" for place, j in enumerate(ring.revolute) if degrees[place] and f"t{j}" not in point}
@@ -150,7 +150,7 @@ def holds(ring: Ring, f: Polynomial | Atom, point: Point) -> bool:
     """Whether an atom, or a trigonometric polynomial = 0, holds at a point."""
     if not isinstance(f, Atom):
         return value_at(ring, f, point) == 0
-    return stands(point, f.joint, f.value) if f.pinned else half_value(ring, f.f, point) == 0
+    return stands(point, f.joint, f.value) if f.pinned else half_angle_value(ring, f.f, point) == 0
 
 
 def roots(values: Sequence[int], prime: int = P) -> list[int]:
@@ -167,7 +167,7 @@ def roots(values: Sequence[int], prime: int = P) -> list[int]:
 
 
 def common_zeros(f: Polynomial, g: Polynomial) -> Iterator[tuple[int, int]]:
-    """All common zeros (x, y) of two polynomials from `in_two`; none where they have a common factor."""
+    """All common zeros (x, y) of two polynomials from `bivariate`; none where they have a common factor."""
     if f == 0 or g == 0:
         return
     eliminated = f.resultant(g, "x")
@@ -185,7 +185,7 @@ def put_common_zero(
     ring: Ring, f: Polynomial, g: Polynomial, names: tuple[str, str], values: dict[str, int], rng: random.Random
 ) -> bool:
     """Change the values of two variables so that two polynomials vanish; whether there is such a zero."""
-    zeros = list(common_zeros(in_two(ring, f, *names, values), in_two(ring, g, *names, values)))
+    zeros = list(common_zeros(bivariate(ring, f, *names, values), bivariate(ring, g, *names, values)))
     if zeros:
         values.update(zip(names, rng.choice(zeros), strict=True))
     return bool(zeros)

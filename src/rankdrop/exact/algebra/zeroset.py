@@ -21,15 +21,15 @@ from rankdrop.exact.algebra.field import (
     PRIMES,
     P,
     Point,
+    bivariate,
     common_zeros,
     complete,
-    half_value,
+    half_angle_value,
     holds,
-    in_one,
-    in_two,
     put_common_zero,
     roots,
     stands,
+    univariate,
     value_at,
 )
 from rankdrop.exact.algebra.polynomial import TANGENT, Atom, Polynomial, used
@@ -157,7 +157,7 @@ class ZeroSet:
             if not put_common_zero(self.ring, waiting[0], waiting[1], (x, y), values, rng):
                 return False
         for f, name in reversed(last):
-            line = in_one(self.ring, f, name, values)
+            line = univariate(self.ring, f, name, values)
             candidates = roots(line, values.prime)
             if any(line):  # else it follows from the others
                 if not candidates:
@@ -174,7 +174,7 @@ class ZeroSet:
         if own is None:
             return
         name = self.ring.names[own]
-        for root in roots(in_one(self.ring, self.rest[place], name, values), values.prime):
+        for root in roots(univariate(self.ring, self.rest[place], name, values), values.prime):
             yield from self._towers(values.changed({name: root}), place + 1)
 
     def _own(self, place: int) -> int | None:
@@ -222,7 +222,7 @@ class ZeroSet:
             names = ring.names[a], ring.names[b]
             for prime in PRIMES if points else PRIMES[:_PLANES]:
                 values = self._start(rng, prime)
-                two_in = (in_two(self.ring, h, *names, values) for h in (f, g))
+                two_in = (bivariate(self.ring, h, *names, values) for h in (f, g))
                 zeros = (values.changed(dict(zip(names, zero, strict=True))) for zero in common_zeros(*two_in))
                 for here in (tower for zero in zeros for tower in self._towers(zero, 2)):
                     point = complete(ring, here, self.pins) if self._fill_in(here) else None
@@ -266,7 +266,7 @@ class ZeroSet:
         """Whether every condition of this set holds at points modulo primes that give values to all its variables."""
         return all(
             all(stands(point, joint, value) for joint, value in self.pins.items())
-            and not any(half_value(self.ring, f, point) for f in (*self.equations, *self.known))
+            and not any(half_angle_value(self.ring, f, point) for f in (*self.equations, *self.known))
             and not any(value_at(self.ring, p, point) for p in self.zero)
             for point in points
         )

@@ -23,14 +23,14 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import check_basic
+from rankdrop.exact.methods.builder import DerivationBuilder
 from rankdrop.exact.methods.by_minors import cofactors, decomposition, determinant
 from rankdrop.exact.methods.derivation import Conjunction, Derivation
-from rankdrop.exact.methods.draft import Draft
 from rankdrop.exact.methods.reciprocity import reciprocity, singular_vector
 
 __all__ = ["METHODS", "Conjunction", "Derivation", "derive"]
 
-_METHODS: dict[str, Callable[[Draft], None]] = {
+_METHODS: dict[str, Callable[[DerivationBuilder], None]] = {
     "determinant": determinant,
     "cofactors": cofactors,
     "decomposition": decomposition,
@@ -71,9 +71,9 @@ def derive(
     if frame is not None and (chain.task.rows != (0, 1, 2, 3, 4, 5) or not 1 <= frame <= chain.n):
         raise OptionError("no such link frame", where="frame", got=frame, allowed=f"1 … {chain.n}, for all six rows")
     check_basic(chain, basic)
-    draft = Draft(chain, method, seconds, frame=frame, basic=basic)
+    builder = DerivationBuilder(chain, method, seconds, frame=frame, basic=basic)
     try:
-        _METHODS[method](draft)
+        _METHODS[method](builder)
     except OutOfTime as error:
-        draft.left.append(str(error))
-    return draft.finished()
+        builder.left.append(str(error))
+    return builder.finished()

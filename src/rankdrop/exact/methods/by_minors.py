@@ -26,15 +26,15 @@ from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Equality, Polynomial
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.chain import Chain
+from rankdrop.exact.methods.builder import Columns, DerivationBuilder, conjunctions
 from rankdrop.exact.methods.derivation import Conjunction
-from rankdrop.exact.methods.draft import Columns, Draft, pieces
 from rankdrop.robot.model import JointKind
 
 LONGEST = 2000
 """Minors of more terms are not squared: that cannot be interrupted, and takes 0.2 s at this length."""
 
 
-def determinant(draft: Draft) -> None:
+def determinant(builder: DerivationBuilder) -> None:
     """det J = 0, one condition per factor; else det(J Jᵀ) = 0, which is the sum of the squares of all maximal minors.
 
     That sum (Cauchy and Binet) is never negative, so that it vanishes without a change of sign, and over the reals it
@@ -42,123 +42,123 @@ def determinant(draft: Draft) -> None:
     An arm of fewer joints than the task has rows has det(Jᵀ J), which is the same sum.
 
     Args:
-        draft: filled in. Sizes: "terms" of the trigonometric polynomial, "half-angle terms" of its longest factor.
+        builder: filled in. Sizes: "terms" of the trigonometric polynomial, "half-angle terms" of its longest factor.
 
     Raises:
         OptionError: the rank is not full anywhere.
         OutOfTime: no time is left.
     """
-    rank, columns = draft.full_rank(), draft.chain.columns
-    minors = [minor for minor in draft.minors(columns, rank) if minor != 0]
+    rank, columns = builder.full_rank(), builder.chain.columns
+    minors = [minor for minor in builder.minors(columns, rank) if minor != 0]
     if len(columns) == len(columns[0]):
-        draft.sizes["terms"] = len(minors[0])
-        equality = draft.equality(minors[0])
+        builder.sizes["terms"] = len(minors[0])
+        equality = builder.equality(minors[0])
         parts = [Equality((atom,)) for atom in equality.atoms] if equality.whole is None else [equality]
-        draft.conditions += [Conjunction((part,)) for part in parts]
-        draft.notes.append(f"terms of det J: {len(minors[0])}; different factors: {len(parts)}")
+        builder.conditions += [Conjunction((part,)) for part in parts]
+        builder.notes.append(f"terms of det J: {len(minors[0])}; different factors: {len(parts)}")
         return
-    total = draft.ring.zero
+    total = builder.ring.zero
     for minor in minors:
-        draft.check("the sum of squares")
+        builder.check("the sum of squares")
         if len(minor) > LONGEST:
             raise OutOfTime(f"the sum of squares: a minor has {len(minor)} terms")
         total = total + minor * minor
-    total = draft.ring.reduce(total)
-    draft.sizes |= {"minors": len(minors), "terms": len(total)}
+    total = builder.ring.reduce(total)
+    builder.sizes |= {"minors": len(minors), "terms": len(total)}
     product = "J Jᵀ" if len(columns) > len(columns[0]) else "Jᵀ J"
-    draft.notes.append(
+    builder.notes.append(
         f"det({product}) is the sum of the squares of {len(minors)} minors, {len(total)} terms: never negative, "
         "it vanishes without a change of sign"
     )
-    _factored(draft, Equality((), total))
+    _factored(builder, Equality((), total))
 
 
-def _factored(draft: Draft, square: Equality) -> None:
+def _factored(builder: DerivationBuilder, square: Equality) -> None:
     """Conditions of a sum of squares; the sum as it is where its factors are not found in time."""
-    found = draft.atoms(square.whole)
+    found = builder.atoms(square.whole)
     if found is None:
-        draft.conditions.append(Conjunction((square,)))
-        draft.left.append(f"whether the {square.terms} terms have factors")
+        builder.conditions.append(Conjunction((square,)))
+        builder.left.append(f"whether the {square.terms} terms have factors")
         return
     lengths = {atom: 1 if atom.f is None else len(atom.f) for atom in found}
-    draft.sizes["half-angle terms"] = max(lengths.values())
+    builder.sizes["half-angle terms"] = max(lengths.values())
     for atom in found:
         alone = len(found) == 1  # then the sum itself is the shorter text
-        draft.conditions.append(Conjunction((square if alone else Equality((atom,)),)))
+        builder.conditions.append(Conjunction((square if alone else Equality((atom,)),)))
     texts = ", ".join(atom.key if atom.pinned else f"{lengths[atom]} terms" for atom in found)
-    draft.notes.append(
+    builder.notes.append(
         f"it is one irreducible polynomial, of {texts} in half angles" if len(found) == 1
         else f"its factors in half angles: {texts}"
     )  # fmt: skip
 
 
-def cofactors(draft: Draft) -> None:
+def cofactors(builder: DerivationBuilder) -> None:
     """All maximal minors of J, factored; their common factors, and the conjunction of what is left.
 
     Nothing is wrong with the answer, but what is left is as many equations as there are minors, whose solution is
     still to be found: their factors could be combined in as many ways as the note says.
 
     Args:
-        draft: filled in. Sizes: "minors" that are not zero everywhere, "terms" of all of them, "longest".
+        builder: filled in. Sizes: "minors" that are not zero everywhere, "terms" of all of them, "longest".
 
     Raises:
         OptionError: the rank is not full anywhere.
         OutOfTime: no time is left.
     """
-    rank = draft.full_rank()
-    found = [minor for minor in draft.minors(draft.chain.columns, rank) if minor != 0]
+    rank = builder.full_rank()
+    found = [minor for minor in builder.minors(builder.chain.columns, rank) if minor != 0]
     terms = [len(minor) for minor in found]
-    draft.sizes |= {"minors": len(found), "terms": sum(terms), "longest": max(terms)}
-    equalities = [draft.equality(minor) for minor in found]
-    draft.conditions += pieces(equalities)
-    common = [c for c in draft.conditions if len(c.equal) == 1]
-    draft.notes.append(f"{len(found)} minors, {sum(terms)} terms together, {len(common)} common factors")
-    rest = [c for c in draft.conditions if len(c.equal) > 1]
+    builder.sizes |= {"minors": len(found), "terms": sum(terms), "longest": max(terms)}
+    equalities = [builder.equality(minor) for minor in found]
+    builder.conditions += conjunctions(equalities)
+    common = [c for c in builder.conditions if len(c.equal) == 1]
+    builder.notes.append(f"{len(found)} minors, {sum(terms)} terms together, {len(common)} common factors")
+    rest = [c for c in builder.conditions if len(c.equal) > 1]
     for conjunction in rest:
         ways = 1
         for equality in conjunction.equal:
             ways *= max(1, len(equality.atoms))
-        draft.notes.append(
+        builder.notes.append(
             f"besides them {len(conjunction.equal)} equations hold together; their factors combine in {ways} ways"
         )
 
 
-def decomposition(draft: Draft) -> None:
+def decomposition(builder: DerivationBuilder) -> None:
     """Conditions of the arm, rank J₁₁ < 3, and of the wrist, at each angle where its axes are dependent.
 
     Args:
-        draft: filled in. Sizes: "arm minors", "wrist minors" at each such angle together.
+        builder: filled in. Sizes: "arm minors", "wrist minors" at each such angle together.
 
     Raises:
         OptionError: no spherical wrist, or another task than all six rows.
         OutOfTime: no time is left.
     """
-    chain = draft.chain
+    chain = builder.chain
     check_wrist(chain)
-    draft.full_rank()
+    builder.full_rank()
     n = chain.n
     screws = chain.screws(n - 2)  # the origin of this frame is where the wrist's axes meet
     arm = [column[:3] for column in screws[: n - 3]]
-    found = [minor for minor in draft.minors(arm, 3) if minor != 0]
-    draft.sizes["arm minors"] = len(found)
-    draft.conditions += pieces([draft.equality(minor) for minor in found])
-    draft.notes.append(f"arm: rank J11 < 3, {len(found)} minors in {len(draft.conditions)} conditions")
-    determinant = draft.minor([column[3:] for column in screws[n - 3 :]], range(3))
+    found = [minor for minor in builder.minors(arm, 3) if minor != 0]
+    builder.sizes["arm minors"] = len(found)
+    builder.conditions += conjunctions([builder.equality(minor) for minor in found])
+    builder.notes.append(f"arm: rank J11 < 3, {len(found)} minors in {len(builder.conditions)} conditions")
+    determinant = builder.minor([column[3:] for column in screws[n - 3 :]], range(3))
     turns = [column[3:] for column in screws[: n - 3]]
-    before, draft.sizes["wrist minors"] = len(draft.conditions), 0
-    for atom in draft.atoms(determinant) or ():  # the sine or cosine of θ_{n−1} and a number
+    before, builder.sizes["wrist minors"] = len(builder.conditions), 0
+    for atom in builder.atoms(determinant) or ():  # the sine or cosine of θ_{n−1} and a number
         pins = {atom.joint: atom.value}
-        at = [[draft.ring.at(x, pins) for x in column] for column in (*turns, *(c[3:] for c in screws[n - 3 :]))]
-        moved = [[draft.ring.at(x, pins) for x in column] for column in arm]
-        beside = [_combined(draft, at[: n - 3], null) for null in _null_space(draft, moved)]
-        minors = [minor for minor in draft.minors([*beside, *at[n - 3 :]], 3) if minor != 0]
-        draft.sizes["wrist minors"] += len(minors)
+        at = [[builder.ring.at(x, pins) for x in column] for column in (*turns, *(c[3:] for c in screws[n - 3 :]))]
+        moved = [[builder.ring.at(x, pins) for x in column] for column in arm]
+        beside = [_combined(builder, at[: n - 3], null) for null in _null_space(builder, moved)]
+        minors = [minor for minor in builder.minors([*beside, *at[n - 3 :]], 3) if minor != 0]
+        builder.sizes["wrist minors"] += len(minors)
         pinned = Equality((atom,))
-        for piece in pieces([draft.equality(minor) for minor in minors]):
-            draft.conditions.append(Conjunction((pinned, *piece.equal)))
-    draft.notes.append(
+        for piece in conjunctions([builder.equality(minor) for minor in minors]):
+            builder.conditions.append(Conjunction((pinned, *piece.equal)))
+    builder.notes.append(
         f"wrist: rank [J21 N, J22] < 3, only where det J22 = 0, at two angles of joint {n - 1}: "
-        f"{len(draft.conditions) - before} conditions"
+        f"{len(builder.conditions) - before} conditions"
     )
 
 
@@ -196,22 +196,22 @@ def _missing(chain: Chain) -> str:
     return "parallel axes" if 0 in (first.twist.sin, second.twist.sin) else ""
 
 
-def _null_space(draft: Draft, arm: Columns) -> list[list[Polynomial]]:
+def _null_space(builder: DerivationBuilder, arm: Columns) -> list[list[Polynomial]]:
     """Vectors that span the null space of J₁₁ wherever its rank is 3: cofactors of each four of its columns."""
     found = []
     for four in combinations(range(len(arm)), 4):
-        vector = [draft.ring.zero] * len(arm)
+        vector = [builder.ring.zero] * len(arm)
         for place, left_out in enumerate(four):
-            minor = draft.minor([arm[i] for i in four if i != left_out], range(3))
+            minor = builder.minor([arm[i] for i in four if i != left_out], range(3))
             vector[left_out] = -minor if place % 2 else minor
         if any(x != 0 for x in vector):
             found.append(vector)
     return found
 
 
-def _combined(draft: Draft, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
+def _combined(builder: DerivationBuilder, columns: Columns, weights: list[Polynomial]) -> list[Polynomial]:
     """Σ w_j column_j, the rotations only."""
     return [
-        draft.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), draft.ring.zero))
+        builder.ring.reduce(sum((column[i] * w for column, w in zip(columns, weights, strict=True)), builder.ring.zero))
         for i in range(3)
     ]

@@ -23,19 +23,19 @@ from itertools import combinations
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Atom, Equality, Polynomial, order
 from rankdrop.exact.algebra.work import OutOfTime
+from rankdrop.exact.methods.builder import Atoms, Case, Columns, DerivationBuilder, branches, conjunctions, size
 from rankdrop.exact.methods.derivation import Conjunction, Words
-from rankdrop.exact.methods.draft import Atoms, Case, Columns, Draft, branches, pieces, size
 from rankdrop.exact.writing.value import text_of
 
 DEEPEST = 3
 """Factors that are followed one after the other; what is left then is told as equations that hold together."""
 
 
-def vanishing(draft: Draft, case: Case, screw: Sequence[Polynomial], words: Words) -> list[str]:
+def vanishing(builder: DerivationBuilder, case: Case, screw: Sequence[Polynomial], words: Words) -> list[str]:
     """The sets within a case on which every element of a screw vanishes, in words; none where it never does.
 
     Args:
-        draft: of the method.
+        builder: of the method.
         case: where.
         screw: its elements, with the pinned joints of the case put in.
         words: of the ring.
@@ -43,15 +43,17 @@ def vanishing(draft: Draft, case: Case, screw: Sequence[Polynomial], words: Word
     Raises:
         OutOfTime: no time is left.
     """
-    found = _merged(_sets(draft, case, screw, DEEPEST))
+    found = _merged(_sets(builder, case, screw, DEEPEST))
     return list(dict.fromkeys(words.conjunction(Conjunction(one)) for one in found))
 
 
-def _sets(draft: Draft, case: Case, screw: Sequence[Polynomial], deepest: int) -> list[tuple[Equality, ...]]:
+def _sets(
+    builder: DerivationBuilder, case: Case, screw: Sequence[Polynomial], deepest: int
+) -> list[tuple[Equality, ...]]:
     """Conjunctions of equalities, beside those of the case."""
     pins = dict(case.pins)
-    here = [draft.ring.at(x, pins) for x in screw]
-    known = [found for found in (case.factors(draft, w) for w in here if w != 0) if found is not None]
+    here = [builder.ring.at(x, pins) for x in screw]
+    known = [found for found in (case.factors(builder, w) for w in here if w != 0) if found is not None]
     if not known:
         return [()]
     if frozenset() in known:
@@ -60,20 +62,20 @@ def _sets(draft: Draft, case: Case, screw: Sequence[Polynomial], deepest: int) -
     first = min(simple, key=lambda factors: (sum(not atom.pinned for atom in factors), len(factors)), default=None)
     if deepest == 0 or first is None:
         equalities = (Equality(tuple(sorted(factors, key=lambda atom: atom.key))) for factors in known)
-        return [piece.equal for piece in pieces(equalities)]
+        return [piece.equal for piece in conjunctions(equalities)]
     found = []
     for atom in sorted(first, key=lambda atom: atom.key):
-        part = case.with_zero(draft, atom)
+        part = case.with_zero(builder, atom)
         if part is not None:
-            for more in _sets(draft, part, screw, deepest - 1):
-                found.append(more if _follows(draft, atom, more) else (Equality((atom,)), *more))
+            for more in _sets(builder, part, screw, deepest - 1):
+                found.append(more if _follows(builder, atom, more) else (Equality((atom,)), *more))
     return found
 
 
-def _follows(draft: Draft, atom: Atom, more: Sequence[Equality]) -> bool:
+def _follows(builder: DerivationBuilder, atom: Atom, more: Sequence[Equality]) -> bool:
     """Whether an atom vanishes once the joints that are pinned after it stand where they do."""
     pins = {one.atoms[0].joint: one.atoms[0].value for one in more if len(one.atoms) == 1 and one.atoms[0].pinned}
-    return not atom.pinned and bool(draft.ring.form(atom.f).at(pins).f == 0)
+    return not atom.pinned and bool(builder.ring.form(atom.f).at(pins).f == 0)
 
 
 def _merged(sets: Sequence[tuple[Equality, ...]]) -> list[tuple[Equality, ...]]:
@@ -119,86 +121,86 @@ _Choice = tuple[tuple[int, ...], tuple[Polynomial, ...]]
 """Joints (from 0), and the screw that is reciprocal to theirs: one component per row of the task."""
 
 
-def reciprocity(draft: Draft) -> None:
+def reciprocity(builder: DerivationBuilder) -> None:
     """Conditions case by case: a choice of five with its screw w ≠ 0, then the locus where w vanishes.
 
     Args:
-        draft: filled in. Sizes: "cases", "choices" of five that were made, "terms" of the longest screw, "exceptional"
-            components that do not vanish everywhere for the first choice.
+        builder: filled in. Sizes: "cases", "choices" of five that were made, "terms" of the longest screw,
+            "exceptional" components that do not vanish everywhere for the first choice.
 
     Raises:
         OptionError: the rank is not full anywhere, or fewer joints than rows.
-        OutOfTime: no time is left; what was found until then is in the draft.
+        OutOfTime: no time is left; what was found until then is in the builder.
     """
-    draft.full_rank()
-    if draft.chain.n < draft.chain.task.m:
+    builder.full_rank()
+    if builder.chain.n < builder.chain.task.m:
         raise OptionError(
             "an arm of fewer joints than the task has rows has screws reciprocal to all of its own everywhere",
-            where=f"robot {draft.chain.robot.name!r}", got=f"{draft.chain.n} joints, {draft.chain.task.m} rows",
+            where=f"robot {builder.chain.robot.name!r}", got=f"{builder.chain.n} joints, {builder.chain.task.m} rows",
             mend="use the method cofactors or singular_vector",
         )  # fmt: skip
-    draft.sizes |= {"cases": 0, "choices": 0, "terms": 0}
-    draft.generic = True
-    if draft.basic is not None:
-        draft.notes.append(f"joints {', '.join(map(str, draft.basic))} are taken first, as asked for")
+    builder.sizes |= {"cases": 0, "choices": 0, "terms": 0}
+    builder.generic = True
+    if builder.basic is not None:
+        builder.notes.append(f"joints {', '.join(map(str, builder.basic))} are taken first, as asked for")
     waiting = [Case()]
     made: set[tuple[int, ...]] = set()
     choices: dict[Pins, list[_Choice]] = {}
     while waiting:
         case = waiting.pop(0)
         try:
-            draft.check(f"{len(waiting) + 1} exceptional cases")
-            waiting += _one_case(draft, case, made, choices)
+            builder.check(f"{len(waiting) + 1} exceptional cases")
+            waiting += _one_case(builder, case, made, choices)
         except OutOfTime as error:
             raise OutOfTime(f"{error}; {len(waiting) + 1} exceptional cases") from error
-    draft.generic = False
-    if draft.sizes["choices"] > 1:
-        draft.notes.append(
-            f"the exceptional loci are treated apart, by {draft.sizes['choices'] - 1} further choices of joints, "
+    builder.generic = False
+    if builder.sizes["choices"] > 1:
+        builder.notes.append(
+            f"the exceptional loci are treated apart, by {builder.sizes['choices'] - 1} further choices of joints, "
             f"{len(made)} different ones in all"
         )
 
 
 def _one_case(
-    draft: Draft, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
+    builder: DerivationBuilder, case: Case, made: set[tuple[int, ...]], choices: dict[Pins, list[_Choice]]
 ) -> list[Case]:
     """Conditions of one case where the screw chosen there does not vanish; the cases where it does."""
-    ring, columns = draft.ring, case.columns(draft.ring, draft.columns)
-    draft.sizes["cases"] += 1
+    ring, columns = builder.ring, case.columns(builder.ring, builder.columns)
+    builder.sizes["cases"] += 1
     if case.pins not in choices:
-        choices[case.pins] = _choices(draft, columns)
+        choices[case.pins] = _choices(builder, columns)
     for choice in choices[case.pins]:
         joints, screw = choice
-        components = [case.factors(draft, w) for w in screw if w != 0]
+        components = [case.factors(builder, w) for w in screw if w != 0]
         known = [found for found in components if found is not None]
         if not known:  # the screw vanishes in all of this case
             continue
         made.add(joints)
-        draft.sizes["choices"] += 1
-        draft.sizes["terms"] = max(draft.sizes["terms"], size(screw))
+        builder.sizes["choices"] += 1
+        builder.sizes["terms"] = max(builder.sizes["terms"], size(screw))
         if len(case.pins) <= TOLD and not case.zero and not case.product:
-            _note(draft, case, choice)
+            _note(builder, case, choice)
         redundant = len(columns) > len(columns[0])
         nowhere = () if frozenset() in known else (tuple(_equality(found) for found in known),)
-        products = [_product(draft, columns[j], screw) for j in range(len(columns)) if j not in joints]
-        factors = [case.factors(draft, p) for p in products]
-        met = pieces([_equality(found) for found in factors if found is not None])
+        products = [_product(builder, columns[j], screw) for j in range(len(columns)) if j not in joints]
+        factors = [case.factors(builder, p) for p in products]
+        met = conjunctions([_equality(found) for found in factors if found is not None])
         always = frozenset.intersection(*known)  # where one of these vanishes, w does
         for piece in met:
             if redundant and len(piece.equal) == 1 and always.issuperset(piece.equal[0].atoms):
                 continue
-            draft.conditions.append(case.conjunction(ring, piece, nowhere if redundant else ()))
+            builder.conditions.append(case.conjunction(ring, piece, nowhere if redundant else ()))
         if frozenset() in known:
             return []
         if not redundant:  # its one product is det J
-            draft.notes.append("where it vanishes det J does, too: nothing is left out")
+            builder.notes.append("where it vanishes det J does, too: nothing is left out")
             return []
-        return branches(draft, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
-    draft.conditions += [case.conjunction(ring, part) for part in pieces([])]
+        return branches(builder, case, min(known, key=lambda found: (sum(not a.pinned for a in found), len(found))))
+    builder.conditions += [case.conjunction(ring, part) for part in conjunctions([])]
     return []
 
 
-def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
+def _choices(builder: DerivationBuilder, columns: Columns) -> list[_Choice]:
     """Every choice of joints with its screw, those among the basic ones and short ones first; those that are dependent
     everywhere left out.
     """
@@ -208,39 +210,39 @@ def _choices(draft: Draft, columns: Columns) -> list[_Choice]:
         chosen = [columns[j] for j in joints]
         screw = []
         for row in range(m):
-            minor = draft.minor(chosen, [i for i in range(m) if i != row])
+            minor = builder.minor(chosen, [i for i in range(m) if i != row])
             screw.append(-minor if row % 2 else minor)
         if any(w != 0 for w in screw):
             found.append((joints, tuple(screw)))
-    wished = {j - 1 for j in draft.basic} if draft.basic is not None else set(range(len(columns)))
+    wished = {j - 1 for j in builder.basic} if builder.basic is not None else set(range(len(columns)))
     return sorted(
         found, key=lambda choice: (not wished.issuperset(choice[0]), size(choice[1]), choice[0])
     )
 
 
-def _product(draft: Draft, column: Sequence[Polynomial], screw: Sequence[Polynomial]) -> Polynomial:
+def _product(builder: DerivationBuilder, column: Sequence[Polynomial], screw: Sequence[Polynomial]) -> Polynomial:
     """Reciprocal product of a screw with a joint's."""
-    return draft.ring.reduce(sum((w * x for w, x in zip(screw, column, strict=True)), draft.ring.zero))
+    return builder.ring.reduce(sum((w * x for w, x in zip(screw, column, strict=True)), builder.ring.zero))
 
 
-def _note(draft: Draft, case: Case, choice: _Choice) -> None:
+def _note(builder: DerivationBuilder, case: Case, choice: _Choice) -> None:
     """The screw that a case rests on, and where it vanishes: nothing follows from it there."""
-    words, ring = Words(draft.ring), draft.ring
+    words, ring = Words(builder.ring), builder.ring
     there = words.conjunction(Conjunction(case.equalities(ring))) if case.pins else "in general"
     chosen, elements = choice
     joints = ", ".join(str(j + 1) for j in chosen)
     terms = size(elements)
     written = [text_of(ring, x) for x in elements] if terms <= WRITTEN else []
     screw = f"({', '.join(written[:3])}; {', '.join(written[3:])})" if len(written) == 6 else f"of {terms} terms"
-    draft.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
-    known = vanishing(draft, case, elements, words)
-    if draft.sizes["choices"] == 1:
-        draft.sizes["exceptional"] = len(known)
+    builder.notes.append(f"{there}: the screw reciprocal to joints {joints} is {screw}")
+    known = vanishing(builder, case, elements, words)
+    if builder.sizes["choices"] == 1:
+        builder.sizes["exceptional"] = len(known)
     count = {6: "six", 3: "three"}.get(len(elements), str(len(elements)))
     if not known:
-        draft.notes.append("  it never vanishes there")
+        builder.notes.append("  it never vanishes there")
         return
-    draft.notes.append(f"  all {count} elements vanish, and it says nothing, where " + ", or where ".join(known))
+    builder.notes.append(f"  all {count} elements vanish, and it says nothing, where " + ", or where ".join(known))
 
 
 def _equality(found: Atoms) -> Equality:
@@ -251,84 +253,84 @@ _Pivots = tuple[Case, tuple[int, ...], tuple[int, ...]]
 """A case in the middle of elimination: the minor of these rows and columns (from 0) does not vanish in it."""
 
 
-def singular_vector(draft: Draft) -> None:
+def singular_vector(builder: DerivationBuilder) -> None:
     """Conditions case by case: which pivots do not vanish, and what is left of Jᵀ u = 0.
 
     Args:
-        draft: filled in. Sizes: "cases", "longest" equation of a case in terms.
+        builder: filled in. Sizes: "cases", "longest" equation of a case in terms.
 
     Raises:
         OptionError: the rank is not full anywhere.
-        OutOfTime: no time is left; what was found until then is in the draft.
+        OutOfTime: no time is left; what was found until then is in the builder.
     """
-    draft.full_rank()
-    draft.sizes |= {"cases": 0, "longest": 0}
+    builder.full_rank()
+    builder.sizes |= {"cases": 0, "longest": 0}
     waiting: list[_Pivots] = [(Case(), (), ())]
     while waiting:
         step = waiting.pop(0)
         try:
-            waiting[:0] = _eliminated(draft, step)  # pivots that do not vanish first: that case holds most
+            waiting[:0] = _eliminated(builder, step)  # pivots that do not vanish first: that case holds most
         except OutOfTime as error:
-            draft.generic = True
+            builder.generic = True
             raise OutOfTime(f"{error}; {len(waiting) + 1} cases") from error
-    draft.notes.append(
-        f"{draft.sizes['cases']} cases of pivots, {len(draft.conditions)} of them with singular configurations; some "
-        "may be empty, and where a case holds no more than another one it is not left out"
+    builder.notes.append(
+        f"{builder.sizes['cases']} cases of pivots, {len(builder.conditions)} of them with singular configurations; "
+        "some may be empty, and where a case holds no more than another one it is not left out"
     )
 
 
-def _eliminated(draft: Draft, step: _Pivots) -> list[_Pivots]:
+def _eliminated(builder: DerivationBuilder, step: _Pivots) -> list[_Pivots]:
     """One step of elimination; the cases that follow from it."""
-    draft.check("elimination")
+    builder.check("elimination")
     case, rows, chosen = step
-    ring, columns = draft.ring, case.columns(draft.ring, draft.chain.columns)
+    ring, columns = builder.ring, case.columns(builder.ring, builder.chain.columns)
     size = min(len(columns), len(columns[0]))
     left: list[tuple[int, int, Polynomial]] = []
     while len(rows) < size:
-        left = _bordering(draft, columns, rows, chosen)
+        left = _bordering(builder, columns, rows, chosen)
         if len(rows) == size - 1:
             break
-        pivot = _pivot(draft, case, left)
+        pivot = _pivot(builder, case, left)
         if pivot is None:  # everything that is left vanishes: the rank is lower still
             left = []
             break
         row, column, factors = pivot
         following = (case.with_nonzero(*factors), (*rows, row), (*chosen, column))
         if factors:
-            return [following, *((part, rows, chosen) for part in branches(draft, case, factors))]
+            return [following, *((part, rows, chosen) for part in branches(builder, case, factors))]
         case, rows, chosen = following
-    draft.sizes["cases"] += 1
-    entries = [case.factors(draft, entry) for _, _, entry in left]
-    met = pieces([Equality(tuple(sorted(factors, key=order))) for factors in entries if factors is not None])
-    draft.conditions += [case.conjunction(ring, piece) for piece in met]
+    builder.sizes["cases"] += 1
+    entries = [case.factors(builder, entry) for _, _, entry in left]
+    met = conjunctions([Equality(tuple(sorted(factors, key=order))) for factors in entries if factors is not None])
+    builder.conditions += [case.conjunction(ring, piece) for piece in met]
     longest = max((equality.terms for piece in met for equality in piece.equal), default=0)
-    draft.sizes["longest"] = max(draft.sizes["longest"], longest)
+    builder.sizes["longest"] = max(builder.sizes["longest"], longest)
     return []
 
 
 def _bordering(
-    draft: Draft, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
+    builder: DerivationBuilder, columns: Columns, rows: Sequence[int], chosen: Sequence[int]
 ) -> list[tuple[int, int, Polynomial]]:
     """(row, column, minor) for each row and column besides the pivots', minors that are not zero."""
     found = []
     for column in range(len(columns)):
         for row in range(len(columns[0])):
             if row not in rows and column not in chosen:
-                minor = draft.minor([columns[c] for c in (*chosen, column)], (*rows, row))
+                minor = builder.minor([columns[c] for c in (*chosen, column)], (*rows, row))
                 if minor != 0:
                     found.append((row, column, minor))
     return found
 
 
 def _pivot(
-    draft: Draft, case: Case, left: list[tuple[int, int, Polynomial]]
+    builder: DerivationBuilder, case: Case, left: list[tuple[int, int, Polynomial]]
 ) -> tuple[int, int, Atoms] | None:
     """The entry with the fewest and shortest atoms that may vanish; None where all entries vanish in the case."""
     best = None
     for row, column, entry in sorted(left, key=lambda item: len(item[2])):
         if best is not None and len(entry) > 4 * best[0]:
             break
-        factors = case.factors(draft, entry)
+        factors = case.factors(builder, entry)
         if factors is None:
             continue
         weight = (len(factors), sum(atom.weight for atom in factors))

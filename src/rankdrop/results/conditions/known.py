@@ -276,7 +276,7 @@ def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Recor
     return None
 
 
-def told_conditions(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
+def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
     """What has to hold on a family, one sentence each.
 
     Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the

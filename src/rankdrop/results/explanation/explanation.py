@@ -39,8 +39,8 @@ def explanation_to_dict(found: ExplanationData) -> Record:
         **plain(rank),
         "nearly_lost": found.nearly_lost,
         "focus": found.focus.tolist(),
-        "family": met_to_dict(found.met[0]) if found.met else None,
-        "families": [met_to_dict(one) for one in found.met],
+        "family": incidence_to_dict(found.met[0]) if found.met else None,
+        "families": [incidence_to_dict(one) for one in found.met],
         "family_source": found.source,
         "relations": plain(found.relations),
         **_lost(found.lost),
@@ -69,7 +69,7 @@ def explanation_to_dict(found: ExplanationData) -> Record:
     }
 
 
-def met_to_dict(met: Incidence) -> Record:
+def incidence_to_dict(met: Incidence) -> Record:
     """A family that holds: what it is called, its conditions, and how well they hold."""
     family = met.family
     keys = ("name", "corank", "dimension", "pinned", "free", "coupled")
@@ -107,10 +107,10 @@ def _lost(lost: Lost) -> Record:
 
 def nearest_to_dict(found: ExplanationData) -> Record | None:
     """The nearest singular configuration: q itself where it is one."""
-    name = None if found.far.nearest_family is None else met_to_dict(found.far.nearest_family)
+    name = None if found.far.nearest_family is None else incidence_to_dict(found.far.nearest_family)
     if found.rank.corank:
         still = [0.0] * found.robot.n
-        first = met_to_dict(found.met[0]) if found.met else None
+        first = incidence_to_dict(found.met[0]) if found.met else None
         return {"distance": 0.0, "q": found.q.tolist(), "delta": still, "corank": found.rank.corank, "family": first}
     return None if found.far.nearest is None else {**plain(found.far.nearest), "family": name}
 

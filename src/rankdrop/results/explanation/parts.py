@@ -64,7 +64,7 @@ def known_families(
     return analysis.families, "analysis"
 
 
-def met_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
+def incidences_at(asked: Asked, q: Array, corank: int) -> tuple[Incidence, ...]:
     """The families that a singular configuration q lies on; named on the spot where none of its corank is known."""
     robot, task, settings = asked.robot, asked.task, asked.settings
     found = families_at(asked.families, robot, q, task, settings.tolerances, asked.source)
@@ -206,7 +206,7 @@ def how_far(asked: Asked) -> Far:
     miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= settings.small else None
     if nearest is None:
         return Far(None, None, away, certificate, reason, miss)
-    there = met_at(asked, np.array(nearest.q), nearest.corank)
+    there = incidences_at(asked, np.array(nearest.q), nearest.corank)
     closer = sorted((_no_farther(one, nearest, there) for one in away), key=lambda one: one.distance)
     return Far(nearest, there[0], tuple(closer), certificate, reason, miss)
 

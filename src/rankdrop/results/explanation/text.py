@@ -12,7 +12,7 @@ import numpy as np
 
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
-from rankdrop.results.conditions.known import told_conditions
+from rankdrop.results.conditions.known import condition_sentences
 from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
@@ -120,7 +120,7 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
     lines = []
     for met in own:
         lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        lines.append(f"    {'; '.join(told_conditions(found.robot, found.task, met.family))}")
+        lines.append(f"    {'; '.join(condition_sentences(found.robot, found.task, met.family))}")
     if others:
         lines.append(f"lies on: {'; '.join(others)}")
     if special:
@@ -152,8 +152,8 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
                 torque = "with hardly any joint torque" if miss else "without joint torque"
                 lines.append(f"      carried {torque}: {wrench_text(wrench)}")
         title = "What is lost" if found.rank.corank else "What is nearly lost"
-        mixed = any("·" in one for seen in lost.seen for one in seen.constraints)
-        notes = (_TWIST, *((_COUNTED,) if mixed else ()))
+        nearly = any(one.startswith("nearly") for seen in lost.seen for one in seen.short)
+        notes = (_TWIST, *((_COUNTED,) if nearly else ()))
         yield Section(title, _focus(found), tuple(lines), notes=notes)
     if len(lost.never):
         rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)

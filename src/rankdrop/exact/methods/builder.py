@@ -23,7 +23,7 @@ Columns = Sequence[Sequence[Polynomial]]
 """Columns of a matrix over the trigonometric ring."""
 
 
-class Draft:
+class DerivationBuilder:
     """What a method fills in; all that it may spend.
 
     Args:
@@ -169,7 +169,7 @@ class Draft:
             self.left.append(f"the arm with {key} = 0, which this arm has: its conditions are not these")
 
 
-def pieces(
+def conjunctions(
     equalities: Iterable[Equality], unequal: tuple[tuple[Equality, ...], ...] = ()
 ) -> tuple[Conjunction, ...]:
     """Polynomials that all vanish, as conjunctions: each common factor alone, and what is left of all of them.
@@ -197,7 +197,7 @@ def pieces(
 
 
 def _pinned(ring: Ring, atom: Atom, pin: Atom) -> frozenset[Atom] | None:
-    """As `Draft.pinned`."""
+    """As `DerivationBuilder.pinned`."""
     if atom.f is None:
         if atom.joint != pin.joint:
             return frozenset({atom})
@@ -231,7 +231,7 @@ class Case:
         pins = dict(self.pins)
         return [[ring.at(x, pins) for x in column] for column in columns] if pins else columns
 
-    def factors(self, draft: Draft, p: Polynomial) -> Atoms | None:
+    def factors(self, builder: DerivationBuilder, p: Polynomial) -> Atoms | None:
         """Atoms of p that may vanish here, the pins put in; empty where p never does, None where it always does.
 
         p may vanish in the whole case without a factor that tells of it: then some of the atoms do, and following them
@@ -242,14 +242,14 @@ class Case:
         """
         if p == 0:
             return None
-        atoms = draft.atoms(p)
+        atoms = builder.atoms(p)
         if atoms is None:
             raise OutOfTime(f"factors of a polynomial of {len(p)} terms")
         if self.zero.intersection(atoms):
             return None
         return frozenset(atoms) - self.nonzero
 
-    def with_zero(self, draft: Draft, atom: Atom) -> Case | None:
+    def with_zero(self, builder: DerivationBuilder, atom: Atom) -> Case | None:
         """The part where the atom vanishes; None where that is seen to be empty."""
         if atom in self.nonzero:
             return None
@@ -259,13 +259,13 @@ class Case:
             return self if (atom.joint, atom.value) in self.pins else None
         case = Case(pins=tuple(sorted((*self.pins, (atom.joint, atom.value)))))
         for old in self.nonzero:
-            found = draft.pinned(old, atom)
+            found = builder.pinned(old, atom)
             if found is None:
                 return None
             case = replace(case, nonzero=case.nonzero | found)
         vanishing = [frozenset({old}) for old in self.zero] + list(self.product)
         for product in vanishing:
-            parts = [draft.pinned(old, atom) for old in product]
+            parts = [builder.pinned(old, atom) for old in product]
             if None not in parts:
                 found = frozenset[Atom]().union(*(part for part in parts if part is not None))
                 case = replace(case, product=case.product | {found})
@@ -301,11 +301,11 @@ class Case:
         return Conjunction((*self.equalities(ring), *piece.equal), (*nonzero, *others))
 
 
-def branches(draft: Draft, case: Case, atoms: Atoms) -> list[Case]:
+def branches(builder: DerivationBuilder, case: Case, atoms: Atoms) -> list[Case]:
     """The disjoint parts of a case where a product vanishes: each factor in turn, those before it not."""
     found, before = [], case
     for atom in sorted(atoms, key=order):
-        part = before.with_zero(draft, atom)
+        part = before.with_zero(builder, atom)
         if part is not None:
             found.append(part)
         before = before.with_nonzero(atom)

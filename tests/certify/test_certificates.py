@@ -31,6 +31,7 @@ from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
 from rankdrop.motion.certificate import path_certificate
 from rankdrop.motion.check import check_path
+from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
@@ -276,6 +277,36 @@ def test_a_covering_that_lost_boxes_does_not_hold(records, tmp_path):
     found = verify(write_certificate(record, tmp_path / "c.json"), enclosures=20_000)
     assert not found.holds
     assert "could not be proven free" in found.reason
+
+
+@pytest.mark.parametrize("name", ["../small.cover", "sub/small.cover", "sub\\small.cover", "", ".", ".."])
+def test_a_covering_lies_beside_its_certificate(records, name):
+    (records[1] / "sub").mkdir(exist_ok=True)
+    place = records[1] / "sub" / "c.json"
+    record = copy.deepcopy(records[0]["covering"])
+    record["claim"]["file"] = name
+    write_certificate(sealed(record), place)
+    with pytest.raises(ResultFileError, match="without a folder"):
+        verify(place)
+
+
+@pytest.mark.parametrize("tasks", [("position", "position"), ("position", "orientation")])
+def test_the_covering_of_another_arm_or_task_does_not_hold(tmp_path, tasks):
+    """Two honest coverings with as many joints and the same rank, each under the certificate of the other."""
+    made = []
+    lengths = (0.6, 1.6 if tasks[0] == tasks[1] else 0.6)
+    for name, task, length in zip(("a.cover", "b.cover"), tasks, lengths, strict=True):
+        rows = [(0.5, np.pi / 2, 0.2, 0.0), (length, -np.pi / 2, 0.1, 0.0), (0.4, 0.0, 0.0, 0.0)]
+        robot = from_dh(rows, convention="standard", task=task)
+        found = cover(robot, width=1.6, out=tmp_path / name, explain=False)
+        made.append(covering_certificate(robot, found.covering.plan, found.sha256, name, resolve_task(None, robot)))
+    assert made[0]["rank"] == made[1]["rank"] == 3
+    for mine, other in (made, made[::-1]):
+        swapped = copy.deepcopy(mine)
+        swapped["claim"] |= {key: other["claim"][key] for key in ("file", "sha256")}
+        told = verify(write_certificate(sealed(swapped), tmp_path / "c.json"))
+        assert not told.holds
+        assert "another arm or task" in told.reason
 
 
 def test_a_covering_of_a_higher_corank_holds_for_that_corank_alone(tmp_path):

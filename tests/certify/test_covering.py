@@ -15,7 +15,7 @@ from reference import arms
 
 from rankdrop import _core
 from rankdrop.certify import covering as module
-from rankdrop.certify.coverfile import digest, load, write_covering
+from rankdrop.certify.coverfile import _check_shape, digest, load, write_covering
 from rankdrop.certify.covering import Covering, covering, looked_into
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.searching import search
@@ -215,6 +215,17 @@ def test_a_file_is_read_back_and_a_changed_one_refused(tmp_path):
         path.write_bytes(changed)
         with pytest.raises(ResultFileError):
             load(path)
+
+
+@pytest.mark.parametrize("change", [
+    {"top": 99}, {"top": -1}, {"top": True}, {"depth": (3, -1, 2)}, {"depth": (3, 10**9, 2)}, {"depth": (3, 2.0, 2)},
+    {"depth": ()}, {"depth": (1,) * 99}, {"corank": 0}, {"corank": 9},
+])  # fmt: skip
+def test_each_number_of_boxes_is_looked_at(change):
+    plan = covering(open_robot("planar3r"), 0.4).plan
+    _check_shape(plan)
+    with pytest.raises(ValueError, match=r"halvings|depth has|corank is"):
+        _check_shape(replace(plan, **change))
 
 
 def test_a_journal_of_another_covering_is_refused(tmp_path):

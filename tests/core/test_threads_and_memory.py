@@ -253,3 +253,23 @@ def test_ctrl_c_ends_a_long_batch_and_leaves_the_threads_usable(threads: int) ->
     """)
         == "True True"
     )
+
+
+@linux
+def test_searching_arms_of_thirty_joints_takes_no_more_memory_than_of_seven() -> None:
+    """Scratch grows with the square of the joints, by a few hundred kilobytes: docs/limits.md tells 0.04 GB."""
+    done = in_a_process("""
+        import resource
+        from rankdrop.families.searching import search
+
+        def most():
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+        found, sizes = [], []
+        for n in (7, 20, 30):
+            arm = arms.random_chain(np.random.default_rng(n), "r" * n)
+            found.append(int((search(arm, 1, starts=100, threads=1).outcome == 0).sum()))
+            sizes.append(most())
+        print(min(found) > 20, sizes[-1] - sizes[0] < 10, sizes[-1] < 120)
+    """)
+    assert done.stdout.split() == ["True"] * 3, done.stdout + done.stderr

@@ -50,7 +50,7 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, const
         };
         // lanes are refilled within a chunk: large chunks keep them full, several per thread keep the threads busy
         const auto count_of = static_cast<std::int64_t>(rows);
-        const std::int64_t chunk = newton ? std::clamp<std::int64_t>(count_of / 16, 64, 1024) : 4;
+        const std::int64_t chunk = newton ? std::clamp<std::int64_t>(threads == 1 ? count_of : count_of / 16, 64, 4096) : 4;
         share({count_of, chunk, threads}, stop, work, [&] {
             nb::gil_scoped_acquire acquire;
             if (PyErr_CheckSignals() != 0) {

@@ -6,8 +6,10 @@
 
 namespace rankdrop::RANKDROP_ISA {
 
-// Solves (N + mu I) x = b by Cholesky, N symmetric (n x n), in lanes. `l` has room for n * n packs.
-inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack* l, Pack* x) {
+// N > 0 fixes the size at compile time; 0 leaves it to run time.
+template <int N>
+inline void solve_damped_of(const Pack* normal, Pack mu, const Pack* b, int n_, Pack* l, Pack* x) {
+    const int n = N ? N : n_;
     const Pack tiny = fill(1e-300);
     for (int j = 0; j < n; ++j) {
         Pack pivot = normal[j * n + j] + mu;
@@ -32,6 +34,13 @@ inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack
         for (int k = i + 1; k < n; ++k) sum = sum - l[k * n + i] * x[k];
         x[i] = sum * l[i * n + i];
     }
+}
+
+// Solves (N + mu I) x = b by Cholesky, N symmetric (n x n), in lanes. `l` has room for n * n packs.
+inline void solve_damped(const Pack* normal, Pack mu, const Pack* b, int n, Pack* l, Pack* x) {
+    if (n == 7) return solve_damped_of<7>(normal, mu, b, n, l, x);
+    if (n == 6) return solve_damped_of<6>(normal, mu, b, n, l, x);
+    return solve_damped_of<0>(normal, mu, b, n, l, x);
 }
 
 inline Pack dot(const Pack* a, const Pack* b, int n) {

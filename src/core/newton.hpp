@@ -77,26 +77,39 @@ class BlockNewton {
         decompose_fast(chain_, view_, q, set_.rank, ws_);
         fill_block(chain_, view_, set_.rank, ws_, block_);
         const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
-        for (int j = 0; j < n_; ++j) {
-            model.g[j] = fill(0.0);
-            for (int k = 0; k <= j; ++k) model.normal[j * n_ + k] = fill(0.0);
-        }
-        model.size2 = fill(0.0);
-        for (int e = 0; e < entries; ++e) {
-            Pack* d = block_.d + e * n_;
-            const Pack f = block_.f[e];
-            model.size2 = model.size2 + f * f;
-            for (int j = 0; j < n_; ++j) d[j] = d[j] * scale(j);
-            for (int j = 0; j < n_; ++j) {
-                model.g[j] = model.g[j] + d[j] * f;
-                for (int k = 0; k <= j; ++k) model.normal[j * n_ + k] = model.normal[j * n_ + k] + d[j] * d[k];
-            }
-        }
+        n_ == 7 ? sums<7>(entries, model) : n_ == 6 ? sums<6>(entries, model) : sums<0>(entries, model);
         if (!set_.lower.empty()) hold_at_limits(q, model);
         model.trace = fill(0.0);
         for (int j = 0; j < n_; ++j) {
             model.trace = model.trace + model.normal[j * n_ + j];
             for (int k = 0; k < j; ++k) model.normal[k * n_ + j] = model.normal[j * n_ + k];
+        }
+    }
+
+    // |F|^2, g and the lower half of N, from F and D in scaled variables
+    template <int N>
+    void sums(int entries, Model& model) {
+        const int n = N ? N : n_;
+        model.size2 = fill(0.0);
+        for (int e = 0; e < entries; ++e) {
+            model.size2 = model.size2 + block_.f[e] * block_.f[e];
+            for (int j = 0; j < n; ++j) block_.d[e * n + j] = block_.d[e * n + j] * scale(j);
+        }
+        for (int j = 0; j < n; ++j) {
+            Pack slope = fill(0.0), row[N ? N : 1];
+            if constexpr (N > 0)
+                for (int k = 0; k <= j; ++k) row[k] = fill(0.0);
+            else
+                for (int k = 0; k <= j; ++k) model.normal[j * n + k] = fill(0.0);
+            Pack* sum = N ? row : model.normal + j * n;
+            for (int e = 0; e < entries; ++e) {
+                const Pack* d = block_.d + e * n;
+                slope = slope + d[j] * block_.f[e];
+                for (int k = 0; k <= j; ++k) sum[k] = sum[k] + d[j] * d[k];
+            }
+            model.g[j] = slope;
+            if constexpr (N > 0)
+                for (int k = 0; k <= j; ++k) model.normal[j * n + k] = row[k];
         }
     }
 

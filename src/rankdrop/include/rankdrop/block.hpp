@@ -58,6 +58,24 @@ inline void decompose(const Chain& chain, const View& view, const Pack* q, int k
     if (keep >= 0) complete_basis(ws.w, ws.sigma, longer, keep < shorter ? keep : shorter, wide);
 }
 
+// Of a Jacobian by rows, J or its transpose as it maps the wide side to the narrow one: the left vectors of the first
+// `rank` right ones, and any completion. M, N: rows of the task and variables, or 0 where only run time knows them.
+template <int M, int N>
+inline void image_basis(const Pack* jacobian, int m_, int n_, const Pack* sigma, const Pack* wide, int rank, Pack* narrow) {
+    const int m = M ? M : m_, n = N ? N : n_, longer = m <= n ? n : m, shorter = m <= n ? m : n;
+    const int row_step = m <= n ? n : 1, column_step = m <= n ? 1 : n;
+    for (int i = 0; i < rank; ++i) {
+        const Pack scale = fill(1.0) / max(sigma[i], fill(1e-300));
+        for (int a = 0; a < shorter; ++a) {
+            Pack sum = fill(0.0);
+            for (int j = 0; j < longer; ++j)
+                sum = sum + jacobian[a * row_step + j * column_step] * wide[i * longer + j];
+            narrow[i * shorter + a] = sum * scale;
+        }
+    }
+    for (int i = rank; i < shorter; ++i) append_orthogonal<(M < N ? M : N)>(narrow, shorter, i);
+}
+
 // As `decompose` with keep = rank, for the search: the narrow side is not accumulated but taken as image of the wide one,
 // and both are completed. The subspaces come out to kSearch, singular values to rounding, in little more than half the
 // time.
@@ -68,17 +86,9 @@ inline void decompose_fast(const Chain& chain, const View& view, const Pack* q, 
     const int longer = m <= n ? n : m, shorter = m <= n ? m : n;
     svd(ws.w, longer, shorter, kSearch, ws.sigma, nullptr);
     complete_basis(ws.w, ws.sigma, longer, rank, wide);
-    const int row_step = m <= n ? n : 1, column_step = m <= n ? 1 : n;  // J as it maps the wide side to the narrow one
-    for (int i = 0; i < rank; ++i) {
-        const Pack scale = fill(1.0) / max(ws.sigma[i], fill(1e-300));
-        for (int a = 0; a < shorter; ++a) {
-            Pack sum = fill(0.0);
-            for (int j = 0; j < longer; ++j)
-                sum = sum + ws.jacobian[a * row_step + j * column_step] * wide[i * longer + j];
-            narrow[i * shorter + a] = sum * scale;
-        }
-    }
-    for (int i = rank; i < shorter; ++i) append_orthogonal(narrow, shorter, i);
+    if (m == 6 && n == 7) return image_basis<6, 7>(ws.jacobian, m, n, ws.sigma, wide, rank, narrow);
+    if (m == 6 && n == 6) return image_basis<6, 6>(ws.jacobian, m, n, ws.sigma, wide, rank, narrow);
+    image_basis<0, 0>(ws.jacobian, m, n, ws.sigma, wide, rank, narrow);
 }
 
 // dJ(e_k) x for every variable k, with x in the space of the variables: out[k * m + a].
@@ -105,9 +115,10 @@ inline void derivative_times(const Chain& chain, const View& view, const Placed&
     }
 }
 
-// F[a * r + b] and D[(a * r + b) * n + k] at the configuration that `decompose(..., rank)` was called for.
-inline void fill_block(const Chain& chain, const View& view, int rank, const Workspace& ws, Block& out) {
-    const int m = view.m, n = chain.variables, p = m - rank, r = n - rank;
+// M, N: rows of the task and variables, or 0 where only run time knows them.
+template <int M, int N>
+inline void fill_block_of(const Chain& chain, const View& view, int rank, const Workspace& ws, Block& out) {
+    const int m = M ? M : view.m, n = N ? N : chain.variables, p = m - rank, r = n - rank;
     for (int b = 0; b < r; ++b) {
         const Pack* x = ws.v + (rank + b) * n;
         derivative_times(chain, view, ws.at, x, out.scratch);
@@ -128,6 +139,13 @@ inline void fill_block(const Chain& chain, const View& view, int rank, const Wor
             }
         }
     }
+}
+
+// F[a * r + b] and D[(a * r + b) * n + k] at the configuration that `decompose(..., rank)` was called for.
+inline void fill_block(const Chain& chain, const View& view, int rank, const Workspace& ws, Block& out) {
+    if (view.m == 6 && chain.variables == 7) return fill_block_of<6, 7>(chain, view, rank, ws, out);
+    if (view.m == 6 && chain.variables == 6) return fill_block_of<6, 6>(chain, view, rank, ws, out);
+    return fill_block_of<0, 0>(chain, view, rank, ws, out);
 }
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -168,7 +168,10 @@ inline void svd(Pack* w, int rows, int columns, Precision precision, Pack* sigma
 }
 
 // Column j of a basis: the coordinate axis that the columns before it cover least, made orthogonal to them (twice).
-inline void append_orthogonal(Pack* basis, int rows, int j) {
+// ROWS as in `one_sided_jacobi`.
+template <int ROWS = 0>
+inline void append_orthogonal(Pack* basis, int rows_, int j) {
+    const int rows = ROWS ? ROWS : rows_;
     const Pack zero = fill(0.0), one = fill(1.0);
     Pack least = fill(2.0), which = zero;
     for (int k = 0; k < rows; ++k) {
@@ -194,19 +197,27 @@ inline void append_orthogonal(Pack* basis, int rows, int j) {
     }
 }
 
-// Orthonormal basis (rows x rows, by columns) whose first `keep` columns are the directions of w's first columns and
-// whose rest completes it. A direction whose sigma is rounding noise is replaced by one from the complement; the others
-// are orthogonal as they stand.
-inline void complete_basis(const Pack* w, const Pack* sigma, int rows, int keep, Pack* out) {
+template <int ROWS>
+inline void complete_basis_of(const Pack* w, const Pack* sigma, int rows_, int keep, Pack* out) {
+    const int rows = ROWS ? ROWS : rows_;
     for (int j = 0; j < rows; ++j) {
         const Mask sound = j < keep ? sigma[j] > sigma[0] * fill(1e-14) : fill(0.0) > fill(1.0);
         const bool all_sound = j < keep && !any(sigma[j] <= sigma[0] * fill(1e-14));
-        if (!all_sound) append_orthogonal(out, rows, j);
+        if (!all_sound) append_orthogonal<ROWS>(out, rows, j);
         if (j >= keep) continue;
         const Pack scale = fill(1.0) / select(sound, sigma[j], fill(1.0));
         for (int k = 0; k < rows; ++k)
             out[j * rows + k] = select(sound, w[j * rows + k] * scale, all_sound ? fill(0.0) : out[j * rows + k]);
     }
+}
+
+// Orthonormal basis (rows x rows, by columns) whose first `keep` columns are the directions of w's first columns and
+// whose rest completes it. A direction whose sigma is rounding noise is replaced by one from the complement; the others
+// are orthogonal as they stand.
+inline void complete_basis(const Pack* w, const Pack* sigma, int rows, int keep, Pack* out) {
+    if (rows == 7) return complete_basis_of<7>(w, sigma, rows, keep, out);
+    if (rows == 6) return complete_basis_of<6>(w, sigma, rows, keep, out);
+    return complete_basis_of<0>(w, sigma, rows, keep, out);
 }
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -392,8 +392,10 @@ def test_jacobians_in_rational_numbers_are_those_of_an_independent_model(tmp_pat
         robot, resolved, "existence", replace(viewed(robot, resolve_task("pose", robot)), rank=1),
         {"q": [0.0] * robot.n, "radius": 0.0}, {}), tmp_path / "e.json"))  # fmt: skip
     arm = minors._Exact(told)
-    for q in np.random.default_rng(5).uniform(-1.5, 1.5, (3, robot.n)):
-        exact = arm.jacobian([arm.rational(k, x, snap=False) for k, x in enumerate(q)])
+    anywhere = np.random.default_rng(5).uniform(-1.5, 1.5, (3, robot.n))
+    right = np.random.default_rng(6).integers(-4, 5, (6, robot.n)) * (np.pi / 2)  # of each quarter, put there exactly
+    for q, snap in [*((one, False) for one in anywhere), *((one, True) for one in right)]:
+        exact = arm.jacobian([arm.rational(k, x, snap=snap) for k, x in enumerate(q)])
         values = np.array([[float(x.p) / float(x.q) for x in row] for row in exact.tolist()])
         expected = reference_jacobian(robot, q)[list(resolved.rows)]
         np.testing.assert_allclose(values, expected, rtol=0, atol=1e-13)

@@ -126,6 +126,8 @@ def test_a_higher_corank_is_explained_by_its_own_families(tmp_path: Path, run) -
     code, text, _ = run("planar3r", "--corank", 2)
     assert code == 0
     assert text.strip().startswith("There is no configuration of corank 2 or more: all of the joint space is proven")
+    assert "is in one" not in text
+    assert "proven to hold one" not in text
 
 
 def test_exit_codes_and_what_is_written(tmp_path: Path, run) -> None:

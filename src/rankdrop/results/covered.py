@@ -139,16 +139,19 @@ class Covered:
         covering, plan = self.covering, self.covering.plan
         tree = covering.tree
         joints = ", ".join(f"θ{j}" if self.robot.variables[j - 1].unit == "rad" else f"q{j}" for j in plan.variables)
-        whose = " of the part done"
-        share = 100 * tree.proven_leaves / tree.leaves if tree.leaves else 100.0
+        whose = "" if self.complete else " of the part done"
+        left = [("boxes left", f"{tree.leaves:,}{whose}")]
+        if tree.leaves:
+            share = 100 * tree.proven_leaves / tree.leaves
+            left = [("boxes left", f"{tree.leaves:,}; every {self._what}{whose} is in one"),
+                    ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1f} %)")]  # fmt: skip
         free = f"{100 * covering.free_share:.2f} % of the joint space{' within the limits' * plan.limits}"
         rows = (
             ("joints that decide", joints),
             ("method", plan.method),
             ("boxes no wider than", f"{self.width:.4g} rad"),
             ("proven free", free),
-            ("boxes left", f"{tree.leaves:,}; every {self._what}{'' if self.complete else whose} is in one"),
-            ("proven to hold one", f"{tree.proven_leaves:,} ({share:.1f} %)"),
+            *left,
             ("boxes tested", f"{covering.tested:,}"),
         )  # fmt: skip
         after = (f"sha256 {self.sha256}",) if self.complete else ()

@@ -13,8 +13,8 @@ number is rounded, and neither rows, dimensions, nor the shape of the Jacobian p
 
 from __future__ import annotations
 
-from itertools import combinations
-from math import pi
+from itertools import combinations, product
+from math import comb, pi
 from typing import Any
 
 import numpy as np
@@ -87,9 +87,7 @@ class _Exact:
         if any(one not in poses for one in decides):
             raise Unproven("in rational numbers the frame of a task is that of the base, the last link or the tip")
         self._axes, self._origin = (self._pose(poses.get(one, np.eye(4)), one != 0) for one in (axes, origin))
-        self._size = told.rank
-        self._minors = [(rows, columns) for rows in combinations(range(len(told.rows)), told.rank)
-                        for columns in combinations(range(told.variables), told.rank)]  # fmt: skip
+        self._count = comb(len(told.rows), told.rank) * comb(told.variables, told.rank)
 
     def _number(self, value: float) -> Rational:
         return self._f.fmpq(*float(value).as_integer_ratio())
@@ -175,22 +173,22 @@ class _Exact:
 
     def singular(self, given: list[Value], moved: int, radius: float) -> float | None:
         """How far a joint goes at most to a configuration of lower rank; None where that is not shown within radius."""
-        f = self._f
+        f, told = self._f, self._told
         slides = self._links[moved].kind == SLIDE
         twice = 2 if self._partial and self._axes[2] else 1  # axes that turn as well
-        degree = self._size * (1 if slides else 2 * twice)
+        degree = told.rank * (1 if slides else 2 * twice)
         points = [f.fmpq(k) for k in range(-(degree // 2), degree - degree // 2 + 1)]
-        if len(points) * len(self._minors) > _MOST:
-            raise Unproven(f"in rational numbers there are {len(self._minors):,} minors: too many")
+        if len(points) * self._count > _MOST:
+            raise Unproven(f"in rational numbers there are {self._count:,} minors: too many")
         below = [f.fmpq(1) if slides else 1 + x * x * self._squares[moved] for x in points]
-        scale = [one ** (twice * self._size) for one in below]
+        scale = [one ** (twice * told.rank) for one in below]
         zero = f.arb(0)
         seen = [self.jacobian(given, moved, (x, f.fmpq(0), zero) if slides else self._turned(x, moved, zero))
                 for x in points]  # fmt: skip
         entries = [one.tolist() for one in seen]
         inverse = f.fmpq_mat([[x**k for k in range(degree + 1)] for x in points]).inv()
         divisor = None
-        for rows, columns in self._minors:
+        for rows, columns in product(*(combinations(range(n), told.rank) for n in (len(told.rows), told.variables))):
             values = [f.fmpq_mat([[table[r][c] for c in columns] for r in rows]).det() * size
                       for table, size in zip(entries, scale, strict=True)]  # fmt: skip
             if not any(values):

@@ -165,7 +165,7 @@ class Copy:
         asked = [sys.executable, "-m", "nanobind", "--cmake_dir"]
         nanobind = subprocess.run(asked, text=True, capture_output=True, check=True)
         told = ["cmake", "-S", self.folder, "-B", place, "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}",
-                f"-Dnanobind_ROOT={nanobind.stdout.strip()}"]  # fmt: skip
+                f"-Dnanobind_ROOT={nanobind.stdout.strip()}", "-DRANKDROP_WIDE=OFF"]  # fmt: skip
         if subprocess.run([str(part) for part in told], capture_output=True, check=False).returncode:
             raise SystemExit("the core cannot be configured: cmake and ninja are needed")
         if subprocess.run(["ninja", "-C", str(place)], capture_output=True, check=False).returncode:

@@ -22,8 +22,8 @@ ROOT = Path(__file__).resolve().parents[2]
 ARMS = ("pa10", "ur5e", "open_manipulator")
 COMPILER = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
 needs_compiler = pytest.mark.skipif(
-    COMPILER is None or shutil.which("cmake") is None or shutil.which("cc") is None,
-    reason="no C++ compiler, C compiler or CMake on the PATH",
+    COMPILER is None or any(shutil.which(name) is None for name in ("cmake", "make", "cc")),
+    reason="no C++ compiler, C compiler, make or CMake on the PATH",
 )
 SETTINGS = {"CC", "CXX", "HOME", "LANG", "PATH", "PYTHONPATH", "TMPDIR", "VIRTUAL_ENV"}
 

@@ -45,8 +45,8 @@ def test_a_loop_in_python_keeps_a_millisecond_and_slows_down(tmp_path: Path) -> 
 
 def test_the_same_in_cpp(tmp_path: Path) -> None:
     compiler = shutil.which("c++") or shutil.which("g++")
-    if compiler is None or shutil.which("cmake") is None:
-        pytest.skip("no C++ compiler, or no cmake, is installed")
+    if compiler is None or shutil.which("cmake") is None or shutil.which("make") is None:
+        pytest.skip("no C++ compiler, no cmake, or no make is installed")
     source = Path(__file__).resolve().parents[2] / "examples" / "cpp"
     told = subprocess.run([sys.executable, "-m", "rankdrop.headers", "--cmake-dir"], env=environment(), check=True,
                           capture_output=True, text=True)  # fmt: skip

@@ -9,9 +9,9 @@ import pytest
 
 pytest.importorskip("flint")
 
-from rankdrop.exact.algebra.field import P, complete, value_at
-from rankdrop.exact.algebra.polynomial import SIMPLE, primitive
-from rankdrop.exact.algebra.ring import Form, Ring
+from rankdrop.exact.algebra.field import P, complete, modulo, value_at
+from rankdrop.exact.algebra.polynomial import COS_SIN, SIMPLE, flint, primitive
+from rankdrop.exact.algebra.ring import Form, Ring, polynomial_of
 from rankdrop.exact.algebra.solving import Solved, put
 from rankdrop.exact.algebra.work import spent
 
@@ -205,3 +205,26 @@ def test_a_zero_at_pi_of_a_solved_variable_is_where_its_denominator_vanishes() -
     solved = Solved(0, ring.half.constant(1), ring.t[2] - 2)
     form = put(Form(ring, ring.t[2], (1, 1)), solved)
     assert {atom.key for atom, _ in form.factors().atoms} == {"θ2=0", "t2 - 2"}
+
+
+@pytest.mark.parametrize("value", SIMPLE)
+def test_the_polynomial_of_a_pinned_joint_vanishes_at_its_value_and_at_no_other(ring: Ring, value: str) -> None:
+    found = polynomial_of(ring, next(atom for atom, _ in ring.factor(pinned(ring, value)).atoms if atom.value == value))
+    assert {there for there in SIMPLE if found(*angles(ring, 2, there)) == 0} == {value}
+
+
+def pinned(ring: Ring, value: str):
+    """A trigonometric polynomial of θ2 that has the factor of a value."""
+    cosine, sine = COS_SIN[value]
+    return 1 - cosine * ring.c[2] - sine * ring.s[2]
+
+
+def angles(ring: Ring, joint: int, value: str):
+    """Values of all generators: one joint at a simple angle, everything else 3."""
+    where = {str(ring.c[joint]): COS_SIN[value][0], str(ring.s[joint]): COS_SIN[value][1]}
+    return [where.get(str(one), 3) for one in ring.trig.gens()]
+
+
+@pytest.mark.parametrize("bottom", [1, 2, 3, 10, 2**40])
+def test_a_rational_number_modulo_a_prime_times_its_denominator_is_its_numerator(bottom: int) -> None:
+    assert modulo(flint().fmpq(7, bottom)) * bottom % P == 7

@@ -11,13 +11,14 @@ from reference import arms, region
 from reference.displaced import displaced_arm
 
 from rankdrop.certify.ball import certified_radius
-from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
+from rankdrop.certify.displaced import ModelTolerance, displaced_columns, displaced_jacobian, points_of
 from rankdrop.certify.proof.reading import sealed
 from rankdrop.certify.proof.verifying import verify
 from rankdrop.certify.proof.writing import ball_certificate, write_certificate
 from rankdrop.certify.setting import settings_for
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
+from rankdrop.local.block import singular_values
 from rankdrop.motion.certificate import path_certificate, proven_for_near_arms
 from rankdrop.motion.check import check_path
 from rankdrop.robot.model import JointKind
@@ -30,6 +31,8 @@ ARMS = {
     "random 6R": lambda: arms.random_chain(np.random.default_rng(3), "rrrrrr"),
     "stanford": lambda: open_robot("stanford"),
     "random slides": lambda: arms.random_chain(np.random.default_rng(4), "prrprp"),
+    "random screws": lambda: arms.random_chain(np.random.default_rng(5), "rhrphr"),
+    "mimics": lambda: region.coupled(np.random.default_rng(6), "r p r1:0.3 p1:-0.4 r h0:2.5 r p0:0.3 r"),
 }
 
 
@@ -97,6 +100,41 @@ def test_the_bound_of_a_slide_and_of_what_it_carries_is_reached():
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()
             best = np.maximum(best, change / np.maximum(bound, 1e-9))
     assert (best > 0.9).sum() >= 3
+
+
+@pytest.mark.parametrize("name", ["random screws", "mimics"])
+def test_near_arms_of_a_certified_ball_keep_their_rank(name, tmp_path):
+    """Balls of joints that screw or follow others, proven again; near arms have σ above zero everywhere in them."""
+    robot, rng = ARMS[name](), np.random.default_rng(3)
+    q = rng.uniform(-0.8, 0.8, robot.n)
+    near = ModelTolerance(1e-3, 3e-3)
+    whole = certified_radius(robot, q, evaluations=2_000).radius
+    record = ball_certificate(robot, q, tolerance=near, radius=0.3 * whole, evaluations=2_000)
+    found = verify(write_certificate(record, tmp_path / "b.json"), robot)
+    assert found.holds, found.reason
+    scale, count = np.array(record["claim"]["scale"]), len(robot.joints)
+    least = np.inf
+    for _ in range(200):
+        other = displaced_arm(robot, directions(rng, count, near.angle), directions(rng, count, near.length))
+        at = q + directions(rng, robot.n, 1.0)[:, 0] * 0.3 * whole / np.sqrt(robot.n) * scale
+        least = min(least, float(singular_values(other, at[None], resolve_task("pose", other))[0, -1]))
+    assert least > 0.0
+    record["tolerance"]["angle"] = 0.1
+    assert not verify(write_certificate(sealed(record), tmp_path / "b.json"), enclosures=500).holds
+
+
+def test_columns_of_joints_that_follow_one_another_change_together():
+    """What one variable drives: D_i of its joints, each times the size of its multiplier."""
+    robot = ARMS["mimics"]()
+    task = resolve_task("pose", robot)
+    setting = settings_for(robot, task)[0]
+    each = displaced_columns(robot, setting, NEAR, task.rows)
+    place = {joint.name: k for k, joint in enumerate(robot.variables)}
+    expected = np.zeros(robot.n)
+    for joint, one in zip(robot.joints, each, strict=True):
+        leader, times = (joint.mimic.leader, abs(joint.mimic.multiplier)) if joint.mimic else (joint.name, 1.0)
+        expected[place[leader]] += times * one
+    np.testing.assert_allclose(displaced_jacobian(robot, setting, NEAR, task.rows), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("name", "task"), [("stanford", None), ("puma560", "position"), ("scara", "position")])
@@ -199,8 +237,6 @@ def test_a_path_for_near_arms_is_proven_or_not(tmp_path):
 
 
 def test_what_a_tolerance_is_not_for_is_refused():
-    with pytest.raises(OptionError, match="turn or slide"):
-        ball_certificate(arms.random_chain(np.random.default_rng(5), "rhrrrr"), [0.3] * 6, tolerance=NEAR)
     with pytest.raises(OptionError, match="whole tasks"):
         ball_certificate(open_robot("planar3r"), [0.3, 1.2, 0.4], tolerance=NEAR)
     with pytest.raises(OptionError, match="small angle"):

@@ -195,7 +195,8 @@ class BlockNewton {
         if (state.accepted) {
             const double size2 = get(here_.size2, lane);
             const double reachable = std::sqrt(std::fmax(0.0, get(reachable2_, lane)));
-            const bool flat = state.pasts >= 10 && size2 > (1.0 - 1e-3) * state.past[state.pasts % 10] && reachable < 0.3;
+            // in a curved valley the model promises a fall that never comes: what ten steps gained tells
+            const bool flat = state.pasts >= 10 && size2 > (1.0 - 1e-3) * state.past[state.pasts % 10];
             state.past[state.pasts++ % 10] = size2;
             if (sigma > set_.singular && (reachable < set_.stationary || flat)) return minimum(lane, first, out);
         } else if (state.stalled > 40 && sigma > set_.singular) {

@@ -114,7 +114,7 @@ def test_boxes_cut_by_the_ball_reach_a_singularity_and_stop_there():
     robot = open_robot("pa10")
     q = np.random.default_rng(19).uniform(-np.pi, np.pi, (60, robot.n))
     far = pa10_distance(q)
-    near = np.flatnonzero((0.05 < far) & (far < 0.3))
+    near = np.flatnonzero((far > 0.05) & (far < 0.3))
     assert len(near) > 10
     for i in near:
         found = certified_radius(robot, q[i], at_most=1.5 * far[i], evaluations=4000)

@@ -2,8 +2,8 @@
 
 Two steps. One enclosure of the whole ball gives a radius at once (CERTIFY: local second derivatives and a third-order
 remainder). Branch and bound then cuts the ball asked for into boxes. Of each its enclosure tells how far from the
-centre it is free, as much as the ball leaves of it; the one that is free least far is cut next, until all are free or the
-budget is spent. What is certified then is how far the least is free.
+centre it is free, as much as the ball leaves of it; the one that is free least far is cut next, until all are free or
+the budget is spent. What is certified then is how far the least is free.
 """
 
 from __future__ import annotations
@@ -113,8 +113,9 @@ def certified_radius(
     centre of the box, T_j = ⅙ Σ_i |v_ij| (M_i t³ + 3 t² s), t and s the sums of |δ_k| over the turning joints and of
     |δ_k|/ℓ over the slides between joint i and the link, M_i = √(1 + (reach_i/ℓ)²) a bound on every derivative of
     column i by turns. Where a ball of radius ρ around q cuts the box, whose centre is c off, Σ g_ijk δ_k lies between
-    −|g_ij| ρ − g_ij·c and |g_ij| ρ − g_ij·c as well, and the narrower of the two counts. Where the matrix Σ_ii − |E_ii|, −|E_ij| is an M-matrix, Σ + E is regular. Floating-point error is
-    allowed for by 1e-12 · Σ M_i in every entry. Limits of the joints play no part.
+    −|g_ij| ρ − g_ij·c and |g_ij| ρ − g_ij·c as well, and the narrower of the two counts. Where the matrix
+    Σ_ii − |E_ii|, −|E_ij| is an M-matrix, Σ + E is regular. Floating-point error is allowed for by 1e-12 · Σ M_i in
+    every entry. Limits of the joints play no part.
 
     Args:
         robot: the arm.

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from time import monotonic
 
+import numpy as np
+
 from rankdrop._handles import check_robot
 from rankdrop.compare.cloud import cloud, explained, sets_without_points
 from rankdrop.errors import OptionError
@@ -19,8 +21,9 @@ from rankdrop.exact.families import families, real_sets
 from rankdrop.exact.family import Assumption, ExactFamily, described
 from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
 from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.families.posture import posed
 from rankdrop.families.searching import check_numbers
-from rankdrop.family.record import Check
+from rankdrop.family.record import Check, Family, Sampled
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.conditions.data import ConditionSettings
 from rankdrop.results.conditions.known import known_conditions
@@ -139,7 +142,7 @@ def conditions(
         reason=first.reason,
         steps=first.steps,
         determinants=said,
-        families=tuple(found),
+        families=tuple(posed_exactly(robot, chain.task, family) for family in found),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -156,6 +159,17 @@ def conditions(
         ),
         chain=chain,
     )  # fmt: skip
+
+
+def posed_exactly(robot: Robot, task: Task, family: ExactFamily) -> ExactFamily:
+    """The family with the witness that `analyze` shows: in a good posture, see `rankdrop.families.posed`."""
+    sampled = posed(robot, task, Family(
+        id=family.id, name=family.name, corank=family.corank, dimension=family.dimension, pinned=family.pinned(robot),
+        free=family.free, coupled=family.coupled, equations=family.equations, witness=family.witness,
+        lost_directions=np.empty((0, 6)), lost_words=family.lost_words,
+        evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+    ))  # fmt: skip
+    return replace(family, witness=sampled.witness, lost_words=sampled.lost_words)
 
 
 def _check(method: str, coranks: int | None, seconds: float, points: int, seed: int) -> None:

@@ -21,7 +21,7 @@ from rankdrop.results.conditions.known import known_conditions
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
-from rankdrop.verbs.conditions import posed_exactly
+from rankdrop.verbs.deriving import posed_exactly
 
 
 def test_each_fault_counts_and_limits_count_most() -> None:

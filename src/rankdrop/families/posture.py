@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.families.walk import within_travel
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
 from rankdrop.local.posture import candidates, fault
@@ -72,9 +71,7 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     starts = candidates(robot, task, _CANDIDATES, 0)
     points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
-    problem = Problem(robot, task, family.corank)
-    points = points[problem.singular(points) & within_travel(problem, family, points)]
-    return into_limits(robot, points)
+    return into_limits(robot, points[Problem(robot, task, family.corank).singular(points)])
 
 
 def _turned(robot: Robot, q: Array) -> Array:

@@ -186,6 +186,7 @@ def ball(
     settings: EnclosureSettings,
     *,
     inner: float,
+    enough: float,
     smallest: float,
     budget: int,
     keep: bool,

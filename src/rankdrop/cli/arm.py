@@ -192,13 +192,13 @@ def open_ideal(
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
+    if tolerance is None:
+        return *open_arm(name, options, tcp, deg=deg), None
     from rankdrop.robot import read_tolerance
     from rankdrop.verbs import idealised
 
-    given = None if tolerance is None else read_tolerance(tolerance)
+    given = read_tolerance(tolerance)
     robot, task = open_arm(name, options, tcp, deg=deg)
-    if given is None:
-        return robot, task, None
     found = idealised(robot, given)
     return found.ideal, task, found
 

@@ -45,6 +45,8 @@ class Question:
             ConfigurationError: not a configuration.
             TaskError: flags of an arm whose Jacobian is not square.
         """
+        if not self:
+            return
         from rankdrop.exact import parse_conditions, signs_of
 
         if self.test is not None:

@@ -59,12 +59,14 @@ class CorankOne:
 def check_method(
     chain: Chain, method: str, *, basic: tuple[int, ...] | None = None, frame: int | None = None
 ) -> None:
-    """Refuse decoupling of an arm that does not decouple, and screws chosen for a method that has none, before the rank
-    tree is derived.
+    """Refuse a method that there is not, decoupling of an arm that does not decouple, and screws chosen for a method
+    that has none, before the rank tree is derived.
 
     Raises:
         OptionError: says why.
     """
+    if method not in METHODS:
+        raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if (basic, frame) != (None, None) and method not in CHOOSING:
         raise OptionError(
             "basic screws and the frame are chosen for another method", where="method", got=method,

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from rankdrop.compare.comparison import AGREES, DIFFERS, NOT_DERIVED, Comparison
 from rankdrop.exact.family import ExactFamily
 from rankdrop.family.record import Check, CorankSummary, Family
 from rankdrop.robot.model import Robot
+
+if TYPE_CHECKING:
+    from rankdrop.compare.comparison import Comparison
 
 VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
     "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
@@ -173,13 +175,13 @@ def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | 
 
 
 def _agrees(analysis: _Sampled, derived: _Derived | None = None) -> bool:
-    beside = analysis.exact is not None and analysis.exact.status == AGREES
+    beside = analysis.exact is not None and analysis.exact.agrees
     return beside or (derived is not None and of_conditions(derived).holds)
 
 
 def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
     comparison = analysis.exact
-    if comparison is not None and comparison.status == DIFFERS:
+    if comparison is not None and comparison.derived and not comparison.agrees:
         for text in comparison.disagreements:
             yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
     for row in analysis.families:
@@ -194,7 +196,7 @@ def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
     for row in analysis.families:
         if not row.named:
             yield INCOMPLETE, f"no conditions were found for {row.id}"
-    if comparison is not None and comparison.status == NOT_DERIVED and not comparison.holds:
+    if comparison is not None and not comparison.derived and not comparison.holds:
         yield INCOMPLETE, f"exact conditions were asked for and not derived, {comparison.reason}"
 
 

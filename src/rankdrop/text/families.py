@@ -13,7 +13,7 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.compare.comparison import AGREES, NOT_DERIVED, Comparison, ExactRow
+from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import Check, CorankSummary, Family
@@ -239,13 +239,13 @@ def agreement(
     """
     if comparison is None:
         return
-    if comparison.status == NOT_DERIVED:
+    if not comparison.derived:
         yield f"Exact conditions: not derived; {comparison.reason}.", False
         return
     if comparison.disagreements:
         yield "The exact derivation and the numeric search DIFFER; at least one of them is wrong:", True
         yield from ((f"  {text}", True) for text in comparison.disagreements)
-    verdict = "agree with every row" if comparison.status == AGREES else "do not agree with the rows"
+    verdict = "agree with every row" if comparison.agrees else "do not agree with the rows"
     numeric, exact = comparison.numeric, comparison.exact
     points = (
         f"{numeric.agree:,} of {numeric.tested:,} points of the rows lie on exact families, "

@@ -77,7 +77,8 @@ class BlockNewton {
         Pack fresh = fill(0.0);
         for (int lane = 0; lane < W; ++lane)
             if (lanes_[lane].fresh) set(fresh, lane, 1.0);
-        decompose_fast(chain_, view_, q, set_.rank, ws_, fresh > fill(0.5));
+        const Mask anew = fresh > fill(0.5);
+        decompose_fast(chain_, view_, q, set_.rank, ws_, &anew);
         fill_block(chain_, view_, set_.rank, ws_, block_);
         const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
         n_ == 7 ? sums<7>(entries, model) : n_ == 6 ? sums<6>(entries, model) : sums<0>(entries, model);

@@ -120,26 +120,29 @@ inline void seen_from(const Pack* jacobian, int m_, int n_, const Pack* narrow, 
 }
 
 template <int M, int N>
-inline void decompose_fast_of(const Chain& chain, const View& view, const Pack* q, int rank, Workspace& ws, Mask anew) {
+inline void decompose_fast_of(const Chain& chain, const View& view, const Pack* q, int rank, Workspace& ws, const Mask* anew) {
     const int m = M ? M : view.m, n = N ? N : chain.variables, longer = m <= n ? n : m, shorter = m <= n ? m : n;
-    forward(chain, view, q, ws.at);
-    jacobian(chain, view, ws.at, ws.jacobian, n, 1);
+    place(chain, view, q, ws);
     Pack *narrow = m <= n ? ws.u : ws.v, *wide = m <= n ? ws.v : ws.u;
-    if (any(anew))
-        for (int i = 0; i < shorter; ++i)
-            for (int k = 0; k < shorter; ++k)
-                ws.before[i * shorter + k] = select(anew, fill(i == k ? 1.0 : 0.0), ws.before[i * shorter + k]);
-    seen_from<M, N>(ws.jacobian, m, n, ws.before, ws.w);
+    if (anew) {
+        if (any(*anew))
+            for (int i = 0; i < shorter; ++i)
+                for (int k = 0; k < shorter; ++k)
+                    ws.before[i * shorter + k] = select(*anew, fill(i == k ? 1.0 : 0.0), ws.before[i * shorter + k]);
+        seen_from<M, N>(ws.jacobian, m, n, ws.before, ws.w);
+    }
     svd(ws.w, longer, shorter, kSearch, ws.sigma, nullptr);
     complete_basis(ws.w, ws.sigma, longer, rank, wide);
     image_basis<M, N>(ws.jacobian, m, n, ws.sigma, wide, rank, narrow);
-    orthonormal_again<(M < N ? M : N)>(narrow, shorter, ws.before);
+    if (anew) orthonormal_again<(M < N ? M : N)>(narrow, shorter, ws.before);
 }
 
 // As `decompose` with keep = rank, for the search: the narrow side is not accumulated but taken as image of the wide one,
-// and both are completed. The sweeps begin from the narrow side that this workspace holds of the configuration before,
-// near which most are; lanes of `anew` begin from none. The subspaces come out to kSearch, singular values to rounding.
-inline void decompose_fast(const Chain& chain, const View& view, const Pack* q, int rank, Workspace& ws, Mask anew) {
+// and both are completed. The subspaces come out to kSearch, singular values to rounding, in little more than half the
+// time. With `anew` the sweeps begin from the narrow side that this workspace holds of the configuration before, near
+// which most are: a tenth of a search; the lanes that it names begin from none.
+inline void decompose_fast(const Chain& chain, const View& view, const Pack* q, int rank, Workspace& ws,
+                           const Mask* anew = nullptr) {
     if (view.m == 6 && chain.variables == 7) return decompose_fast_of<6, 7>(chain, view, q, rank, ws, anew);
     if (view.m == 6 && chain.variables == 6) return decompose_fast_of<6, 6>(chain, view, q, rank, ws, anew);
     decompose_fast_of<0, 0>(chain, view, q, rank, ws, anew);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -51,12 +50,12 @@ def in_words(record: dict[str, Any]) -> str:
     return f"{said}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"
 
 
-def saving(record: dict[str, Any], target: str) -> Callable[[], None]:
-    """The step that writes a certificate."""
+def save_certificate(record: dict[str, Any] | None, target: str) -> None:
+    """Write a certificate where something was proven; to stdout when `target` is "-"."""
+    from rankdrop.certify import write_certificate
+    from rankdrop.cli.files import STDOUT, write_json
 
-    def save() -> None:
-        from rankdrop.certify import write_certificate
-
+    if record is not None and target == STDOUT:
+        write_json(record, target)
+    elif record is not None:
         write_certificate(record, target)
-
-    return save

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -98,16 +98,13 @@ def conditions(
     """
     from rankdrop import conditions as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
     from rankdrop.cli.question import Question
     from rankdrop.cli.terminal import reporter
     from rankdrop.exact import exact_chain
     from rankdrop.results import steps_text
 
-    targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
-    for option, target in targets.items():
-        check_target(target, option)
-    check_different(targets)
+    check_targets({"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json})
     model, task, made = open_ideal(robot, arm, ideal)
     letters = lengths_of(lengths)
     question = Question(model, test, flags, from_, to, deg=deg)
@@ -125,20 +122,14 @@ def conditions(
     record = {**found.to_dict(), **answered}
     if made is not None:
         record |= {"sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there)}
-    written: list[Callable[[], None]] = []
-    if STDOUT not in targets.values():
-        written.append(lambda: _print(found, task, answers, verdict, made, moved, beside))
-    if steps_out is not None:
-        written.append(lambda: write_text(steps_text(found), steps_out))
-    if latex is not None:
-        written.append(lambda: write_text(found.latex(), latex))
-    if python is not None:
-        written.append(lambda: write_text(found.code("python"), python))
-    if c is not None:
-        written.append(lambda: write_text(found.code("c"), c))
-    if json is not None:
-        written.append(lambda: write_json(record, json))
-    do_all(written)
+    hand_over(
+        lambda: _print(found, task, answers, verdict, made, moved, beside),
+        (steps_out, lambda target: write_text(steps_text(found), target)),
+        (latex, lambda target: write_text(found.latex(), target)),
+        (python, lambda target: write_text(found.code("python"), target)),
+        (c, lambda target: write_text(found.code("c"), target)),
+        (json, lambda target: write_json(record, target)),
+    )
     if found.interrupted:
         return exits.INTERRUPTED
     return exits.FINE if verdict.holds else exits.UNEXPLAINED

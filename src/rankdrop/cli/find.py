@@ -85,15 +85,15 @@ def find(
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.families import refine, search
     from rankdrop.results import find_to_dict
 
-    check_target(json, "--json")
-    check_target(out, "--out", (".csv", ".json", ".npz"))
-    check_target(history, "--history", (".csv", ".npz"))
-    check_different({"--json": json, "--out": out, "--history": history})
+    check_targets(
+        {"--json": json, "--out": out, "--history": history},
+        {"--out": (".csv", ".json", ".npz"), "--history": (".csv", ".npz")},
+    )
     begun = monotonic()
     model, task = open_arm(robot, arm)
     if store is not None:
@@ -115,16 +115,12 @@ def find(
             q0, number = _one_start(start, model, task, seed, deg=deg, limits=limits)
             found = refine(model, [q0], corank, first=number, **options)
     seconds = monotonic() - begun
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found, task, start, seconds=seconds))
-    if json is not None:
-        steps.append(lambda: write_json(find_to_dict(found), json))
-    if out is not None:
-        steps.append(lambda: _save(found, out))
-    if history is not None:
-        steps.append(lambda: _save_history(found, history))
-    do_all(steps)
+    hand_over(
+        lambda: _print(found, task, start, seconds=seconds),
+        (json, lambda target: write_json(find_to_dict(found), target)),
+        (out, lambda target: _save(found, target)),
+        (history, lambda target: _save_history(found, target)),
+    )
     return exits.FINE if found.complete else exits.INTERRUPTED
 
 

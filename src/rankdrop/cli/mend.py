@@ -44,17 +44,14 @@ def check_options(options: MendOptions, count: int) -> dict[str, float | None]:
     """The bounds as numbers, before any work.
 
     Raises:
-        OptionError: a number or a file that cannot be, or several paths.
+        OptionError: a number that cannot be, or several paths.
     """
-    from rankdrop.cli.files import check_target
     from rankdrop.errors import OptionError, RobotError
-    from rankdrop.motion import WRITTEN
     from rankdrop.robot import quantity
 
     if options.asked and count > 1:
         raise OptionError("remedies are those of one path", where="--remedies", got=f"{count} files",
                           mend="name one file")  # fmt: skip
-    check_target(options.fixed, "--fixed", WRITTEN)
     bounds: dict[str, float | None] = {}
     for name, text, measure in (("tool_tilt", options.tool_tilt, "angle"), ("base_shift", options.base_shift, "length"),
                                 ("blend", options.blend, "length"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,16 +16,19 @@ from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED
 from rankdrop.motion.curve import boxes, halves
 from rankdrop.motion.data import CROSSING as CROSSES
-from rankdrop.motion.data import FREE, PathData, Place, Stretch
+from rankdrop.motion.data import FREE, Place, Stretch
 from rankdrop.motion.prove import box_tree, chosen
 from rankdrop.robot.model import Array, Robot
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 EVALUATIONS = 500_000
 """Enclosures that the proof for near arms may cost."""
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
-def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -> Record:
+def path_certificate(found: PathCheck, tolerance: ModelTolerance | None = None) -> Record:
     """What is proven of a path, with the numbers of the arm and the control points of the path.
 
     Spans that touch the singular set or are undecided are open: nothing is claimed of them. Crossings are claimed where
@@ -62,7 +67,7 @@ def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -
     return record_of(found.robot, found.task, PATH, setting, claim, {}, tolerance)
 
 
-def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:
+def proven_for_near_arms(found: PathCheck, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:
     """Is a path proven free for every arm within a tolerance of this one?
 
     Boxes around runs of stretches, then around parts of one, are enclosed and halved; what arms within the tolerance

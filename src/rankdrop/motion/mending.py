@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import degrees, isfinite, isnan
 from typing import Any
 
-from rankdrop.motion.remedy import RETIME, Gain, MendingData, Parameter, Remedy
+from rankdrop.motion.remedy import RETIME, Gain, Parameter, Remedy
+from rankdrop.motion.result import PathCheck
 from rankdrop.results.codec import number_or_null
 from rankdrop.results.explanation.words import fixed, short
 from rankdrop.robot.model import Robot
@@ -13,8 +15,28 @@ from rankdrop.sections import Section, html, text
 from rankdrop.units import counted_length
 
 
-class Mending(MendingData):
-    """`MendingData` that can be printed, shown in a notebook and written to a file."""
+@dataclass(frozen=True, eq=False)
+class Mending:
+    """What was tried of a path.
+
+    Attributes:
+        before: the judgement of the path as it was.
+        remedies: found and proven, in the order of `KINDS`.
+        notes: for each kind without one, what was tried and what came of it.
+        needed: the path needs one: it is not proven free and far enough, or breaks limits.
+        complete: False where it was interrupted; what was found until then holds.
+    """
+
+    before: PathCheck
+    remedies: tuple[Remedy, ...]
+    notes: tuple[str, ...]
+    needed: bool
+    complete: bool
+
+    @property
+    def best(self) -> Remedy | None:
+        """The first that is proven free, in the order of `KINDS`; None where there is none."""
+        return next((one for one in self.remedies if one.check.holds), None)
 
     def sections(self, *, deg: bool = True) -> tuple[Section, ...]:
         """As sections of text."""

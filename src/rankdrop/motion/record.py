@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.data import CROSSING, TOUCHING, PathData, Place, Stretch, ToolMotion
+from rankdrop.motion.data import CROSSING, TOUCHING, Place, Stretch, ToolMotion
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.units import heading
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 SCHEMA = "rankdrop/path/1"
 
 
-def path_to_dict(found: PathData) -> Record:
+def path_to_dict(found: PathCheck) -> Record:
     """Everything but the samples."""
     met = [one for one in found.stretches if one.verdict in (CROSSING, TOUCHING)]
     met.sort(key=lambda one: (one.start.row, one.start.share))

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,11 +17,14 @@ from rankdrop.families.anywhere import QUICK
 from rankdrop.families.measured import Ruler, at_least
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.motion.data import VERDICTS, PathData
+from rankdrop.motion.data import VERDICTS
 from rankdrop.motion.stretches import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
 from rankdrop.units import heading, in_metres, into_metres, task_in_metres
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 SCHEMA = "rankdrop/path-rows/1"
 FORMATS = (".parquet", ".json", ".csv")
@@ -54,7 +57,7 @@ class PathRows:
         }  # fmt: skip
 
 
-def path_rows(found: PathData, analysis: Analysis | None = None) -> PathRows:
+def path_rows(found: PathCheck, analysis: Analysis | None = None) -> PathRows:
     """Joint values, verdict, nearest family, distances, σ and rates at every row.
 
     The verdict of a row is the worst of the way from it to the next row: what lies between two rows is lost in neither.
@@ -98,7 +101,7 @@ def path_rows(found: PathData, analysis: Analysis | None = None) -> PathRows:
                     robot.name, found.verdict, found.settings.version)  # fmt: skip
 
 
-def _of_stretches(found: PathData, count: int) -> tuple[list[str], Any]:
+def _of_stretches(found: PathCheck, count: int) -> tuple[list[str], Any]:
     """Worst verdict, and least speed factor, between each row and the next."""
     worst = np.full(count, len(VERDICTS))
     factor = np.full(count, np.nan)

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import degrees, isfinite, isnan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, PathData, Place, Stretch
+from rankdrop.motion.data import CROSSING, FREE, LEADS, TOUCHING, UNDECIDED, Place, Stretch
 from rankdrop.results.explanation.words import angle, motion, short
 from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 SHOWN = 10
 """Stretches that are printed unless all are asked for."""
 
 
-def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
+def path_sections(found: PathCheck, *, deg: bool = True, full: bool = False) -> tuple[Section, ...]:
     """The verdict, what is met, the other stretches, notes, and the verdict again.
 
     Args:
@@ -42,7 +46,7 @@ def path_sections(found: PathData, *, deg: bool = True, full: bool = False) -> t
     return (*sections, Section(found.sentence, tone=tone))
 
 
-def _about(found: PathData) -> Section:
+def _about(found: PathCheck) -> Section:
     times = found.curve.times
     lasts = "" if times is None else f", {times[-1] - times[0]:.6g} s"
     lines = [
@@ -54,7 +58,7 @@ def _about(found: PathData) -> Section:
     return Section(f"{found.robot.name}, {found.task.name}", lines=tuple(lines))
 
 
-def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterable[str]:
+def _met_lines(met: Iterable[Stretch], found: PathCheck, *, deg: bool) -> Iterable[str]:
     for one in met:
         verb = {"crossing": "crosses", "touching": "lies in" if one.lies else "touches"}.get(one.verdict, "undecided:")
         name = f"{one.name or 'an unnamed family'}{f' [{one.family}]' if one.family else ''}"
@@ -71,7 +75,7 @@ def _met_lines(met: Iterable[Stretch], found: PathData, *, deg: bool) -> Iterabl
             yield f"    {_slow(one, found.robot)}"
 
 
-def _free_section(free: list[Stretch], found: PathData, *, deg: bool) -> Section:
+def _free_section(free: list[Stretch], found: PathCheck, *, deg: bool) -> Section:
     timed = found.curve.times is not None
     limited = any(not isnan(one.speed_factor) for one in free)
     columns = ["nearest family", "rows", *(["time [s]"] if timed else []), "closest", "σ", "weak",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError
-from rankdrop.motion import CROSSING, FREE, TOUCHING, UNDECIDED, PathData, Place
+from rankdrop.motion import CROSSING, FREE, TOUCHING, UNDECIDED, PathCheck, Place
 from rankdrop.robot import Array
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ TONES = {FREE: "#009E73", CROSSING: "#D55E00", TOUCHING: "#CC79A7", UNDECIDED: "
 _MARKS = {CROSSING: "X", TOUCHING: "v", UNDECIDED: "s"}
 
 
-def path_figure(found: PathData) -> Figure:
+def path_figure(found: PathCheck) -> Figure:
     """Distance to the nearest known family, σ_r, and the share of the velocity limits, over time or rows.
 
     Args:
@@ -59,7 +59,7 @@ def path_figure(found: PathData) -> Figure:
     return drawn
 
 
-def _colour(axes: Any, found: PathData, *, legend: bool) -> None:
+def _colour(axes: Any, found: PathCheck, *, legend: bool) -> None:
     """Bands of the stretches; marks on the axis where one is too short to be seen."""
     named: set[str] = set()
     for one in found.stretches:

@@ -20,7 +20,7 @@ from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
 from rankdrop.results.codec import Record, plain, robot_to_dict
-from rankdrop.results.explanation.data import ExplanationData
+from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.meant import count
@@ -215,7 +215,7 @@ def _spread(values: ArrayLike) -> Spread:
     return Spread(float(x.min()), float(np.median(x)), float(x.max()))
 
 
-def here(arm: Idealised, found: ExplanationData) -> Here:
+def here(arm: Idealised, found: Explanation) -> Here:
     """The arm itself at the configuration explained, and where the ideal arm is singular next to it.
 
     Args:

@@ -29,8 +29,7 @@ from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
 from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionSettings
+from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT

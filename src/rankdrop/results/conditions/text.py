@@ -9,13 +9,16 @@ import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
-from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section
+
+if TYPE_CHECKING:
+    from rankdrop.results.conditions.conditions import Conditions
 
 _BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
 """Places for a break, the better kinds first."""
@@ -98,7 +101,7 @@ _INSET = " " * 7  # below the mark of a family
 _UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
 
 
-def arm_lines(found: ConditionsData) -> dict[str, str]:
+def arm_lines(found: Conditions) -> dict[str, str]:
     """What was assumed of the arm, label -> text."""
     lines = {}
     letters = ", ".join(f"{name} = {_number(value)} m" for name, value in found.letters.items())
@@ -136,7 +139,7 @@ def _reason(told: str) -> str:
     return "".join(f". {one[0].upper()}{one[1:]}" for one in sentences) + "."
 
 
-def sections_of(found: ConditionsData, *, width: int | None = None, families: bool = True) -> tuple[Section, ...]:
+def sections_of(found: Conditions, *, width: int | None = None, families: bool = True) -> tuple[Section, ...]:
     """Derivation step by step where it was asked for, families, assumptions, sets that are not real, checks.
 
     Args:
@@ -152,14 +155,14 @@ def sections_of(found: ConditionsData, *, width: int | None = None, families: bo
     )
 
 
-def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _steps(found: Conditions, width: int | None) -> Iterator[Section]:
     if found.settings.steps:
         for number, step in enumerate(found.steps):
             summary = f"derivation of corank 1, {found.method}" if number == 0 else ""
             yield Section(step.title, summary, tuple(piece for line in step.lines for piece in either(line, width)))
 
 
-def _determinants(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _determinants(found: Conditions, width: int | None) -> Iterator[Section]:
     if found.determinants is not None:
         said = found.determinants
         title = "Determinant" if len(said.minors) == 1 or said.product else "Minors"
@@ -169,7 +172,7 @@ def _determinants(found: ConditionsData, width: int | None) -> Iterator[Section]
         yield Section(title, "", tuple(lines), notes=notes)
 
 
-def steps_text(found: ConditionsData) -> str:
+def steps_text(found: Conditions) -> str:
     """The derivation of corank 1 and the determinants with everything written out, unwrapped."""
     blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in found.steps]
     if found.determinants is not None:
@@ -178,7 +181,7 @@ def steps_text(found: ConditionsData) -> str:
     return "\n\n".join("\n".join(block) for block in [head, *blocks]) + "\n"
 
 
-def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _coranks(found: Conditions, width: int | None) -> Iterator[Section]:
     r = found.generic_rank
     for corank in range(1, _highest(found) + 1):
         rows = found.of_corank(corank)
@@ -189,11 +192,11 @@ def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
 
 
-def _highest(found: ConditionsData) -> int:
+def _highest(found: Conditions) -> int:
     return max((family.corank for family in found.families), default=0)
 
 
-def _no_coranks(found: ConditionsData, _width: int | None) -> Iterator[Section]:
+def _no_coranks(found: Conditions, _width: int | None) -> Iterator[Section]:
     """The coranks above those that have families, and what letters mean."""
     r = found.generic_rank
     last, highest = r - found.lowest, _highest(found)
@@ -211,7 +214,7 @@ def _no_coranks(found: ConditionsData, _width: int | None) -> Iterator[Section]:
         yield Section("", "", notes=tuple(notes))
 
 
-def _none(found: ConditionsData) -> str:
+def _none(found: Conditions) -> str:
     if not found.complete:
         return "no family so far; the derivation is not complete"
     return "no family" if found.verified else "none derived, and a check says otherwise: see the first line"
@@ -243,7 +246,7 @@ def condition_lines(family: ExactFamily) -> list[str]:
     return [line] if len(line) <= _TOGETHER else parts
 
 
-def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _assumed(found: Conditions, width: int | None) -> Iterator[Section]:
     lines = []
     for one in found.assumptions:
         if one.words:
@@ -263,7 +266,7 @@ def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
         yield Section("Assumptions on the lengths", "", tuple(lines))
 
 
-def _holds(one: Assumption, found: ConditionsData) -> str:
+def _holds(one: Assumption, found: Conditions) -> str:
     said = "true here" if one.holds else "NOT true here"
     match = _UNEQUAL.fullmatch(one.text)
     if match is None or not {match[1], match[3]} <= set(found.letters):
@@ -272,7 +275,7 @@ def _holds(one: Assumption, found: ConditionsData) -> str:
     return f"{said}: {_number(values[0])} {'≠' if one.holds else '='} {_number(values[1])}"
 
 
-def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _not_real(found: Conditions, width: int | None) -> Iterator[Section]:
     by_reason: dict[str, list[str]] = {}
     for text in found.not_real:
         conditions, _, reason = text.partition(": ")
@@ -289,7 +292,7 @@ def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
         yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
 
 
-def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _checks(found: Conditions, width: int | None) -> Iterator[Section]:
     tested = sum(family.rank_check.tested for family in found.families)
     agree = sum(family.rank_check.agree for family in found.families)
     lines = []
@@ -310,7 +313,7 @@ def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
     yield Section("Checks", "", tuple(lines))
 
 
-def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _unfinished(found: Conditions, width: int | None) -> Iterator[Section]:
     if found.left:
         lines = tuple(piece for one in found.left for piece in either(one, width))
         yield Section("Not finished", "a longer --time-limit may finish it", lines)

@@ -7,19 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees
+from typing import TYPE_CHECKING
 
 from rankdrop.families.tolerant import Place, Tolerant
 from rankdrop.local.failures import Failures
 from rankdrop.results.codec import Record, robot_to_dict
-from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.words import fixed, numbers, plural, short
 from rankdrop.sections import Section
 from rankdrop.text.cells import FREE, joint_symbol
 from rankdrop.units import heading
 from rankdrop.version import VERSION
 
+if TYPE_CHECKING:
+    from rankdrop.results.explanation.explanation import Explanation
 
-def failures_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+
+def failures_part(found: Explanation, full: bool) -> Iterator[Section]:
     """What each joint's failure leaves; of arms without a joint to spare only on demand: each costs a freedom."""
     if full or found.robot.n > found.rank.generic_rank:
         yield failures_table(found.failures, "If one joint fails")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isinf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,12 @@ from rankdrop.frames import BASE, TIP
 from rankdrop.local.rates import DirectionRates
 from rankdrop.local.second_order import proof_of
 from rankdrop.local.ways_out import Direction, JointEscape
-from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.parts import turned_task
 from rankdrop.results.explanation.words import angle, angle_below, motion, numbers, plural, power, raised, short
 from rankdrop.sections import Section
+
+if TYPE_CHECKING:
+    from rankdrop.results.explanation.explanation import Explanation
 
 _SHOWN = 5  # ways out and families
 _SHARE = 0.02  # a joint that moves less than this share of the fastest is left out of a direction
@@ -23,7 +26,7 @@ _BETTER = 1.05  # a motion of several joints is told where it leads so much fart
 _NONE = 1e-12  # a rate below it is rounding
 
 
-def escape_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def escape_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Joints that lead out, best first; then the best motions of several, and what is known of the end effector."""
     if found.rank.corank:
         yield _out(found, full)
@@ -31,7 +34,7 @@ def escape_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         yield _away(found, full)
 
 
-def _out(found: ExplanationData, full: bool) -> Section:
+def _out(found: Explanation, full: bool) -> Section:
     out, r = found.escape, found.rank.generic_rank
     helpful = [one for one in out.single if one.order is not None]
     rows = tuple(_joint_row(found, one) for one in (out.single if full else helpful[:_SHOWN]))
@@ -52,7 +55,7 @@ def _out(found: ExplanationData, full: bool) -> Section:
                    tuple(after), notes if rows and full else ())  # fmt: skip
 
 
-def answer(found: ExplanationData) -> tuple[str, ...]:
+def answer(found: Explanation) -> tuple[str, ...]:
     """The way out in sentences: which joint, which way, how far; what several do, which do not help."""
     out, r = found.escape, found.rank.generic_rank
     if not r or (found.rank.always_singular and not found.rank.corank):
@@ -94,7 +97,7 @@ def _joints(ways: list[JointEscape]) -> str:
     return f"{plural('Joint', len(which))} {numbers(which)}"
 
 
-def proofs_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def proofs_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Why the sentences on ways out hold, with the formulas."""
     out = found.escape
     said = (out.avoidable_words, *(one.words for one in out.types), out.boundary_words)
@@ -114,7 +117,7 @@ def _which_of(which: list[int], count: int) -> str:
     return f"lost {plural('direction', len(which))} {numbers(which)}"
 
 
-def _away(found: ExplanationData, full: bool) -> Section:
+def _away(found: Explanation, full: bool) -> Section:
     out, r = found.escape, found.rank.generic_rank
     best = max((abs(one.rate) for one in out.single), default=0.0)
     helpful = [one for one in out.single if one.order is not None and abs(one.rate) > max(_IDLE * best, _NONE)]
@@ -127,14 +130,14 @@ def _away(found: ExplanationData, full: bool) -> Section:
                    ("joint", f"σ{r} changes by", "try", f"σ{r} then"), rows, (0,), after)  # fmt: skip
 
 
-def _joint_row(found: ExplanationData, one: JointEscape) -> tuple[str, ...]:
+def _joint_row(found: Explanation, one: JointEscape) -> tuple[str, ...]:
     name = f"{one.number} {one.joint}"
     if one.order is None:
         return (name, "–", f"gains {one.gain}, not all" if one.gain else "no gain", "", "", "")
     return (name, str(one.order), *_rate_and_step(found, one), numbers(one.receptors) if one.receptors else "–")
 
 
-def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, str]:
+def _rate_and_step(found: Explanation, one: JointEscape) -> tuple[str, str, str]:
     if one.order is None:
         return "0", "", ""
     unit = found.robot.variables[one.number - 1].unit
@@ -145,7 +148,7 @@ def _rate_and_step(found: ExplanationData, one: JointEscape) -> tuple[str, str, 
     return rate, motion(one.step, unit), short(one.sigma_after)
 
 
-def _direction(found: ExplanationData, one: Direction) -> str:
+def _direction(found: Explanation, one: Direction) -> str:
     """The joints that matter, in words, and what they reach."""
     joints = found.robot.variables
     scale = np.where([joint.unit == "m" for joint in joints], found.settings.length_scale, 1.0)
@@ -159,7 +162,7 @@ def _direction(found: ExplanationData, one: Direction) -> str:
     return f"{', '.join(parts)}{rest}: {end}" + ("" if one.restores else f", gains {one.gain} only")
 
 
-def far_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def far_part(found: Explanation, full: bool) -> Iterator[Section]:
     """The nearest singularity that was found, the radius that is proven free, and the known families."""
     far, lines, rows = found.far, [], []
     units = found.robot.units
@@ -195,7 +198,7 @@ def _deltas(delta: tuple[float, ...], units: list[str]) -> tuple[str, ...]:
     return tuple(motion(value, unit, 4) for value, unit in zip(delta, units, strict=True))
 
 
-def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def rates_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Joint rates for unit speed along the axes, the weakest and the lost directions."""
     rates, n = found.rates, found.robot.n
     losing = any(rates.lost_shares)
@@ -231,7 +234,7 @@ def rates_part(found: ExplanationData, full: bool) -> Iterator[Section]:
                   notes=tuple(notes))  # fmt: skip
 
 
-def _axes_of(found: ExplanationData) -> str:
+def _axes_of(found: Explanation) -> str:
     """Along whose axes."""
     axes = turned_task(found.task, found.settings.frame, found.lost).frame.axes
     return {BASE: "base axes", TIP: "tool axes"}.get(axes, f"axes of link {axes}")
@@ -252,7 +255,7 @@ def _costs(one: DirectionRates, unit: str, full: bool, *, brief: bool) -> tuple[
     return (held, most) if brief and not full else (short(one.norm), held, most, *each)
 
 
-def _limits_in_words(unlimited: list[int], found: ExplanationData) -> str:
+def _limits_in_words(unlimited: list[int], found: Explanation) -> str:
     if len(unlimited) == found.robot.n:
         return "no velocity limits are known"
     none = f"; {plural('joint', len(unlimited))} {numbers(unlimited)} without one" if unlimited else ""

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isinf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.conditions.known import condition_sentences
-from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
@@ -31,6 +31,9 @@ from rankdrop.results.explanation.words import (
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section
 
+if TYPE_CHECKING:
+    from rankdrop.results.explanation.explanation import Explanation
+
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
@@ -39,7 +42,7 @@ _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
 
-def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+def sections_of(found: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
     """The parts in the order in which they are asked for.
 
     Args:
@@ -51,19 +54,19 @@ def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[s
     return tuple(section for name in names for section in every[name](found, full))
 
 
-def _hint(found: ExplanationData) -> Iterator[Section]:
+def _hint(found: Explanation) -> Iterator[Section]:
     hint = degrees_hint(found.q, found.robot)
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
 
 
-def _answer(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _answer(found: Explanation, full: bool) -> Iterator[Section]:
     yield from _hint(found)
     lines = (*_warnings(found), *answer(found))
     yield Section(of_explanation(found), "", lines, notes=found.robot.notes, tone=TONE[found.verdict])
 
 
-def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _verdict(found: Explanation, full: bool) -> Iterator[Section]:
     rank, robot = found.rank, found.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
@@ -88,7 +91,7 @@ def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
     )  # fmt: skip
 
 
-def _idle(found: ExplanationData) -> str:
+def _idle(found: Explanation) -> str:
     """What the null space is to people."""
     count = found.rank.nullity
     what = "move the tool" if found.task.m == 6 else "change what the task asks for"
@@ -97,7 +100,7 @@ def _idle(found: ExplanationData) -> str:
     return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
 
 
-def _warnings(found: ExplanationData) -> Iterator[str]:
+def _warnings(found: Explanation) -> Iterator[str]:
     """Values that the arm cannot have."""
     reach = found.settings.length_scale
     if reach > _HUGE:
@@ -110,7 +113,7 @@ def _warnings(found: ExplanationData) -> Iterator[str]:
             yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)} {joint.unit})"
 
 
-def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _which(found: Explanation, full: bool) -> Iterator[Section]:
     special = [relation.words for relation in found.relations if not relation.structural]
     always = [relation.words for relation in found.relations if relation.structural]
     if not found.met and not full:
@@ -130,11 +133,11 @@ def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
         yield Section("Which singularity" if found.met else "Axes", _focus(found), tuple(lines), notes=notes)
 
 
-def _focus(found: ExplanationData) -> str:
+def _focus(found: Explanation) -> str:
     return "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
 
 
-def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _lost(found: Explanation, full: bool) -> Iterator[Section]:
     lost = found.lost
     if lost.framed is not None:
         miss = found.far.near_miss is not None and not found.rank.corank
@@ -161,7 +164,7 @@ def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
                       columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
 
 
-def _seen(found: ExplanationData) -> str:
+def _seen(found: Explanation) -> str:
     """In which axes the directions are, and which point they refer to."""
     assert found.lost.framed is not None
     frame, name = found.lost.framed.frame, found.lost.framed.name
@@ -169,7 +172,7 @@ def _seen(found: ExplanationData) -> str:
     return f"axes of {name}" + (", reference point at the end effector" if at_tip else "")
 
 
-def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _blame(found: Explanation, full: bool) -> Iterator[Section]:
     blame = found.blame
     lines = [circuit.words for circuit in blame.smallest]
     lines += [system.words for system in blame.systems if system.permanent or full]
@@ -213,7 +216,7 @@ def _hunt(hunt: Hunt) -> Section:
     )  # fmt: skip
 
 
-def _dependencies(found: ExplanationData) -> str:
+def _dependencies(found: Explanation) -> str:
     usual = found.robot.n - found.rank.generic_rank
     text = "smallest sets of joints with dependent screws"
     if usual:
@@ -222,23 +225,23 @@ def _dependencies(found: ExplanationData) -> str:
     return text
 
 
-def _closing(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _closing(found: Explanation, full: bool) -> Iterator[Section]:
     if found.disagreements:
         yield Section("Disagreement", "two methods differ; please report it", found.disagreements)
 
 
-def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _more(found: Explanation, full: bool) -> Iterator[Section]:
     if not full:
         yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
 
 
-def _fuller(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _fuller(found: Explanation, full: bool) -> Iterator[Section]:
     yield Section(
         "", "", notes=("more with --full: every joint, joints to blame, tables of Hunt and of GR",)
     )
 
 
-def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _last(found: Explanation, full: bool) -> Iterator[Section]:
     yield Section(of_explanation(found), tone=TONE[found.verdict])
 
 
@@ -246,7 +249,7 @@ def _deg(value: float, unit: str) -> str:
     return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
 
 
-def ellipsoids_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def ellipsoids_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Velocity and force ellipsoids with their indices, for unit joint rates and for the velocity limits."""
     shapes = found.ellipsoids
     for group in (shapes.unit_rates, shapes.rate_limits):
@@ -267,7 +270,7 @@ def ellipsoids_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         )  # fmt: skip
 
 
-def redundancy_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def redundancy_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Null space, rank–nullity, both forms of the projector."""
     spare = found.redundancy
     lines = [
@@ -283,7 +286,7 @@ def redundancy_part(found: ExplanationData, full: bool) -> Iterator[Section]:
                   notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
 
 
-def representation_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def representation_part(found: Explanation, full: bool) -> Iterator[Section]:
     """Coordinates of the orientation and their own singularities."""
     every = found.representations
     rows = tuple(
@@ -300,7 +303,7 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
-DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+DETAIL_PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "proofs": proofs_part,
     "ellipsoids": ellipsoids_part,
     "redundancy": redundancy_part,
@@ -308,7 +311,7 @@ DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = 
 }
 """They by their names, in order."""
 
-PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "verdict": _verdict,
     "which": _which,
     "lost": _lost,
@@ -323,7 +326,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "last": _last,
 }
 """Every part by its name, in order."""
-ANSWERS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
+ANSWERS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
 """Parts that are shown by name only: the verdict with the way out in sentences, and what more there is to see."""
 DETAILS = frozenset(DETAIL_PARTS)
 """Parts that are shown only on demand."""

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import polished
 from rankdrop.families.memory import Memory
-from rankdrop.families.residual import elsewhere
-from rankdrop.families.row import Row, soundness, witness
+from rankdrop.families.row import Row, elsewhere, soundness, witness
 from rankdrop.families.rows import Membership, find_rows, membership, on_any
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search

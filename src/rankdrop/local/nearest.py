@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, configurations, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.notebook import nearest_html
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local import departure as finite_motions
@@ -24,7 +25,6 @@ from rankdrop.local.notebook import escape_html
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
 from rankdrop.local.taylor import taylor, unlocked
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances

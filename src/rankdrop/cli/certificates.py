@@ -24,7 +24,7 @@ def model_tolerance(text: str | None) -> ModelTolerance | None:
     return ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
-def of_place(found: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
+def of_place(explanation: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
     """What can be proven at a configuration: that a singular one exists there, or a ball without any.
 
     Raises:
@@ -32,9 +32,11 @@ def of_place(found: Explanation, tolerance: ModelTolerance | None, evaluations: 
     """
     from rankdrop.certify import ball_certificate, existence_certificate
 
-    if found.rank.corank and tolerance is None:
-        return existence_certificate(found.robot, found.q, found.task)
-    return ball_certificate(found.robot, found.q, found.task, tolerance=tolerance, evaluations=max(evaluations, 1))
+    if explanation.rank.corank and tolerance is None:
+        return existence_certificate(explanation.robot, explanation.q, explanation.task)
+    return ball_certificate(
+        explanation.robot, explanation.q, explanation.task, tolerance=tolerance, evaluations=max(evaluations, 1)
+    )
 
 
 def in_words(record: dict[str, Any]) -> str:

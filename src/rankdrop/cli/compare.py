@@ -100,7 +100,7 @@ def _three(text: str | None, option: str) -> list[float | str]:
     return list(words)
 
 
-def _print(found: SideBySide) -> None:
+def _print(designs: SideBySide) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections())
+    print_sections(designs.sections())

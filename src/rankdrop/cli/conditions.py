@@ -186,7 +186,7 @@ def joints_of(text: str) -> tuple[int, ...]:
 
 
 def _print(
-    found: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
+    conditions: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
     moved: Sequence[Section], beside: Sequence[Section],
 ) -> None:  # fmt: skip
     from rankdrop.cli.arm import arm_section, near_line
@@ -197,8 +197,13 @@ def _print(
     console = results()
     line = verdict_line(verdict)
     show(console, [line, ""])
-    show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found) | near_line(found.robot, made)))
-    print_sections((*moved, *found.sections(width=console.width - INDENT), *beside, *answers), first=False)
+    show(
+        console,
+        arm_section(
+            conditions.robot, task, conditions.generic_rank, arm_lines(conditions) | near_line(conditions.robot, made)
+        ),
+    )
+    print_sections((*moved, *conditions.sections(width=console.width - INDENT), *beside, *answers), first=False)
     show(console, ["", line])
 
 
@@ -247,7 +252,7 @@ class Question:
         if typed:
             signs_of(chain, names=False)
 
-    def answer(self, found: Conditions) -> tuple[list[Section], Record, Verdict]:
+    def answer(self, conditions: Conditions) -> tuple[list[Section], Record, Verdict]:
         """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
         from rankdrop.results import of_conditions
 
@@ -255,18 +260,18 @@ class Question:
         record: Record = {"test": None, "flags": None, "between": None}
         tested = "exact"
         if self.test is not None:
-            section, record["test"], tested = _tested(found, self.test)
+            section, record["test"], tested = _tested(conditions, self.test)
             sections.append(section)
         if self.flags is not None:
-            flags = found.flags(self._q(self.flags))
+            flags = conditions.flags(self._q(self.flags))
             record["flags"] = flags.to_dict()
             sections.append(self._flags("Configuration flags", flags))
         if self.start is not None and self.end is not None:
-            between = found.between(self._q(self.start), self._q(self.end))
+            between = conditions.between(self._q(self.start), self._q(self.end))
             record["between"] = between.to_dict()
             sections += [self._flags("From", between.first), self._flags("To", between.second)]
             sections.append(_section("What parts them", between.sentences()))
-        verdict = of_conditions(found, tested)
+        verdict = of_conditions(conditions, tested)
         return sections, {**record, **verdict.to_dict()}, verdict
 
     def _q(self, text: str, option: str = "") -> list[float]:
@@ -281,9 +286,9 @@ class Question:
         return _section(title, flags.sentences(), f"q = ({values}) [{'°' if self.deg else 'rad'}, m]")
 
 
-def _tested(found: Conditions, condition: str) -> tuple[Section, Record | None, str]:
+def _tested(conditions: Conditions, condition: str) -> tuple[Section, Record | None, str]:
     try:
-        result = found.test(condition)
+        result = conditions.test(condition)
     except RankdropError as error:  # the derivation ended early: what it has is shown all the same
         return _section("Your condition", (f"not tested: {error}",), condition), None, "not tested"
     return _section("Your condition", result.sentences(), condition), result.to_dict(), result.verdict

@@ -102,14 +102,14 @@ def explain(
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
 
 
-def _print(found: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
+def _print(explanation: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
     from rankdrop.cli.arm import near_line
     from rankdrop.cli.sections import print_sections
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 
-    *sections, last = found.sections(full=full)
+    *sections, last = explanation.sections(full=full)
     if made is not None and beside is not None:
         sections[1:1] = [here_section(made, beside), *([moved_section(made)] if full else [])]
-    sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
+    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
     print_sections([*sections, last])

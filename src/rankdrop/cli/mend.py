@@ -81,16 +81,16 @@ def mended(
     )  # fmt: skip
 
 
-def write_fixed(found: Mending, target: str) -> None:
+def write_fixed(mending: Mending, target: str) -> None:
     """The mended path as a file, and a line that says so."""
     from rankdrop.cli.files import write_bytes
     from rankdrop.cli.terminal import say
     from rankdrop.motion import trajectory_bytes
 
-    one = found.best or (found.remedies[0] if found.remedies else None)
+    one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
-        say(f"{target} is not written: {'no remedy was found' if found.needed else 'the path needs none'}")
+        say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
         return
-    write_bytes(trajectory_bytes(one.trajectory, found.before.robot, target), target)
+    write_bytes(trajectory_bytes(one.trajectory, mending.before.robot, target), target)
     between = "" if one.interpolate == "linear" else f", read it with --interpolate {one.interpolate}"
     say(f"{target}: mended by {one.kind}, judged again: {one.check.verdict}{between}")

@@ -118,13 +118,13 @@ def _interrupted(out: str | None) -> int:
     return exits.INTERRUPTED
 
 
-def _print(found: Designs, *, every: bool) -> None:
+def _print(designs: Designs, *, every: bool) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections(every=every))
+    print_sections(designs.sections(every=every))
 
 
-def _draw(found: Designs, axes: tuple[str, ...], target: str) -> None:
+def _draw(designs: Designs, axes: tuple[str, ...], target: str) -> None:
     from io import BytesIO
     from pathlib import Path
 
@@ -132,20 +132,20 @@ def _draw(found: Designs, axes: tuple[str, ...], target: str) -> None:
     from rankdrop.report.design_figure import design_figure
 
     buffer = BytesIO()
-    design_figure(found, axes).savefig(buffer, format=Path(target).suffix[1:].lower(), dpi=200)
+    design_figure(designs, axes).savefig(buffer, format=Path(target).suffix[1:].lower(), dpi=200)
     write_bytes(buffer.getvalue(), target)
 
 
-def _page(found: Designs, axes: tuple[str, ...], target: str) -> None:
+def _page(designs: Designs, axes: tuple[str, ...], target: str) -> None:
     from rankdrop.cli.files import write_text
     from rankdrop.report.design_page import design_page
 
-    write_text(design_page(found, axes), target)
+    write_text(design_page(designs, axes), target)
 
 
-def _tables(found: Designs, out: str) -> None:
+def _tables(designs: Designs, out: str) -> None:
     from rankdrop.cli.terminal import say
     from rankdrop.designs import write_tables
 
-    variants, families = write_tables(found, out)
+    variants, families = write_tables(designs, out)
     say(f"Parquet: {variants}, {families}")

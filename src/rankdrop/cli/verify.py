@@ -71,7 +71,7 @@ def verify(
     return exits.FINE if found.holds else exits.UNEXPLAINED
 
 
-def _print(found: Verified) -> None:
+def _print(verified: Verified) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections())
+    print_sections(verified.sections())

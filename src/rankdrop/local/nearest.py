@@ -153,10 +153,10 @@ def nearest_singularity(
     )
 
 
-def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
+def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     """A configuration of `in_metres(robot)` as one of the arm itself."""
-    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
-    return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
+    q, delta = out_of_metres(robot, nearest.q), out_of_metres(robot, nearest.delta)
+    return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 @dataclass(frozen=True, slots=True)

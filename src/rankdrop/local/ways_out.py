@@ -222,23 +222,23 @@ def escape(
     )
 
 
-def _out_of_metres(found: Escape, robot: Robot) -> Escape:
+def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
     """Motions of `in_metres(robot)` as those of the arm itself."""
     unit = out_of_metres(robot, np.ones(robot.n))  # of slides
 
     def several(one: Direction | None) -> Direction | None:
         return None if one is None else replace(one, delta=tuple((unit * one.delta).tolist()))
 
-    def alone(one: JointEscape) -> JointEscape:
-        own = float(unit[one.number - 1])
-        first = tuple(value / own for value in one.first_order)
-        return replace(one, rate=one.rate / own ** (one.order or 0), first_order=first, step=one.step * own)
+    def alone(joint: JointEscape) -> JointEscape:
+        own = float(unit[joint.number - 1])
+        first = tuple(value / own for value in joint.first_order)
+        return replace(joint, rate=joint.rate / own ** (joint.order or 0), first_order=first, step=joint.step * own)
 
-    best = several(found.best_direction)
+    best = several(escape.best_direction)
     assert best is not None
     return replace(
-        found, single=tuple(alone(one) for one in found.single), best_pair=several(found.best_pair),
-        best_direction=best, still=several(found.still),
+        escape, single=tuple(alone(one) for one in escape.single), best_pair=several(escape.best_pair),
+        best_direction=best, still=several(escape.still),
     )  # fmt: skip
 
 

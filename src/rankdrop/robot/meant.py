@@ -262,9 +262,9 @@ def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -
     return found
 
 
-def _same(one: Robot, two: Robot) -> bool:
-    pairs = [(one.home, two.home)]
-    for mine, other in zip(one.joints, two.joints, strict=True):
+def _same(first: Robot, two: Robot) -> bool:
+    pairs = [(first.home, two.home)]
+    for mine, other in zip(first.joints, two.joints, strict=True):
         pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]
     return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
 

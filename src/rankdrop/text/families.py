@@ -335,10 +335,10 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     )  # fmt: skip
 
 
-def _percent(one: NearShare) -> str:
-    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
+def _percent(share: NearShare) -> str:
+    return f"{AT_LEAST if share.bound else ''} {100 * share.share:.3g} %".strip()
 
 
-def _between(one: NearShare) -> str:
-    low, high = (100 * end for end in one.interval)
+def _between(share: NearShare) -> str:
+    low, high = (100 * end for end in share.interval)
     return f"{low:.2g} … {high:.2g} %"

@@ -150,7 +150,7 @@ def _families(
 
 
 def _first(
-    chain: Chain, tree: Tree, found: Sequence[ExactFamily], work: Work, asked: ConditionSettings
+    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, asked: ConditionSettings
 ) -> CorankOne:
     """Corank 1 by the method a person would take; left out where the user has asked to stop."""
     if not work.interrupted:
@@ -158,7 +158,7 @@ def _first(
         try:
             own = Work(max(_SHARE * work.left, 0.1), work.seed)
             return corank_one(
-                chain, asked.method, tree, found, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
+                chain, asked.method, tree, families, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
             )
         except KeyboardInterrupt:
             work.interrupt()
@@ -206,7 +206,13 @@ def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[s
 
 
 def _cloud(
-    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work, left: list[str]
+    chain: Chain,
+    generic_rank: int,
+    lowest: int,
+    families: Sequence[ExactFamily],
+    points: int,
+    work: Work,
+    left: list[str],
 ) -> tuple[Check, list[str]]:
     """Singular configurations found numerically, tried on the families, and sentences on those left over.
 
@@ -214,7 +220,7 @@ def _cloud(
     """
     tested = agree = 0
     over = []
-    here = [family.in_units(chain) for family in found]
+    here = [family.in_units(chain) for family in families]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break

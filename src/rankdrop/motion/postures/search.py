@@ -174,15 +174,15 @@ def _signs(chain: Chain) -> Signs:
     return signs_of(chain)
 
 
-def _out(robot: Robot, one: Solved, signs: Signs | None) -> Solved:
+def _out(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
     """In the arm's unit, solutions named by the signs of their factors."""
-    q = out_of_metres(robot, one.q)
+    q = out_of_metres(robot, solved.q)
     if signs is None:
-        names = tuple(f"det J {'+' if sign > 0 else '−'}" for sign in one.sign)
+        names = tuple(f"det J {'+' if sign > 0 else '−'}" for sign in solved.sign)
     else:
         flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
         names = tuple(", ".join(flag.label for flag in some) for some in flags)
-    return replace(one, q=q, names=names)
+    return replace(solved, q=q, names=names)
 
 
 def _grouped(count: int, ways: dict[tuple[int, int], Way]) -> tuple[int, ...]:

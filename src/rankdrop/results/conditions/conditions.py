@@ -251,18 +251,18 @@ class Conditions:
         return (verdict, *self.sections(), verdict)
 
 
-def conditions_to_dict(found: Conditions) -> Record:
+def conditions_to_dict(conditions: Conditions) -> Record:
     """All of it but the time spent: the same robot and settings give the same record."""
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(found.robot, found.task, found.generic_rank),
-        **_entries(found, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
-        "determinants": None if found.determinants is None else found.determinants.to_dict(found.shifts),
-        **found.verdict.to_dict(),
-        **_entries(found, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
-        "families": [_family(found, family) for family in found.families],
-        **_entries(found, "assumptions", "not_real"),
-        "explained": counted(found.explained, "explained"),
+        "robot": robot_to_dict(conditions.robot, conditions.task, conditions.generic_rank),
+        **_entries(conditions, "settings", "letters", "shifts", "remarks", "method", "reason", "steps"),
+        "determinants": None if conditions.determinants is None else conditions.determinants.to_dict(conditions.shifts),
+        **conditions.verdict.to_dict(),
+        **_entries(conditions, "complete", "interrupted", "verified", "left", "disagreements", "lowest"),
+        "families": [_family(conditions, family) for family in conditions.families],
+        **_entries(conditions, "assumptions", "not_real"),
+        "explained": counted(conditions.explained, "explained"),
     }
 
 
@@ -270,9 +270,9 @@ def _entries(record: object, *names: str) -> Record:
     return {name: plain(getattr(record, name)) for name in names}
 
 
-def _family(found: Conditions, family: ExactFamily) -> Record:
+def _family(conditions: Conditions, family: ExactFamily) -> Record:
     """The entries of a family of an analysis that make sense here, and what is known exactly."""
-    pinned = [replace(one, values=tuple(sorted(one.values))) for one in family.pinned(found.robot)]
+    pinned = [replace(one, values=tuple(sorted(one.values))) for one in family.pinned(conditions.robot)]
     return {
         **_entries(family, "id", "name", "corank", "dimension", "codimension"),
         "pinned": plain(pinned),

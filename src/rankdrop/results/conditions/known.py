@@ -48,23 +48,25 @@ _AGAIN = ("robot", "equations", "determinants")
 steps, which are not stored."""
 
 
-def to_stored(found: Conditions) -> Record:
+def to_stored(conditions: Conditions) -> Record:
     """A complete derivation as plain data: `from_stored` is its inverse, given the same arm.
 
     Raises:
         ResultFileError: a derivation that is not complete; nothing of it can be vouched for later.
     """
-    if not found.complete or found.interrupted:
-        raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
-    record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    if not conditions.complete or conditions.interrupted:
+        raise ResultFileError(
+            "only a complete derivation is stored", where=conditions.robot.name, got="; ".join(conditions.left)
+        )
+    record = {key: value for key, value in conditions_to_dict(conditions).items() if key not in _AGAIN}
     record["answers"] = ANSWERS
-    record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
-    record["generic_rank"] = found.generic_rank
+    record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
+    record["generic_rank"] = conditions.generic_rank
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
         | {"pins": [[joint, list(values)] for joint, values in family.pins]}
         | {"polynomials": [_terms(one.polynomial) for one in family.conditions]}
-        for written, family in zip(record["families"], found.families, strict=True)
+        for written, family in zip(record["families"], conditions.families, strict=True)
     ]
     return record
 

@@ -36,49 +36,51 @@ from rankdrop.units import heading
 SCHEMA = "rankdrop/explanation/1"
 
 
-def explanation_to_dict(found: Explanation) -> Record:
+def explanation_to_dict(explanation: Explanation) -> Record:
     """Every part; what is asked for most stands at the top level."""
-    rank = found.rank
+    rank = explanation.rank
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(found.robot, found.task, rank.generic_rank),
-        "settings": plain(found.settings),
-        "q": found.q.tolist(),
-        "outside_limits": list(found.outside_limits),
-        "at_limits": list(found.at_limits),
-        "verdict": found.verdict,
-        "reason": found.reason,
-        "sentence": of_explanation(found),
+        "robot": robot_to_dict(explanation.robot, explanation.task, rank.generic_rank),
+        "settings": plain(explanation.settings),
+        "q": explanation.q.tolist(),
+        "outside_limits": list(explanation.outside_limits),
+        "at_limits": list(explanation.at_limits),
+        "verdict": explanation.verdict,
+        "reason": explanation.reason,
+        "sentence": of_explanation(explanation),
         **plain(rank),
-        "nearly_lost": found.nearly_lost,
-        "focus": found.focus.tolist(),
-        "family": incidence_to_dict(found.met[0]) if found.met else None,
-        "families": [incidence_to_dict(one) for one in found.met],
-        "family_source": found.source,
-        "relations": plain(found.relations),
-        **_lost(found.lost),
-        "circuits": [list(circuit.numbers) for circuit in found.blame.circuits],
-        "blame": plain(found.blame),
-        "escape": plain(found.escape),
-        "joint_rates": plain(found.rates),
-        "nearest": nearest_to_dict(found),
+        "nearly_lost": explanation.nearly_lost,
+        "focus": explanation.focus.tolist(),
+        "family": incidence_to_dict(explanation.met[0]) if explanation.met else None,
+        "families": [incidence_to_dict(one) for one in explanation.met],
+        "family_source": explanation.source,
+        "relations": plain(explanation.relations),
+        **_lost(explanation.lost),
+        "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
+        "blame": plain(explanation.blame),
+        "escape": plain(explanation.escape),
+        "joint_rates": plain(explanation.rates),
+        "nearest": nearest_to_dict(explanation),
         "families_away": [
             {
                 "id": one.family.id,
                 "name": one.family.name,
                 **{key: value for key, value in plain(one).items() if key != "family"},
             }
-            for one in found.far.families
+            for one in explanation.far.families
         ],
-        "certified_radius": found.certified_radius,
-        "certificate": None if found.far.certificate is None else certificate_to_dict(found.far.certificate),
-        "uncertified": found.far.uncertified,
-        "near_miss": plain(found.far.near_miss),
-        **failures_to_dict(found.failures),
-        "ellipsoids": plain(found.ellipsoids),
-        "redundancy": plain(found.redundancy),
-        "representations": plain(found.representations),
-        "disagreements": list(found.disagreements),
+        "certified_radius": explanation.certified_radius,
+        "certificate": None
+        if explanation.far.certificate is None
+        else certificate_to_dict(explanation.far.certificate),
+        "uncertified": explanation.far.uncertified,
+        "near_miss": plain(explanation.far.near_miss),
+        **failures_to_dict(explanation.failures),
+        "ellipsoids": plain(explanation.ellipsoids),
+        "redundancy": plain(explanation.redundancy),
+        "representations": plain(explanation.representations),
+        "disagreements": list(explanation.disagreements),
     }
 
 
@@ -118,30 +120,36 @@ def _lost(lost: Lost) -> Record:
     }
 
 
-def nearest_to_dict(found: Explanation) -> Record | None:
+def nearest_to_dict(explanation: Explanation) -> Record | None:
     """The nearest singular configuration: q itself where it is one."""
-    name = None if found.far.nearest_family is None else incidence_to_dict(found.far.nearest_family)
-    if found.rank.corank:
-        still = [0.0] * found.robot.n
-        first = incidence_to_dict(found.met[0]) if found.met else None
-        return {"distance": 0.0, "q": found.q.tolist(), "delta": still, "corank": found.rank.corank, "family": first}
-    return None if found.far.nearest is None else {**plain(found.far.nearest), "family": name}
+    name = None if explanation.far.nearest_family is None else incidence_to_dict(explanation.far.nearest_family)
+    if explanation.rank.corank:
+        still = [0.0] * explanation.robot.n
+        first = incidence_to_dict(explanation.met[0]) if explanation.met else None
+        return {
+            "distance": 0.0,
+            "q": explanation.q.tolist(),
+            "delta": still,
+            "corank": explanation.rank.corank,
+            "family": first,
+        }
+    return None if explanation.far.nearest is None else {**plain(explanation.far.nearest), "family": name}
 
 
-def far_to_dict(found: Explanation) -> Record:
+def far_to_dict(explanation: Explanation) -> Record:
     """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
-    return _picked(found, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
+    return _picked(explanation, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
                    "uncertified", "near_miss")  # fmt: skip
 
 
-def way_out_to_dict(found: Explanation, procedure: Any) -> Record:
+def way_out_to_dict(explanation: Explanation, procedure: Any) -> Record:
     """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
-    picked = _picked(found, "rankdrop/escape/1", "circuits", "blame", "escape")
+    picked = _picked(explanation, "rankdrop/escape/1", "circuits", "blame", "escape")
     return {**picked, "lie": plain(procedure)}
 
 
-def _picked(found: Explanation, schema: str, *names: str) -> Record:
-    whole = explanation_to_dict(found)
+def _picked(explanation: Explanation, schema: str, *names: str) -> Record:
+    whole = explanation_to_dict(explanation)
     always = (
         "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
         "nullity", "sigma",

@@ -23,10 +23,9 @@ from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
-from rankdrop.robot.meant import count
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import Change
-from rankdrop.sections import Section
+from rankdrop.sections import Section, count
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres

@@ -31,12 +31,14 @@ from rankdrop.family.record import Check
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import count
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
+_SYSTEM = ("system of conditions", "systems of conditions")
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 _LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
 
@@ -131,7 +133,8 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
         return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
     if not optional or not other.finished:
         return chain, tree, work, ()
-    return plain, other, again, (f"lengths are numbers: with letters {_systems(over)} could not be taken apart",)
+    words = f"lengths are numbers: with letters {count(over, *_SYSTEM)} could not be taken apart"
+    return plain, other, again, (words,)
 
 
 def _families(
@@ -177,16 +180,12 @@ def _said(chain: Chain, work: Work) -> Determinants | None:
         return None
 
 
-def _systems(count: int) -> str:
-    return "1 system of conditions" if count == 1 else f"{count} systems of conditions"
-
-
 def _unresolved(tree: Tree) -> list[str]:
     if not tree.unresolved:
         return []
     return [
-        f"{_systems(len(tree.unresolved))} could not be taken apart, three or more of them on the same joints: where "
-        "they hold together the rank may drop, and no family says so; numerically found configurations "
+        f"{count(len(tree.unresolved), *_SYSTEM)} could not be taken apart, three or more of them on the same joints: "
+        "where they hold together the rank may drop, and no family says so; numerically found configurations "
         "(rankdrop analyze) do not depend on this"
     ]
 
@@ -277,7 +276,7 @@ def _sets_without_points(
 
 
 def _sentence(lost: Sequence[ZeroSet]) -> str:
-    sets = "1 set of real configurations" if len(lost) == 1 else f"{len(lost)} sets of real configurations"
+    sets = count(len(lost), "set of real configurations", "sets of real configurations")
     shortest = min(lost, key=_terms)
     texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
     where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from rankdrop.exact.family import ExactFamily
-from rankdrop.family.record import Check, CorankSummary, Family
+from rankdrop.family.record import Check
 from rankdrop.robot.model import Robot
 
 if TYPE_CHECKING:
-    from rankdrop.compare.comparison import Comparison
+    from rankdrop.results.analysis import Analysis
 
 VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
     "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
@@ -52,23 +52,6 @@ class Verdict:
         return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
 
 
-class _Sampled(Protocol):
-    """What is read of an analysis, which holds its verdict."""
-
-    @property
-    def families(self) -> Sequence[Family]: ...
-    @property
-    def coranks(self) -> Sequence[CorankSummary]: ...
-    @property
-    def exact(self) -> Comparison | None: ...
-    @property
-    def sound_and_complete(self) -> bool: ...
-    @property
-    def complete(self) -> bool: ...
-    @property
-    def unfinished(self) -> int | None: ...
-
-
 class _Derived(Protocol):
     """What is read of an exact derivation."""
 
@@ -103,7 +86,7 @@ class _Explained(Protocol):
     def disagreements(self) -> Sequence[str]: ...
 
 
-def of_analysis(analysis: _Sampled, derived: _Derived | None = None) -> Verdict:
+def of_analysis(analysis: Analysis, derived: _Derived | None = None) -> Verdict:
     """The verdict on an analysis.
 
     Args:
@@ -174,12 +157,12 @@ def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | 
     return Verdict(word, claims, f"{_SAID[word]}: {'; '.join(texts)}.")
 
 
-def _agrees(analysis: _Sampled, derived: _Derived | None = None) -> bool:
+def _agrees(analysis: Analysis, derived: _Derived | None = None) -> bool:
     beside = analysis.exact is not None and analysis.exact.agrees
     return beside or (derived is not None and of_conditions(derived).holds)
 
 
-def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
+def _wrong(analysis: Analysis) -> Iterator[tuple[str, str]]:
     comparison = analysis.exact
     if comparison is not None and comparison.derived and not comparison.agrees:
         for text in comparison.disagreements:
@@ -200,7 +183,7 @@ def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
         yield INCOMPLETE, f"exact conditions were asked for and not derived, {comparison.reason}"
 
 
-def _all(analysis: _Sampled, derived: _Derived | None) -> str:
+def _all(analysis: Analysis, derived: _Derived | None) -> str:
     """What an analysis found, everything in it being as it should be."""
     comparison = analysis.exact
     if _agrees(analysis):

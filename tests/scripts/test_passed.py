@@ -11,11 +11,14 @@ import rankdrop
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (58, 53),
+    "analyze planar3r --starts 300 --quiet --threads 1": (60, 53),
     "conditions puma560 --quiet": (35, 26),
-    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (67, 58),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (69, 60),
 }
-"""Command line -> at most so many files of the package, at most so many types that instances are made of."""
+"""Command line -> at most so many files of the package, at most so many types that instances are made of.
+
+The two that look for families pass two files more than they once did: they choose postures (`posed`, `fault`).
+"""
 
 
 @pytest.mark.parametrize("line", BOUNDS)

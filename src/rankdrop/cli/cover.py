@@ -25,6 +25,7 @@ def cover(
     analysis: str | None = None,
     budget: Whole = 100_000_000,
     threads: Whole = 0,
+    scheduler: str | None = None,
     out: str | None = None,
     certificate: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -55,10 +56,11 @@ def cover(
         limits: Within the joint limits only.
         explain: Hold the boxes against families.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found here.
-        budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none
-            for corank 1.
+        budget: Enclosures after which no further part is begun; about 1.5 microseconds each. Arms of six turning joints
+            need none for corank 1.
         threads: Processors to use; 0 means all. The result does not depend on it.
-        out: Keep the boxes in this file; what is finished is in FILE.journal meanwhile.
+        scheduler: Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786).
+        out: Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile.
         certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must
             be in the same folder.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
@@ -79,7 +81,7 @@ def cover(
     with reporter(quiet=quiet) as report:
         result = covered(
             model, task, width=_angle(width), corank=corank, limits=limits, explain=explain, analysis=families,
-            out=out, budget=budget, threads=threads, report=report,
+            out=out, budget=budget, threads=threads, scheduler=scheduler, report=report,
         )  # fmt: skip
     proven = None if certificate is None or out is None or not result.complete else _proven(result, out)
     hand_over(
@@ -140,7 +142,7 @@ def _code(result: Covered, out: str | None) -> int:
     if result.complete:
         return exits.FINE if result.holds else exits.UNEXPLAINED
     if result.covering.stopped == "interrupted":
-        kept = f"what is done is kept in {out}.journal: the same command goes on there" if out else "--out keeps it"
+        kept = f"what is done is kept in {out}.parts: the same command goes on there" if out else "--out keeps it"
         say(f"interrupted: {kept}")
         return exits.INTERRUPTED
     return exits.UNEXPLAINED

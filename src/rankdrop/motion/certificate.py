@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.ball import settings_of
-from rankdrop.certify.displaced import ModelTolerance, displaced_columns
+from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
 from rankdrop.certify.proof.reading import PATH, Record
 from rankdrop.certify.proof.regions import CLEAR, CROSSING, OPEN
 from rankdrop.certify.proof.writing import record_of
@@ -43,7 +43,7 @@ def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None) 
     """
     setting = chosen(check.robot, settings_of(check.robot, check.task), check.curve)
     if tolerance is not None:
-        displaced_columns(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
+        displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
     control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
     square = check.robot.n == setting.rank == len(setting.rows)
@@ -84,7 +84,7 @@ def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluat
     robot = check.robot
     setting = chosen(robot, settings_of(robot, check.task), check.curve)
     rows = check.task.rows
-    displaced_columns(robot, setting, tolerance, rows)  # refuses what it is not for
+    displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
     tree = box_tree(check.curve)
     nodes = np.zeros(1, dtype=np.int64)
     spent = 0
@@ -116,7 +116,7 @@ def _kept(
     centre = np.ascontiguousarray((low + high) / 2)
     half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
     found = enclose(robot, setting, centre, half)
-    drift = displaced_columns(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
+    drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
     extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
     return regular(found[3], found[2] + extra[:, None, :])
 

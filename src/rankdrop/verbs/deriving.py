@@ -27,7 +27,8 @@ from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sig
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.family.record import Check
+from rankdrop.families.posture import posed
+from rankdrop.family.record import Check, Family, Sampled
 from rankdrop.local.block import singular_values
 from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
@@ -80,7 +81,7 @@ def derived(
         reason=first.reason,
         steps=first.steps,
         determinants=said,
-        families=tuple(found),
+        families=tuple(posed_exactly(robot, chain.task, family) for family in found),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -93,6 +94,17 @@ def derived(
         settings=asked,
         chain=chain,
     )
+
+
+def posed_exactly(robot: Robot, task: Task, family: ExactFamily) -> ExactFamily:
+    """The family with the witness that `analyze` shows: in a good posture, see `rankdrop.families.posed`."""
+    sampled = posed(robot, task, Family(
+        id=family.id, name=family.name, corank=family.corank, dimension=family.dimension, pinned=family.pinned(robot),
+        free=family.free, coupled=family.coupled, equations=family.equations, witness=family.witness,
+        lost_directions=np.empty((0, 6)), lost_words=family.lost_words,
+        evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+    ))  # fmt: skip
+    return replace(family, witness=sampled.witness, lost_words=sampled.lost_words)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:

@@ -129,18 +129,14 @@ def _rows(found: Tolerant, number: int, place: Place, kinds: list[str]) -> Itera
 
 
 def _said(found: Tolerant) -> Iterator[str]:
-    best, n = found.places[0], found.robot.n
-    root = f"√({found.spare}/{n})"
+    best = found.places[0]
     bound = best.failures.bound or 0.0
     if found.relative:
-        yield f"no configuration is above {root} = {short(found.bound, 5)} by this measure" + (
-            ": the best of them reaches it, none is better" if found.optimal else ""
-        )
+        reached = "; the best of them reaches it, none is better" if found.optimal else ""
+        yield f"no configuration can have more than {short(found.bound, 5)} by this measure{reached}"
     else:
-        yield (
-            f"at the best of them no worst case could be above {root} σ1 = {short(bound, 5)}; "
-            f"by --relative, σ{found.generic_rank} left / σ1, none anywhere above {root} = {short(found.bound, 5)}"
-        )
+        yield f"where the best of them stands no worst case can be above {short(bound, 5)}"
+        yield f"by --relative, σ{found.generic_rank} left / σ1, none anywhere can be above {short(found.bound, 5)}"
     if found.free:
         yield f"{FREE}: {plural('joint', len(found.free))} {numbers(found.free)} may take any value"
     if not found.optimal:

@@ -115,6 +115,29 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
 
 
+def one_configuration(robot: Robot, q: ArrayLike) -> Array:
+    """q as one finite configuration (n,).
+
+    Raises:
+        ConfigurationError: another shape, or a value that is no number or not finite.
+    """
+    try:
+        configuration = np.array(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
+        ) from error  # fmt: skip
+    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
+        names = ", ".join(joint.name for joint in robot.variables)
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=configuration.shape if configuration.shape != (robot.n,) else configuration.tolist(),
+            allowed=f"one number per joint: {names}",
+        )  # fmt: skip
+    return configuration
+
+
 def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[int, ...]) -> Array | None:
     """The caller's array as the core writes it, (B, *entry); None for none.
 

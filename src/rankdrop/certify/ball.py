@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of
+from rankdrop._handles import chain_of, one_configuration
 from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.frames import WORLD_ALIGNED, Frame
-from rankdrop.local.verdict import one_configuration
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 

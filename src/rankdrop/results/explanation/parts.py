@@ -36,8 +36,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Far, Lost, Seen
 from rankdrop.results.explanation.words import angle, angle_below, short
 from rankdrop.results.known import known_analysis
-from rankdrop.robot.fingerprint import geometry
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, geometry
 from rankdrop.task import Task
 from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length

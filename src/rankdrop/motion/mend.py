@@ -46,7 +46,7 @@ def mend_path(
 ) -> Mending:
     """Remedies of a judged path: computed, and judged again as `check_path` judged the path itself.
 
-    null-space    the same tool path by other joint motion of a redundant arm
+    null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
@@ -168,7 +168,7 @@ class _Work:
     def _first(self, kind: str, ranking: Ranking, what: str) -> None:
         """The widest candidate that is proven free."""
         for other in ranking.found[:_JUDGED]:
-            tool, followed = other.tool.refined(other.start, other.pull)
+            tool, followed = other.tool.refined(other.run)
             if not followed.complete:
                 continue
             plain = tool.trajectory(followed.q, self.interpolate)

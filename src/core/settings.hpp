@@ -43,6 +43,7 @@ struct SearchOutput {
 // One ball by branch and bound: up to `radius` of its EnclosureSettings.
 struct BallSettings {
     double inner;         // a ball that is known to be free
+    double enough;        // a larger one is not asked for once this is proven
     double smallest;      // boxes are not divided below this
     std::int64_t budget;  // enclosures, at most
     bool keep;            // the boxes that were proven free

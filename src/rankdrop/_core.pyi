@@ -185,6 +185,7 @@ def ball(
     settings: EnclosureSettings,
     *,
     inner: float,
+    enough: float,
     smallest: float,
     budget: int,
     keep: bool,

@@ -142,7 +142,7 @@ def test_an_interrupted_report_ends_with_130(
         monkeypatch.setattr(content, "telling_slices", stopping)
     else:  # it hands over what it has, and says that it was interrupted
         monkeypatch.setattr(content, "known_conditions", lambda *_: None)
-        monkeypatch.setattr("rankdrop.verbs.conditions.corank_one", stopping)
+        monkeypatch.setattr("rankdrop.verbs.deriving.corank_one", stopping)
     path = tmp_path / "a.html"
     ended = run("report", "planar3r", "--out", str(path), "--quiet")
     assert ended.code == exits.INTERRUPTED

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, check_robot, configurations, task_view
+from rankdrop._handles import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
 from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
@@ -43,7 +43,6 @@ Progress = Callable[[int, int], None]
 METHODS = ("lm", "gradient", "almarkhi")
 RECIPROCAL = "reciprocal"
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
-LARGEST_SEED = 2**63 - 1  # what the core takes
 MOST_THREADS = 1024
 _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
 """What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
@@ -188,7 +187,7 @@ def _drawn(
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
     there, there_task = in_units(robot), task_in_units(task, robot)
     full = generic_rank(there, there_task)
-    corank = _whole("corank", corank, 1, max(full, 1))
+    corank = whole_number("corank", corank, 1, max(full, 1))
     rank = full - corank
     found = drawn(there, there_task, count, seed, corank=corank, limits=limits, progress=progress)
     size = len(found.q)
@@ -240,20 +239,9 @@ def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
         OptionError: one of them is not a whole number, or outside what is allowed.
     """
     return (
-        _whole("starts", starts, 1, MOST_STARTS), _whole("seed", seed, 0, LARGEST_SEED),
-        _whole("threads", threads, 0, MOST_THREADS),
+        whole_number("starts", starts, 1, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED),
+        whole_number("threads", threads, 0, MOST_THREADS),
     )  # fmt: skip
-
-
-def _whole(name: str, value: object, least: int, most: int) -> int:
-    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
-    if number is None or not least <= number <= most:
-        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
-        raise OptionError(
-            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
-            got=shown, allowed=f"{least} … {most}",
-        )
-    return int(number)
 
 
 def _check(method: str, corank: int, full: int) -> None:
@@ -266,7 +254,7 @@ def _check(method: str, corank: int, full: int) -> None:
 def _check_steps(
     method: str, iterations: int | None, step: float | None, tie: float
 ) -> tuple[int, float | None, float]:
-    most = _ITERATIONS[method] if iterations is None else _whole("iterations", iterations, 1, MOST_ITERATIONS)
+    most = _ITERATIONS[method] if iterations is None else whole_number("iterations", iterations, 1, MOST_ITERATIONS)
     if step is not None:
         if method == "lm":
             raise OptionError(

@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, configurations, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.notebook import nearest_html
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -154,10 +153,10 @@ def nearest_singularity(
     )
 
 
-def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
+def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     """A configuration of `in_metres(robot)` as one of the arm itself."""
-    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
-    return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
+    q, delta = out_of_metres(robot, nearest.q), out_of_metres(robot, nearest.delta)
+    return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 @dataclass(frozen=True, slots=True)

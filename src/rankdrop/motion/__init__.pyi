@@ -9,7 +9,6 @@ from .data import FREE as FREE
 from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
-from .data import PathData as PathData
 from .data import Place as Place
 from .data import ToolMotion as ToolMotion
 from .many import Judged as Judged

@@ -75,27 +75,3 @@ class Remedy:
     usage: Usage | None
     off: tuple[float, float]
     retimed: bool
-
-
-@dataclass(frozen=True, eq=False)
-class MendingData:
-    """What was tried of a path.
-
-    Attributes:
-        before: the judgement of the path as it was.
-        remedies: found and proven, in the order of `KINDS`.
-        notes: for each kind without one, what was tried and what came of it.
-        needed: the path needs one: it is not proven free and far enough, or breaks limits.
-        complete: False where it was interrupted; what was found until then holds.
-    """
-
-    before: PathCheck
-    remedies: tuple[Remedy, ...]
-    notes: tuple[str, ...]
-    needed: bool
-    complete: bool
-
-    @property
-    def best(self) -> Remedy | None:
-        """The first that is proven free, in the order of `KINDS`; None where there is none."""
-        return next((one for one in self.remedies if one.check.holds), None)

@@ -267,6 +267,6 @@ def near_to_dict(near: Near) -> Record:
     return {**plain(near), "families": [_near_row(one) for one in near.families], "any": _near_row(near.any)}
 
 
-def _near_row(one: NearShare) -> Record:
-    low, high = one.interval
-    return {**plain(one), "share": one.share, "error": one.error, "low": low, "high": high}
+def _near_row(share: NearShare) -> Record:
+    low, high = share.interval
+    return {**plain(share), "share": share.share, "error": share.error, "low": low, "high": high}

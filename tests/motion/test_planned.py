@@ -15,8 +15,8 @@ from rankdrop.kinematics import pose
 from rankdrop.local.block import joint_scale, singular_values
 from rankdrop.motion import mend_path
 from rankdrop.motion.inverse import Aim
-from rankdrop.motion.planned import planned
-from rankdrop.motion.remedy import NULL
+from rankdrop.motion.mending import NULL
+from rankdrop.motion.planned import along, planned
 from rankdrop.motion.tool_path import rising, tool_path
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot
@@ -56,11 +56,11 @@ def test_a_path_through_a_singularity_is_led_around_it_from_the_same_start() -> 
     found = rankdrop.check_path(robot, q)
     assert found.verdict in ("crossing", "touching")
     tool = tool_path(robot, found.task, found.curve)
-    plan, reached = planned(tool, q[:1], lambda done, count: None, around=False)
-    assert plan is not None
-    assert reached == ROWS - 1
-    assert plan.room > 0.05
-    finer, followed = tool.refined(plan.followed)
+    place, plan, free = planned(tool, q[:1], lambda done, count: None, around=False)
+    assert len(plan)
+    assert place[-1] == ROWS - 1
+    assert free > 0.05
+    finer, followed = tool.refined(along(place, plan))
     assert followed.complete
     np.testing.assert_array_equal(followed.q[0], q[0])
     rows = np.flatnonzero(finer.place == np.round(finer.place))
@@ -75,9 +75,9 @@ def test_where_all_self_motions_are_singular_there_is_no_plan_and_its_place_is_t
     q = np.linspace([0.1, 0.6, 0.3, 0.3, 0.4, 0.9, 0.2], [0.2, 0.7, 0.2, -0.3, 0.3, 0.8, 0.3], 61)  # the elbow, θ4 = 0
     found = rankdrop.check_path(robot, q)
     assert found.verdict == "crossing"
-    plan, reached = planned(tool_path(robot, found.task, found.curve), q[:1], lambda done, count: None, around=True)
-    assert plan is None
-    assert 25.0 < reached < 30.0
+    place, plan, _ = planned(tool_path(robot, found.task, found.curve), q[:1], lambda done, count: None, around=True)
+    assert not len(plan)
+    assert 25.0 < place[-1] < 30.0
 
 
 def crossing_paths(robot: Robot, task: Task, count: int, seed: int) -> list[Array]:

@@ -17,9 +17,8 @@ from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import curve
 from rankdrop.motion.data import FREE, UNDECIDED, Stretch
 from rankdrop.motion.follow import follow
-from rankdrop.motion.mending import Mending
+from rankdrop.motion.mending import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Mending, Parameter, Remedy
 from rankdrop.motion.others import Ranking, branches, null_spaces, shifts, tilts
-from rankdrop.motion.remedy import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Parameter, Remedy
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.tool_path import ToolPath, tool_path

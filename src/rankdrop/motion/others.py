@@ -17,8 +17,8 @@ from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singul
 from rankdrop.local.null_motion import CLOSED, self_motion
 from rankdrop.motion.follow import Followed, Pull
 from rankdrop.motion.inverse import Aim, distinct
-from rankdrop.motion.planned import planned
-from rankdrop.motion.remedy import Parameter
+from rankdrop.motion.mending import Parameter
+from rankdrop.motion.planned import along, planned
 from rankdrop.motion.tool_path import Run, ToolPath, rising, room, start_moved
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
@@ -120,14 +120,14 @@ def _following(start: Array, pull: Pull | None) -> Run:
 def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], told: Told, *, around: bool) -> bool:
     """One more for a ranking, planned over all self-motions; whether there is one."""
     ranking.tried += 1
-    plan, _ = planned(tool, np.array(starts), told, around=around)
-    if plan is None:
+    place, plan, free = planned(tool, np.array(starts), told, around=around)
+    if not len(plan):
         ranking.ended["plan"] = ranking.ended.get("plan", 0) + 1
         return False
     words = "from another start" if around else "from the same start"
     ranking.found.append(
-        Other(tool, plan.followed, f"the same tool path {words}, planned over the self-motions of every pose",
-              (Parameter("start", tuple(plan.q[0].tolist()), "rad, m"),), plan.room, not around)
+        Other(tool, along(place, plan), f"the same tool path {words}, planned over the self-motions of every pose",
+              (Parameter("start", tuple(plan[0].tolist()), "rad, m"),), free, not around)
     )  # fmt: skip
     return True
 

@@ -126,7 +126,7 @@ class Scene:
     @cached_property
     def p(self) -> Array:
         """(n, N, 3) the points of the axes nearest to the base origin [m]."""
-        return np.stack([cross(self.screws[:, 3:, i], self.screws[:, :3, i]) for i in range(self.robot.n)])
+        return np.stack([np.cross(self.screws[:, 3:, i], self.screws[:, :3, i]) for i in range(self.robot.n)])
 
     @cached_property
     def tip(self) -> Array:
@@ -146,7 +146,7 @@ class Scene:
 
     def parallel(self, i: int, j: int) -> Verdicts:
         """|z_i × z_j| = 0."""
-        return self._small(cross(self.z[i], self.z[j]))
+        return self._small(np.cross(self.z[i], self.z[j]))
 
     def perpendicular(self, i: int, j: int) -> Verdicts:
         """z_i · z_j = 0."""
@@ -158,11 +158,11 @@ class Scene:
 
     def on_axis(self, point: Array, i: int) -> Verdicts:
         """(point − p_i) × z_i = 0 for a point (N, 3)."""
-        return self._small(cross(point - self.p[i], self.z[i]) / self.length)
+        return self._small(np.cross(point - self.p[i], self.z[i]) / self.length)
 
     def meeting(self, i: int, j: int) -> Verdicts:
         """Not parallel and in one plane: (p_j − p_i) · (z_i × z_j) = 0."""
-        volume = _dot(self.p[j] - self.p[i], cross(self.z[i], self.z[j]))
+        volume = _dot(self.p[j] - self.p[i], np.cross(self.z[i], self.z[j]))
         return ~self.parallel(i, j) & (np.abs(volume) < self.tolerance * self.length)
 
     def common_point(self, axes: Sequence[int]) -> tuple[Array, Verdicts]:
@@ -177,7 +177,7 @@ class Scene:
 
     def in_plane(self, point: Array, i: int, direction: Array) -> Verdicts:
         """In the plane through axis i along `direction` (N, 3): (point − p_i) · (z_i × direction) = 0."""
-        return np.abs(_dot(point - self.p[i], cross(self.z[i], direction))) < self.tolerance * self.length
+        return np.abs(_dot(point - self.p[i], np.cross(self.z[i], direction))) < self.tolerance * self.length
 
     def coplanar(self, axes: Sequence[int], point: Array | None = None) -> Verdicts:
         """All axes (and the point) in one plane."""

@@ -52,6 +52,8 @@ METHODS = ("lm", "gradient", "almarkhi")
 _MET = 1e-3
 """Share of F inside the range of D from which on a start has met a nonzero local minimum: its value is known to a
 millionth then, and further digits cost two to four steps each."""
+_PASSED = 1e-2
+"""The same of starts of a barren search: of 10,000 on the way to a singularity 8 stand so at some time (Canadarm2)."""
 _KICKS = 2  # starts from beside such a minimum
 _TRIED = 1000  # starts none of which converges before those after them start from nowhere else
 RECIPROCAL = "reciprocal"
@@ -188,10 +190,10 @@ def _refined(
     rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
-    def run(begin: int, end: int, kicks: int) -> tuple[list[_Part], bool]:
+    def run(begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
         settings = _core.SearchSettings(
             method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular,
-            target=tolerances.target, stationary=max(tolerances.stationary, _MET), seed=seed, scale=problem.scale,
+            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=seed, scale=problem.scale,
             limits=box, tie=tie, share=0.0 if step is None else step, kicks=kicks,
         )  # fmt: skip
 
@@ -206,12 +208,12 @@ def _refined(
 
     count = len(rows)
     first_part = min(count, _TRIED) if sparing and method == "lm" else count
-    parts, whole = run(0, first_part, _KICKS)
+    parts, whole = run(0, first_part)
     if whole and first_part < count:
         barren = not _any_converged(parts)
-        rest, whole = run(first_part, count, 0 if barren else _KICKS)
+        rest, whole = run(first_part, count, 0, _PASSED) if barren else run(first_part, count)
         if whole and barren and _any_converged(rest):
-            rest, _ = run(first_part, count, _KICKS)
+            rest, _ = run(first_part, count)
         parts += rest
         if whole and not _any_converged(parts):
             _followed(problem, parts)

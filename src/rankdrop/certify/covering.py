@@ -31,8 +31,7 @@ from rankdrop.certify.setting import Setting
 from rankdrop.certify.split import split_of
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 

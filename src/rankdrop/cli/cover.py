@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -68,15 +67,13 @@ def cover(
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.certificates import save_certificate
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
 
-    check_target(json, "--json")
-    check_target(out, "--out")
-    check_target(certificate, "--certificate")
-    check_different({"--out": out, "--json": json, "--certificate": certificate})
+    check_targets({"--json": json, "--out": out, "--certificate": certificate})
     _check_certificate(certificate, out)
     _check_out(out)
     model, task = open_arm(robot, arm)
@@ -86,14 +83,12 @@ def cover(
             model, task, width=_angle(width), corank=corank, limits=limits, explain=explain, analysis=families,
             out=out, budget=budget, threads=threads, scheduler=scheduler, report=report,
         )  # fmt: skip
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(result))
-    if json is not None:
-        steps.append(lambda: write_json(result.to_dict(), json))
-    if certificate is not None and out is not None and result.complete:
-        steps.append(_saving(result, out, certificate))
-    do_all(steps)
+    proven = None if certificate is None or out is None or not result.complete else _proven(result, out)
+    hand_over(
+        lambda: _print(result),
+        (json, lambda target: write_json(result.to_dict(), target)),
+        (certificate, lambda target: save_certificate(proven, target)),
+    )
     return _code(result, out)
 
 
@@ -117,14 +112,12 @@ def _check_certificate(certificate: str | None, out: str | None) -> None:
                           mend="name the covering with --out, in the same folder")  # fmt: skip
 
 
-def _saving(result: Covered, out: str, certificate: str) -> Callable[[], None]:
+def _proven(result: Covered, out: str) -> dict[str, Any]:
     from pathlib import Path
 
     from rankdrop.certify import covering_certificate
-    from rankdrop.cli.certificates import saving
 
-    plan = result.covering.plan
-    return saving(covering_certificate(result.robot, plan, result.sha256, Path(out).name, result.task), certificate)
+    return covering_certificate(result.robot, result.covering.plan, result.sha256, Path(out).name, result.task)
 
 
 def _angle(text: str) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -43,7 +42,7 @@ def reproduce(
         full: Whole cells, and the reasons of items that agree as well.
         quiet: No progress.
     """
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_bytes, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_bytes, write_json
     from rankdrop.cli.reproduced_table import print_reproduction
     from rankdrop.cli.terminal import reporter
     from rankdrop.reproduce.figures import check_folder, save_figures
@@ -51,24 +50,19 @@ def reproduce(
     from rankdrop.reproduce.run import names
     from rankdrop.reproduce.run import reproduce as run
 
-    check_target(json, "--json")
-    check_target(markdown, "--markdown", (".md",))
-    check_different({"--json": json, "--markdown": markdown})
+    check_targets({"--json": json, "--markdown": markdown}, {"--markdown": (".md",)})
     wanted = names(document)
     if figures is not None:
         check_folder(figures)
     with reporter(quiet=quiet) as report:
         found = run(document, progress=report)
-        steps: list[Callable[[], None]] = []
-        if json != STDOUT:
-            steps.append(lambda: print_reproduction(found, full=full))
-        if json is not None:
-            steps.append(lambda: write_json(found.to_dict(), json))
-        if markdown is not None:
-            steps.append(lambda: write_bytes(as_page(found).encode(), markdown))
         if figures is not None and found.complete:
             save_figures(wanted, figures, progress=report)
-    do_all(steps)
+    hand_over(
+        lambda: print_reproduction(found, full=full),
+        (json, lambda target: write_json(found.to_dict(), target)),
+        (markdown, lambda target: write_bytes(as_page(found).encode(), target)),
+    )
     if not found.complete:
         return exits.INTERRUPTED
     return exits.DIFFERS if found.differs else exits.FINE

@@ -16,39 +16,39 @@ _LONGEST = 90  # characters of a cell; --full, the JSON and the page have all of
 _STYLES = {"rounding": "cyan", "erratum": "yellow", "unreproducible": "dim", "differs": "bold red"}
 
 
-def print_reproduction(found: Reproduction, *, full: bool) -> None:
+def print_reproduction(reproduction: Reproduction, *, full: bool) -> None:
     """Print to stdout.
 
     Args:
-        found: what was reproduced.
+        reproduction: what was reproduced.
         full: whole cells, and the reasons of items that agree as well.
     """
     from rankdrop.cli.terminal import results, show
 
-    show(results(), _parts(found, full))
+    show(results(), _parts(reproduction, full))
 
 
-def _parts(found: Reproduction, full: bool) -> Iterator[RenderableType]:
+def _parts(reproduction: Reproduction, full: bool) -> Iterator[RenderableType]:
     from rich.padding import Padding
     from rich.text import Text
 
     from rankdrop.reproduce.item import Verdict, count_words
     from rankdrop.reproduce.run import DOCUMENTS
 
-    for name in found.documents:
-        items = found.of(name)
+    for name in reproduction.documents:
+        items = reproduction.of(name)
         yield Text.assemble((f"{name}  ", "bold"), DOCUMENTS[name])
-        yield Padding(Text(count_words(found.counts(name)) or "nothing was reproduced"), (0, 0, 1, 4))
+        yield Padding(Text(count_words(reproduction.counts(name)) or "nothing was reproduced"), (0, 0, 1, 4))
         yield _table(items, full)
         for item in items:
             if item.reason and (full or item.verdict is not Verdict.AGREES):
                 head = (f"{item.verdict}: ", _STYLES.get(item.verdict, ""))
                 yield Padding(Text.assemble(head, f"{item.item}, {item.about}: {item.reason}"), (0, 0, 0, 2))
         yield ""
-    if len(found.documents) > 1:
-        yield Text.assemble(("All five  " if len(found.documents) == 5 else "All  ", "bold"),
-            count_words(found.counts()))
-    if not found.complete:
+    if len(reproduction.documents) > 1:
+        yield Text.assemble(("All five  " if len(reproduction.documents) == 5 else "All  ", "bold"),
+            count_words(reproduction.counts()))
+    if not reproduction.complete:
         yield "Interrupted: the parts that were done."
 
 

@@ -58,20 +58,20 @@ class Spot:
     kind: str
 
 
-def spots(found: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[Spot, ...]:
+def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[Spot, ...]:
     """Group leaves (M, d) and descend in each group; those with most boxes first.
 
     Args:
-        found: the covering.
+        covering: with its boxes.
         robot, task: what it is about.
         cells: leaves of it.
         proven: (M,) which are proven to hold a singularity.
     """
     if not len(cells):
         return ()
-    groups = grouped(cells, found.tree.shape.cells(found.tree.shape.levels), found.plan.turns)
+    groups = grouped(cells, covering.tree.shape.cells(covering.tree.shape.levels), covering.plan.turns)
     order = sorted(groups, key=lambda rows: (-len(rows), int(rows[0])))
-    return _descended(found, robot, task, cells, proven, order)
+    return _descended(covering, robot, task, cells, proven, order)
 
 
 def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[NDArray[np.int64]]:
@@ -102,22 +102,22 @@ def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[
 
 
 def _descended(
-    found: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
+    covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
 ) -> tuple[Spot, ...]:
-    place = np.array(found.plan.variables) - 1
+    place = np.array(covering.plan.variables) - 1
     starts, owner = [], []
     for number, rows in enumerate(order):
         chosen = rows[np.argsort(~proven[rows], kind="stable")[:: max(1, len(rows) // _STARTS)][:_STARTS]]
         q = np.zeros((len(chosen), robot.n))
-        q[:, place] = found.boxes(cells[chosen])[0]
+        q[:, place] = covering.boxes(cells[chosen])[0]
         starts.append(q)
         owner += [number] * len(chosen)
     begun, whose = np.concatenate(starts), np.array(owner)
-    ends = refine(robot, begun, found.plan.corank, task=task, limits=found.plan.limits)
-    rank = found.plan.kept
-    width = 2 * found.boxes(cells[:1])[1]
+    ends = refine(robot, begun, covering.plan.corank, task=task, limits=covering.plan.limits)
+    rank = covering.plan.kept
+    width = 2 * covering.boxes(cells[:1])[1]
     away = np.abs(ends.q - begun)[:, place]
-    away = np.where(np.array(found.plan.turns), np.abs(wrap(away)), away)
+    away = np.where(np.array(covering.plan.turns), np.abs(wrap(away)), away)
     stays = (away <= _NEAR * width).all(axis=1) & np.isfinite(ends.sigma[:, rank - 1])
     here = singular_values(robot, begun, task)[:, rank - 1]
     sigma = np.where(stays, ends.sigma[:, rank - 1], here)
@@ -126,7 +126,7 @@ def _descended(
     for number, rows in enumerate(order):
         mine = np.flatnonzero(whose == number)
         best = mine[int(sigma[mine].argmin())]
-        centres, half = found.boxes(cells[rows])
+        centres, half = covering.boxes(cells[rows])
         sure = int(proven[rows].sum())
         if sure:
             kind = PROVEN
@@ -169,7 +169,7 @@ class Explainer:
     """Families of one arm in the variables of a covering.
 
     Args:
-        found: the covering.
+        covering: what is explained.
         robot: its arm.
         families: of this arm and task; those without equations, or on joints that are not covered, explain nothing.
         scale: (n,) unit of motion of each joint, as for distances.
@@ -178,16 +178,16 @@ class Explainer:
     """
 
     def __init__(
-        self, found: Covering, robot: Robot, families: Sequence[Family], scale: Array, halvings: int = 0
+        self, covering: Covering, robot: Robot, families: Sequence[Family], scale: Array, halvings: int = 0
     ) -> None:
-        self.found, self.families = found, tuple(families)
-        shape = found.tree.shape
-        self.place = np.array(found.plan.variables) - 1
+        self.found, self.families = covering, tuple(families)
+        shape = covering.tree.shape
+        self.place = np.array(covering.plan.variables) - 1
         self.n, self.unit = robot.n, scale[self.place]
         leaves = shape.cells(shape.levels)
         self.cells = tuple(count << halvings for count in leaves)
-        self.low = np.array(found.plan.lower)
-        self.width = (np.array(found.plan.upper) - self.low) / self.cells
+        self.low = np.array(covering.plan.lower)
+        self.width = (np.array(covering.plan.upper) - self.low) / self.cells
         part = float(np.linalg.norm(self.width / self.unit)) / 2
         self.radius = part * ((2 << halvings) - 1) + _WIDER
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]

@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rankdrop.local.block import generic_rank
-from rankdrop.motion.data import CROSSING, TOUCHING, PathData, Place, Stretch, ToolMotion
+from rankdrop.motion.data import CROSSING, TOUCHING, Place, Stretch, ToolMotion
 from rankdrop.results.codec import Record, plain, robot_to_dict
 from rankdrop.units import heading
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 SCHEMA = "rankdrop/path/1"
 
 
-def path_to_dict(found: PathData) -> Record:
+def path_to_dict(check: PathCheck) -> Record:
     """Everything but the samples."""
-    met = [one for one in found.stretches if one.verdict in (CROSSING, TOUCHING)]
+    met = [one for one in check.stretches if one.verdict in (CROSSING, TOUCHING)]
     met.sort(key=lambda one: (one.start.row, one.start.share))
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(found.robot, found.task, generic_rank(found.robot, found.task)),
-        "settings": plain(found.settings),
-        "rows": found.rows,
-        "verdict": found.verdict,
-        "sentence": found.sentence,
-        "free_share": found.free_share,
+        "robot": robot_to_dict(check.robot, check.task, generic_rank(check.robot, check.task)),
+        "settings": plain(check.settings),
+        "rows": check.rows,
+        "verdict": check.verdict,
+        "sentence": check.sentence,
+        "free_share": check.free_share,
         "undecided": {
-            "time": found.undecided_time, "share": found.undecided_share, "length": found.undecided_length
+            "time": check.undecided_time, "share": check.undecided_share, "length": check.undecided_length
         },
-        "min_distance": found.margin,
+        "min_distance": check.margin,
         "crossings": [_crossing(one) for one in met],
-        "stretches": [_stretch(one) for one in found.stretches],
-        "profile": plain(found.profile),
-        "evaluations": found.evaluations,
-        "source": found.source,
-        "notes": list(found.notes),
-        "complete": found.complete,
-        "tool": None if found.tool is None else _tool(found.tool),
+        "stretches": [_stretch(one) for one in check.stretches],
+        "profile": plain(check.profile),
+        "evaluations": check.evaluations,
+        "source": check.source,
+        "notes": list(check.notes),
+        "complete": check.complete,
+        "tool": None if check.tool is None else _tool(check.tool),
     }  # fmt: skip
 
 
@@ -44,13 +49,13 @@ def _tool(tool: ToolMotion) -> Record:
     }  # fmt: skip
 
 
-def _span(one: Stretch, start: Place, end: Place) -> Record:
+def _span(stretch: Stretch, start: Place, end: Place) -> Record:
     timed = start.time is not None and end.time is not None
     return {
         "rows": [_row(start), _row(end)],
         "time": [start.time, end.time] if timed else None,
-        "family": one.family,
-        "name": one.name,
+        "family": stretch.family,
+        "name": stretch.name,
     }
 
 
@@ -59,24 +64,24 @@ def _row(place: Place) -> float:
     return place.row + place.share
 
 
-def _crossing(one: Stretch) -> Record:
+def _crossing(stretch: Stretch) -> Record:
     return {
-        **_span(one, *one.bracket),
-        "corank": one.corank,
-        "q": one.closest.q.tolist(),
-        "touching": one.verdict == TOUCHING,
-        "lies": one.lies,
-        "how": one.how,
+        **_span(stretch, *stretch.bracket),
+        "corank": stretch.corank,
+        "q": stretch.closest.q.tolist(),
+        "touching": stretch.verdict == TOUCHING,
+        "lies": stretch.lies,
+        "how": stretch.how,
     }
 
 
-def _stretch(one: Stretch) -> Record:
-    closest = one.closest
+def _stretch(stretch: Stretch) -> Record:
+    closest = stretch.closest
     return {
-        **_span(one, one.start, one.end),
-        "verdict": one.verdict,
-        "corank": one.corank,
-        "how": one.how,
+        **_span(stretch, stretch.start, stretch.end),
+        "verdict": stretch.verdict,
+        "corank": stretch.corank,
+        "how": stretch.how,
         "closest": {
             "row": _row(closest.place),
             "time": closest.place.time,
@@ -86,11 +91,11 @@ def _stretch(one: Stretch) -> Record:
             "sigma": closest.sigma,
             "weak_share": _number(closest.weak),
         },
-        "lost": list(one.lost),
-        "null_share": _number(one.null_share),
-        "rates": one.rates.tolist() or None,
-        "speed_factor": _number(one.speed_factor),
-        "slowest": one.slowest or None,
+        "lost": list(stretch.lost),
+        "null_share": _number(stretch.null_share),
+        "rates": stretch.rates.tolist() or None,
+        "speed_factor": _number(stretch.speed_factor),
+        "slowest": stretch.slowest or None,
     }
 
 

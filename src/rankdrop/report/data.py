@@ -144,15 +144,15 @@ def family_html(family: Family, words: tuple[str, ...]) -> str:
     return f"<b>{escape(family.name)}</b><ul>{lost}</ul>{blame}"
 
 
-def _solid(one: Solid, colour: int, robot: Robot) -> dict[str, Any]:
+def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:
     kinds = [str(joint.kind) for joint in robot.variables]
     return {
-        "family": one.family,
-        "names": [joint_symbol(number, kinds[number - 1]) for number in one.joints],
+        "family": solid.family,
+        "names": [joint_symbol(number, kinds[number - 1]) for number in solid.joints],
         "colour": colour % 8,
-        "curves": [piece.round(_DIGITS).tolist() for line in one.curves for piece in pieces(line)],
-        "vertices": one.vertices.round(_DIGITS).tolist(),
-        "triangles": one.triangles.tolist(),
+        "curves": [piece.round(_DIGITS).tolist() for line in solid.curves for piece in pieces(line)],
+        "vertices": solid.vertices.round(_DIGITS).tolist(),
+        "triangles": solid.triangles.tolist(),
     }
 
 

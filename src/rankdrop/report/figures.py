@@ -121,19 +121,19 @@ def slice_figure(robot: Robot, plane: Slice, colours: dict[str, int]) -> Figure:
     return drawn
 
 
-def solid_figure(robot: Robot, one: Solid, index: int) -> Figure:
+def solid_figure(robot: Robot, solid: Solid, index: int) -> Figure:
     """A family in the cube of three joints (AM Figure 5b)."""
     drawn = _new_figure((4.2, 4.0))
     axes: Any = drawn.add_subplot(projection="3d")
     tone = COLOURS[index % len(COLOURS)]
-    for line in one.curves:
+    for line in solid.curves:
         for piece in pieces(line):
             axes.plot(*piece.T, color=tone, lw=1.8)
-    if len(one.triangles):
-        axes.plot_trisurf(*one.vertices.T, triangles=one.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
+    if len(solid.triangles):
+        axes.plot_trisurf(*solid.vertices.T, triangles=solid.triangles, color=tone, lw=0, alpha=0.9, antialiased=False)
     for k, set_name in enumerate((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)):
-        joint = robot.variables[one.joints[k] - 1]
-        set_name(f"{joint_symbol(one.joints[k], str(joint.kind))} [{joint.unit}]")
+        joint = robot.variables[solid.joints[k] - 1]
+        set_name(f"{joint_symbol(solid.joints[k], str(joint.kind))} [{joint.unit}]")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_ticks([-pi, 0, pi], ["−π", "0", "π"])
     axes.set(xlim=(-pi, pi), ylim=(-pi, pi), zlim=(-pi, pi))

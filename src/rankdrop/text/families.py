@@ -18,7 +18,7 @@ from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import Check, CorankSummary, Family
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section
+from rankdrop.sections import Section, count
 from rankdrop.text.cells import (
     COUPLED,
     MET,
@@ -53,12 +53,12 @@ def nothing_found(summary: CorankSummary) -> str:
     """What is said where a corank has no row."""
     smallest = summary.smallest_near_miss
     met = "" if smallest is None else f", smallest σ{summary.rank + 1} met {smallest:.4g}"
-    return f"none found of {_count(summary.starts, 'start')}{met}; absence of a find is not a proof"
+    return f"none found of {count(summary.starts, 'start')}{met}; absence of a find is not a proof"
 
 
 def number_of(rows: Sequence[Family]) -> str:
     """ "1 family", "4 families"."""
-    return _count(len(rows), "family", "families")
+    return count(len(rows), "family", "families")
 
 
 def explained(share: Check) -> str:
@@ -68,15 +68,11 @@ def explained(share: Check) -> str:
 
 def starts(summary: CorankSummary) -> str:
     """What came of the random starts of a corank."""
-    near = _count(summary.near_misses, "near miss", "near misses")
-    line = f"Of {_count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
+    near = count(summary.near_misses, "near miss", "near misses")
+    line = f"Of {count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
     if summary.converged and summary.smallest_near_miss is not None:
         line += f" Smallest near miss: σ{summary.rank + 1} = {summary.smallest_near_miss:.4g}, not singular."
     return line
-
-
-def _count(number: int, one: str, many: str = "") -> str:
-    return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 def symbols(robot: Robot) -> tuple[str, ...]:
@@ -335,10 +331,10 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     )  # fmt: skip
 
 
-def _percent(one: NearShare) -> str:
-    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
+def _percent(share: NearShare) -> str:
+    return f"{AT_LEAST if share.bound else ''} {100 * share.share:.3g} %".strip()
 
 
-def _between(one: NearShare) -> str:
-    low, high = (100 * end for end in one.interval)
+def _between(share: NearShare) -> str:
+    low, high = (100 * end for end in share.interval)
     return f"{low:.2g} … {high:.2g} %"

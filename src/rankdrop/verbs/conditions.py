@@ -8,8 +8,7 @@ from functools import partial
 
 from rankdrop._handles import LARGEST_SEED, check_robot, whole_number
 from rankdrop.errors import OptionError
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionSettings
+from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
 from rankdrop.results.conditions.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task

@@ -27,17 +27,19 @@ from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sig
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.family.record import Check
+from rankdrop.families.posture import posed
+from rankdrop.family.record import Check, Family, Sampled
 from rankdrop.local.block import singular_values
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import ConditionSettings
+from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import count
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units
 
 _SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
 _LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
+_SYSTEM = ("system of conditions", "systems of conditions")
 _POINTS = 24  # real points looked at on each set that has none modulo primes
 _LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
 
@@ -79,7 +81,7 @@ def derived(
         reason=first.reason,
         steps=first.steps,
         determinants=said,
-        families=tuple(found),
+        families=tuple(posed_exactly(robot, chain.task, family) for family in found),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -92,6 +94,17 @@ def derived(
         settings=asked,
         chain=chain,
     )
+
+
+def posed_exactly(robot: Robot, task: Task, family: ExactFamily) -> ExactFamily:
+    """The family with the witness that `analyze` shows: in a good posture, see `rankdrop.families.posed`."""
+    sampled = posed(robot, task, Family(
+        id=family.id, name=family.name, corank=family.corank, dimension=family.dimension, pinned=family.pinned(robot),
+        free=family.free, coupled=family.coupled, equations=family.equations, witness=family.witness,
+        lost_directions=np.empty((0, 6)), lost_words=family.lost_words,
+        evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+    ))  # fmt: skip
+    return replace(family, witness=sampled.witness, lost_words=sampled.lost_words)
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
@@ -132,7 +145,8 @@ def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Cha
         return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
     if not optional or not other.finished:
         return chain, tree, work, ()
-    return plain, other, again, (f"lengths are numbers: with letters {_systems(over)} could not be taken apart",)
+    words = f"lengths are numbers: with letters {count(over, *_SYSTEM)} could not be taken apart"
+    return plain, other, again, (words,)
 
 
 def _families(
@@ -151,7 +165,7 @@ def _families(
 
 
 def _first(
-    chain: Chain, tree: Tree, found: Sequence[ExactFamily], work: Work, asked: ConditionSettings
+    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, asked: ConditionSettings
 ) -> CorankOne:
     """Corank 1 by the method a person would take; left out where the user has asked to stop."""
     if not work.interrupted:
@@ -159,7 +173,7 @@ def _first(
         try:
             own = Work(max(_SHARE * work.left, 0.1), work.seed)
             return corank_one(
-                chain, asked.method, tree, found, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
+                chain, asked.method, tree, families, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
             )
         except KeyboardInterrupt:
             work.interrupt()
@@ -178,16 +192,12 @@ def _said(chain: Chain, work: Work) -> Determinants | None:
         return None
 
 
-def _systems(count: int) -> str:
-    return "1 system of conditions" if count == 1 else f"{count} systems of conditions"
-
-
 def _unresolved(tree: Tree) -> list[str]:
     if not tree.unresolved:
         return []
     return [
-        f"{_systems(len(tree.unresolved))} could not be taken apart, three or more of them on the same joints: where "
-        "they hold together the rank may drop, and no family says so; numerically found configurations "
+        f"{count(len(tree.unresolved), *_SYSTEM)} could not be taken apart, three or more of them on the same joints: "
+        "where they hold together the rank may drop, and no family says so; numerically found configurations "
         "(rankdrop analyze) do not depend on this"
     ]
 
@@ -207,7 +217,13 @@ def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[s
 
 
 def _cloud(
-    chain: Chain, generic_rank: int, lowest: int, found: Sequence[ExactFamily], points: int, work: Work, left: list[str]
+    chain: Chain,
+    generic_rank: int,
+    lowest: int,
+    families: Sequence[ExactFamily],
+    points: int,
+    work: Work,
+    left: list[str],
 ) -> tuple[Check, list[str]]:
     """Singular configurations found numerically, tried on the families, and sentences on those left over.
 
@@ -215,7 +231,7 @@ def _cloud(
     """
     tested = agree = 0
     over = []
-    here = [family.in_units(chain) for family in found]
+    here = [family.in_units(chain) for family in families]
     for corank in range(1, generic_rank - lowest + 1):
         if not points or work.interrupted:
             break
@@ -272,7 +288,7 @@ def _sets_without_points(
 
 
 def _sentence(lost: Sequence[ZeroSet]) -> str:
-    sets = "1 set of real configurations" if len(lost) == 1 else f"{len(lost)} sets of real configurations"
+    sets = count(len(lost), "set of real configurations", "sets of real configurations")
     shortest = min(lost, key=_terms)
     texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
     where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""

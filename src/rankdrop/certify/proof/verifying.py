@@ -27,8 +27,7 @@ from rankdrop.certify.proof.reading import (
 )
 from rankdrop.certify.proof.regions import verify_ball, verify_distance, verify_path
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Robot, fingerprint
 from rankdrop.sections import Section, html, text
 from rankdrop.version import VERSION
 

@@ -59,6 +59,7 @@ class SearchSettings:
         limits: _A | None,
         tie: float,
         share: float = 0.0,
+        kicks: int = 2,
     ) -> None: ...
 
 class NearestSettings:

@@ -423,3 +423,16 @@ def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
 
     read = read_poses(file)
     return read.matrices, read.times
+
+
+def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_which() -> None:
+    """The region is out of reach."""
+    found = rankdrop.sweep({
+        "robot": "planar3r", "parameters": {"forearm": {"sets": "3.a", "values": [0.3, 0.4]}},
+        "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
+    }, workers=1)  # fmt: skip
+    assert found.pareto == []
+    assert found.sentence == "2 variants of planar3r: none is ranked, since none has sigma."
+    titles = [section.title for section in found.sections()]
+    assert "Variants" in titles
+    assert "Variants that no other one beats" not in titles

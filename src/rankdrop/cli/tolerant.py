@@ -38,7 +38,7 @@ def tolerant(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        relative: Measure σ_r left by σ1 of the whole arm: it is at most √((n − r)/n), wherever the arm stands.
+        relative: Measure σ_r left by σ1 of the whole arm: the most that it can be depends on no configuration.
         limits: Within the joint limits only.
         starts: Random starts.
         seed: Of every random choice; the same seed gives the same result.

@@ -215,18 +215,20 @@ def elsewhere(
     system = System(residual)
     fixed = set(linear.pivots)
     joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
-    ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
+    begun: dict[tuple[int, ...], list[Array]] = {}
     values = np.array(combinations, dtype=np.float64).reshape(len(combinations), -1)
     for held in _held(problem, joints, marks, rng):
         numbers = list(held)
         chosen = rng.integers(len(combinations), size=EACH)
         q = problem.random(EACH, rng)
         q[:, numbers] = list(held.values())
-        q = linear.place(q, values[chosen], rng)
-        along = _free(linear, numbers, n)
+        begun.setdefault(tuple(sorted(held)), []).append(linear.place(q, values[chosen], rng))
+    ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
+    for same, starts in begun.items():  # all starts that hold the same joints at once
+        along = _free(linear, list(same), n)
         if not along.shape[1]:
             continue
-        q, good = system.solve(q, along=along, iterations=60)
+        q, good = system.solve(np.concatenate(starts), along=along, iterations=60)
         ends.append(q)
         solved.append(good)
     q = np.concatenate(ends)

@@ -132,19 +132,14 @@ def _rows(tolerant: Tolerant, number: int, place: Place, kinds: list[str]) -> It
 
 
 def _said(tolerant: Tolerant) -> Iterator[str]:
-    best, n = tolerant.places[0], tolerant.robot.n
-    root = f"√({tolerant.spare}/{n})"
-    bound = best.failures.bound or 0.0
+    best = tolerant.places[0]
+    bound, most = short(best.failures.bound or 0.0, 5), short(tolerant.bound, 5)
     if tolerant.relative:
-        yield f"no configuration is above {root} = {short(tolerant.bound, 5)} by this measure" + (
-            ": the best of them reaches it, none is better" if tolerant.optimal else ""
-        )
+        reached = "; the best of them reaches it, none is better" if tolerant.optimal else ""
+        yield f"no configuration can have more than {most} by this measure{reached}"
     else:
-        yield (
-            f"at the best of them no worst case could be above {root} σ1 = {short(bound, 5)}; "
-            f"by --relative, σ{tolerant.generic_rank} left / σ1, none anywhere above {root} = "
-            f"{short(tolerant.bound, 5)}"
-        )
+        yield f"where the best of them stands no worst case can be above {bound}"
+        yield f"by --relative, σ{tolerant.generic_rank} left / σ1, none anywhere can be above {most}"
     if tolerant.free:
         yield f"{FREE}: {plural('joint', len(tolerant.free))} {numbers(tolerant.free)} may take any value"
     if not tolerant.optimal:

@@ -36,7 +36,10 @@ def exact_section(content: Content) -> str:
         escape(f"Lengths: {numbers}." if numbers else ""),
         escape(f"Offsets: {', '.join(shifts)}." if shifts else ""),
     ]
-    if found.families:
+    if not found.families:
+        same = f"No family: the rank is {found.generic_rank} at every configuration."
+        words.append(same if found.verified else "No family was derived.")
+    else:
         words.append(
             f"The rank was checked modulo a prime at random points of every family, and {found.explained.agree:,} of "
             f"{found.explained.tested:,} singular configurations found numerically lie on one (seed "

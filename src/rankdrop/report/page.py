@@ -37,12 +37,14 @@ def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
-    links = "".join(f'<a href="#{target}">{name}</a>' for target, name in _NAVIGATION)
     sections = (
         _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
         solid_section(content), workspace_section(content), line_section(content), verification_section(content),
     )  # fmt: skip
-    body = f'{_header(content)}<nav aria-label="sections"><div>{links}</div></nav><main>{"".join(sections)}</main>'
+    whole = "".join(sections)
+    there = [(target, name) for target, name in _NAVIGATION if f'<section id="{target}"' in whole]
+    links = "".join(f'<a href="#{target}">{name}</a>' for target, name in there)
+    body = f'{_header(content)}<nav aria-label="sections"><div>{links}</div></nav><main>{whole}</main>'
     return whole_page(title, body, page_data(content), SCRIPTS, version=analysis.settings.version)
 
 
@@ -192,9 +194,9 @@ def _tables(content: Content) -> str:
             f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )
+    shown = f'<h3>The arm at each witness</h3><div class="cards">{"".join(cards)}</div>' if cards else ""
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
-        f"{corank_tables(content.analysis, content.exact)}<h3>The arm at each witness</h3>"
-        f'<div class="cards">{"".join(cards)}</div></section>'
+        f"{corank_tables(content.analysis, content.exact)}{shown}</section>"
     )

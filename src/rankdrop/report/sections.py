@@ -37,7 +37,8 @@ def slice_section(content: Content) -> str:
         for plane in content.slices
     )
     if not figures:
-        return '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+        told = '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+        return told if content.analysis.families else ""
     rank = content.analysis.generic_rank
     return (
         f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Shade: σ<sub>{rank}</sub>, '
@@ -122,6 +123,8 @@ def workspace_section(content: Content) -> str:
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
         )
+    if not figures:
+        return ""
     about = "in its plane" if section.section.planar else "in section: distance from axis 1, and height along it"
     return (
         f'<section id="workspace"><h2>Workspace</h2><p>The tip {about}. Limits of turning joints are ignored, as they '
@@ -133,6 +136,8 @@ def line_section(content: Content) -> str:
     """Each joint swept through each witness."""
     analysis = content.analysis
     rank = analysis.generic_rank
+    if not analysis.families:
+        return ""
     parts = []
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
         charts = "".join(sweep_chart(analysis.robot, one, family.corank) for one in swept)

@@ -68,8 +68,9 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, const
 
 std::unique_ptr<NearestSettings> make_nearest_settings(int rank, int evaluations, double singular, double target,
                                                        const In1& centre, const In1& scale,
-                                                       const std::optional<In2>& limits) {
+                                                       const std::optional<In2>& limits, double still, bool polish) {
     auto settings = std::make_unique<NearestSettings>();
+    settings->still = still, settings->polish = polish;
     settings->rank = rank, settings->evaluations = evaluations, settings->singular = singular, settings->target = target;
     settings->centre = numbers(centre), settings->scale = numbers(scale);
     take_limits(limits, settings->lower, settings->upper);
@@ -127,7 +128,8 @@ void bind_search(nb::module_& module) {
              nb::arg("limits").none(), nb::arg("tie"), nb::arg("share") = 0.0, nb::arg("kicks") = 2);
     nb::class_<NearestSettings>(module, "NearestSettings")
         .def(nb::new_(&make_nearest_settings), nb::kw_only(), nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"),
-             nb::arg("target"), nb::arg("centre"), nb::arg("scale"), nb::arg("limits").none());
+             nb::arg("target"), nb::arg("centre"), nb::arg("scale"), nb::arg("limits").none(), nb::arg("still") = 1e-9,
+             nb::arg("polish") = true);
     module.def("search", &search, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"), nb::kw_only(),
                nb::arg("first") = 0, nb::arg("history") = false, nb::arg("threads") = 0);
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"),

@@ -68,6 +68,8 @@ struct NearestSettings {
     double singular = 1e-9;                  // sigma[rank] at or below: singular
     double target = 1e-13;                   // sigma[rank] at or below: on the set
     double step = 0.5;                       // longest step [rad, or length scale]
+    double still = 1e-9;                     // share of the way to the centre that lies along the set, of a nearest point
+    bool polish = true;                      // go on to the last digit at the end
     std::vector<double> centre;              // (n) the configuration whose distance is asked for
     std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
     std::vector<double> lower, upper;        // (n) limits, or empty for none

@@ -73,6 +73,8 @@ class NearestSettings:
         centre: _A,
         scale: _A,
         limits: _A | None,
+        still: float = 1e-9,
+        polish: bool = True,
     ) -> None: ...
 
 def search(
@@ -178,6 +180,7 @@ class EnclosureSettings:
 def enclose(
     chain: Chain, view: View, q: _A, half: _A | None, settings: EnclosureSettings, *, threads: int = 0
 ) -> tuple[NDArray[np.int8], _A, _A, _A, _A, _A, _A]: ...
+def series(screws: _A, rates: _A, axes: int, origin: int, order: int) -> _A: ...
 def ball(
     chain: Chain,
     view: View,

@@ -122,10 +122,11 @@ def failures_at(
     null = np.linalg.svd(whole)[2][full:]
     shares = np.linalg.norm(null, axis=0) if regular else np.zeros(robot.n)
     single = []
+    remaining = np.zeros((robot.n, 0))
+    if robot.n > 1:
+        remaining = _core.svd(np.ascontiguousarray(_without_each(whole[None])[0]), False)
     for j, joint in enumerate(robot.variables):
-        left = np.zeros(0)
-        if robot.n > 1:
-            left = _core.svd(np.ascontiguousarray(np.delete(whole, j, axis=1))[None], False)[0]
+        left = remaining[j]
         rank = min(full, int((left > tolerances.singular).sum()))
         rows, told = _lost(robot, configuration, resolved, full - rank, j)
         least = float(left[full - 1]) if len(left) >= full else 0.0

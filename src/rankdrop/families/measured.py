@@ -49,7 +49,7 @@ _TIE = 1e-9  # families at the same distance, to rounding [rad]
 _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
 _BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
-_FLAT = 1e-3  # |∂f/∂q| of an equation with a double zero, beyond what solving leaves: 2e-4 of the UR5, whose others have 0.05
+_FLAT = 1e-3  # |∂f/∂q| where an equation has a double zero: solving leaves 2e-4 for the UR5, whose others have 0.05
 _SWEEPS = 3  # rounds in which the feet of neighbours are tried
 
 

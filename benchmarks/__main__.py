@@ -34,7 +34,7 @@ GROUPS = {
     "search": ("search", "almarkhi", "nearest", "distance"),
     "conditions": ("conditions", "suppression"),
     "paths": ("path", "cover", "certify", "soundness"),
-    "commands": ("commands", "explain", "directions", "viewer", "sweep"),
+    "commands": ("commands", "earlier", "explain", "directions", "viewer", "sweep"),
     "growth": ("growth",),
 }
 """The scripts of each group: linear algebra of the Jacobian, singular configurations, exact conditions, what is

@@ -83,6 +83,16 @@ def quick() -> bool:
     return "--quick" in sys.argv
 
 
+def chosen(arms: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of the arms that `--arms` names, all without it."""
+    if "--arms" not in sys.argv[:-1]:
+        return arms
+    named = sys.argv[sys.argv.index("--arms") + 1].split(",")
+    if unknown := [name for name in named if name not in arms]:
+        raise SystemExit(f"--arms: {unknown[0]!r} is not one of {', '.join(arms)}")
+    return tuple(named)
+
+
 def report(
     claim: str, rows: list[Row], *, ratio: str, target: float, at_most: bool = False,
     missing: dict[str, str] | None = None,
@@ -100,6 +110,7 @@ def report(
     parser = argparse.ArgumentParser(description=claim)
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     parser.add_argument("--quick", action="store_true", help="a small run: does the script still work?")
+    parser.add_argument("--arms", help="some of the arms, with commas; of scripts that go over arms one by one")
     arguments = parser.parse_args()
     for row in rows:
         if row.setdefault("claimed", True):

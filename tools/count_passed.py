@@ -4,7 +4,8 @@
     .venv/bin/python tools/count_passed.py --names "explain pa10 --q 0,0,0,0,0,0,0"
 
 Fewer is easier to follow: `tests/scripts/test_passed.py` holds upper bounds. Each command runs in a process of its own,
-so that what another one has imported or kept plays no part. Importing a file is not passing it.
+so that what another one has imported or kept plays no part. Importing a file is not passing it, nor is what its body
+calls.
 """
 
 from __future__ import annotations
@@ -31,10 +32,14 @@ def passed(line: str) -> dict[str, list[str]]:
     files: set[str] = set()
     functions: set[str] = set()
     types: set[str] = set()
+    importing = 0  # modules whose body is running: what that calls and makes is not passed by the command
 
     def look(frame: FrameType, event: str, _: Any) -> None:
+        nonlocal importing
         code = frame.f_code
-        if event != "call" or not code.co_flags & inspect.CO_OPTIMIZED:
+        if code.co_name == "<module>":
+            importing += {"call": 1, "return": -1}.get(event, 0)
+        if importing or event != "call" or not code.co_flags & inspect.CO_OPTIMIZED:
             return
         if code.co_filename.startswith(root):
             file = code.co_filename[len(root) :]

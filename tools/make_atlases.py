@@ -24,7 +24,7 @@ from rankdrop.disk import replace_file
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import ANSWERS, INDEX, SEED, STARTS
-from rankdrop.robot.fingerprint import coarse_fingerprint
+from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.analyze import analyze
 

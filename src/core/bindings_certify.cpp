@@ -39,7 +39,7 @@ nb::object enclose(const Chain& chain, const View& view, const In2& q, const std
     out.free = free.data(), out.radius = radius.data(), out.bound = bound.data(), out.sigma = sigma.data();
     out.u = u.data(), out.v = v.data(), out.arm = arm.data();
     each(rows, threads,
-         [&](std::int64_t a, std::int64_t b) { kernels().enclose(chain, view, settings, q.data(), widths, a, b, out); });
+         [&](std::int64_t a, std::int64_t b) { kernels(rows).enclose(chain, view, settings, q.data(), widths, a, b, out); });
     return nb::make_tuple(free.give(), radius.give(), bound.give(), sigma.give(), u.give(), v.give(), arm.give());
 }
 
@@ -51,11 +51,11 @@ nb::object array_of(const std::vector<double>& values, std::size_t columns) {
 
 // One ball by branch and bound: radius, evaluations, interrupted, and the free boxes (centre, half) where kept.
 nb::object ball(const Chain& chain, const View& view, const In1& q, const Flags& matters, const EnclosureSettings& settings,
-                double inner, double smallest, std::int64_t budget, bool keep) {
+                double inner, double enough, double smallest, std::int64_t budget, bool keep) {
     const std::size_t n = static_cast<std::size_t>(chain.variables);
     if (q.shape(0) != n || matters.shape(0) != n) throw nb::value_error("one number for each variable");
     fit(chain, view, settings);
-    Ball search(chain, view, settings, q.data(), matters.data(), BallSettings{inner, smallest, budget, keep});
+    Ball search(chain, view, settings, q.data(), matters.data(), BallSettings{inner, enough, smallest, budget, keep});
     BallResult found;
     {
         nb::gil_scoped_release release;
@@ -78,7 +78,7 @@ void bind_certify(nb::module_& module) {
     module.def("enclose", &enclose, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("half").none(),
                nb::arg("settings"), nb::kw_only(), nb::arg("threads") = 0);
     module.def("ball", &ball, nb::arg("chain"), nb::arg("view"), nb::arg("q"), nb::arg("matters"), nb::arg("settings"),
-               nb::kw_only(), nb::arg("inner"), nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
+               nb::kw_only(), nb::arg("inner"), nb::arg("enough"), nb::arg("smallest"), nb::arg("budget"), nb::arg("keep"));
 }
 
 }  // namespace rankdrop

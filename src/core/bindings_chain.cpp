@@ -1,6 +1,7 @@
 // A chain and what it does at configurations: poses, Jacobians, singular values, the block.
 #include "bindings.hpp"
 #include "bindings_numpy.hpp"
+#include "series.hpp"
 
 #include <unordered_map>
 
@@ -225,11 +226,23 @@ std::vector<std::string> instruction_sets() {
     return available();
 }
 
+// Screws (joints, 6) along motions (d, joints): (order + 1, d, joints, 6).
+nb::object series(const In2& screws, const In2& rates, int axes, int origin, int order) {
+    const std::size_t joints = screws.shape(0), motions = rates.shape(0);
+    if (screws.shape(1) != 6 || rates.shape(1) != joints || axes < 0 || origin < 0 || order < 0 || order > 64)
+        throw nb::value_error("sizes of screws and rates do not agree");
+    Result<double> out({static_cast<std::size_t>(order) + 1, motions, joints, 6});
+    screw_series(screws.data(), rates.data(), motions, joints, static_cast<std::size_t>(axes), static_cast<std::size_t>(origin),
+                 static_cast<std::size_t>(order), out.data());
+    return out.give();
+}
+
 }  // namespace
 
 void bind_chain(nb::module_& module) {
     nb::class_<Chain>(module, "Chain").def_ro("variables", &Chain::variables);
     nb::class_<View>(module, "View").def_ro("m", &View::m);
+    module.def("series", &series, nb::arg("screws"), nb::arg("rates"), nb::arg("axes"), nb::arg("origin"), nb::arg("order"));
     module.def("make_chain", &make_chain, nb::kw_only(), nb::arg("screws"), nb::arg("turns"), nb::arg("frames"), nb::arg("variable"),
                nb::arg("multiplier"), nb::arg("offset"), nb::arg("variables"));
     module.def("make_view", &make_view, nb::arg("chain"), nb::kw_only(), nb::arg("axes"), nb::arg("origin"), nb::arg("point"),

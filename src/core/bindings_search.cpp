@@ -10,13 +10,15 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN(), kFar = std
 
 std::unique_ptr<SearchSettings> make_search_settings(int method, int rank, int iterations, double singular, double target,
                                                      double stationary, std::uint64_t seed, const In1& scale,
-                                                     const std::optional<In2>& limits, double tie, double share) {
+                                                     const std::optional<In2>& limits, double tie, double share,
+                                                     int kicks) {
     if (method < 0 || method > 2) throw nb::value_error("method is 0 (block-LM), 1 (descent) or 2 (with AM's rotation)");
     if (iterations < 0 || iterations > 1'000'000) throw nb::value_error("iterations are 0 … 1000000");
+    if (kicks < 0 || kicks > 1000) throw nb::value_error("kicks are 0 … 1000");
     auto settings = std::make_unique<SearchSettings>();
     settings->method = static_cast<Method>(method);
     settings->rank = rank, settings->iterations = iterations, settings->seed = seed, settings->tie = tie,
-    settings->share = share;
+    settings->share = share, settings->kicks = kicks;
     settings->singular = singular, settings->target = target, settings->stationary = stationary;
     settings->scale = numbers(scale);
     take_limits(limits, settings->lower, settings->upper);
@@ -66,8 +68,9 @@ nb::object search(const Chain& chain, const View& view, const In2& starts, const
 
 std::unique_ptr<NearestSettings> make_nearest_settings(int rank, int evaluations, double singular, double target,
                                                        const In1& centre, const In1& scale,
-                                                       const std::optional<In2>& limits) {
+                                                       const std::optional<In2>& limits, double still, bool polish) {
     auto settings = std::make_unique<NearestSettings>();
+    settings->still = still, settings->polish = polish;
     settings->rank = rank, settings->evaluations = evaluations, settings->singular = singular, settings->target = target;
     settings->centre = numbers(centre), settings->scale = numbers(scale);
     take_limits(limits, settings->lower, settings->upper);
@@ -122,10 +125,11 @@ void bind_search(nb::module_& module) {
     nb::class_<SearchSettings>(module, "SearchSettings")
         .def(nb::new_(&make_search_settings), nb::kw_only(), nb::arg("method"), nb::arg("rank"), nb::arg("iterations"),
              nb::arg("singular"), nb::arg("target"), nb::arg("stationary"), nb::arg("seed"), nb::arg("scale"),
-             nb::arg("limits").none(), nb::arg("tie"), nb::arg("share") = 0.0);
+             nb::arg("limits").none(), nb::arg("tie"), nb::arg("share") = 0.0, nb::arg("kicks") = 2);
     nb::class_<NearestSettings>(module, "NearestSettings")
         .def(nb::new_(&make_nearest_settings), nb::kw_only(), nb::arg("rank"), nb::arg("evaluations"), nb::arg("singular"),
-             nb::arg("target"), nb::arg("centre"), nb::arg("scale"), nb::arg("limits").none());
+             nb::arg("target"), nb::arg("centre"), nb::arg("scale"), nb::arg("limits").none(), nb::arg("still") = 1e-9,
+             nb::arg("polish") = true);
     module.def("search", &search, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"), nb::kw_only(),
                nb::arg("first") = 0, nb::arg("history") = false, nb::arg("threads") = 0);
     module.def("nearest", &nearest, nb::arg("chain"), nb::arg("view"), nb::arg("starts"), nb::arg("settings"),

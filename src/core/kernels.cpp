@@ -181,6 +181,12 @@ void enclose(const Chain& chain, const View& view, const EnclosureSettings& sett
     Enclosure(chain, view, settings, arena).run(q, half, begin, end, out);
 }
 
+void enclose_cut(const Chain& chain, const View& view, const EnclosureSettings& settings, const double* q, const double* half,
+                 std::int64_t begin, std::int64_t end, const Cut& cut) {
+    Arena arena;
+    Enclosure(chain, view, settings, arena).run(q, half, begin, end, cut);
+}
+
 void nearest(const Chain& chain, const View& view, const NearestSettings& settings, const double* starts,
              std::int64_t begin, std::int64_t end, const NearestOutput& out, const std::atomic<bool>& stop) {
     Arena arena;
@@ -330,7 +336,7 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, nearest, links, monitor, spread, equations, zeros, feet, cover, judge, shape,
+                    svd_range, newton, descend, enclose, enclose_cut, nearest, links, monitor, spread, equations, zeros, feet, cover, judge, shape,
                     watch};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -48,6 +48,9 @@ struct Kernels {
     // half (B, n) half-widths of boxes around q (B, n), or null for balls
     void (*enclose)(const Chain&, const View&, const EnclosureSettings&, const double* q, const double* half,
                     std::int64_t begin, std::int64_t end, const EnclosureOutput&);
+    // boxes cut by balls
+    void (*enclose_cut)(const Chain&, const View&, const EnclosureSettings&, const double* q, const double* half,
+                        std::int64_t begin, std::int64_t end, const Cut&);
     void (*nearest)(const Chain&, const View&, const NearestSettings&, const double* starts, std::int64_t begin,
                     std::int64_t end, const NearestOutput&, const std::atomic<bool>& stop);
     // (B, n) -> (B, joints + 2, 4, 4): base, every link, tip

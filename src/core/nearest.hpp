@@ -101,7 +101,7 @@ class NearestWalk {
             if (!nearer && !flatter) return last ? begin_polish(lane, out) : shorten(lane, out);
         }
         accept(lane, distance2, slope2);
-        if (last || slope <= kStill * std::sqrt(distance2) + 1e-15) return begin_polish(lane, out);
+        if (last || slope <= set_.still * std::sqrt(distance2) + 1e-15) return begin_polish(lane, out);
         step(lane);
     }
 
@@ -200,7 +200,7 @@ class NearestWalk {
 
     void begin_polish(int lane, const NearestOutput& out) {
         Lane& state = lanes_[lane];
-        if (!state.has_base) return leave(lane, out);
+        if (!state.has_base || !set_.polish) return leave(lane, out);
         state.polishing = true;
         state.corrections = 0;
         state.last_sigma = state.last_length = state.last_value = HUGE_VAL;
@@ -252,7 +252,6 @@ class NearestWalk {
 
     static constexpr int kCorrections = 24;   // of one step
     static constexpr int kShortenings = 12;   // by four, in a row
-    static constexpr double kStill = 1e-9;    // |way| / distance at which a point is the nearest
     static constexpr int kPolish = 6;         // corrections at the end
     static constexpr double kNoise = 1e-11;   // of a squared distance, relative
     static constexpr double kLongest = 50.0;  // first estimate of an inverse curvature

@@ -74,7 +74,11 @@ class BlockNewton {
 
     // |F|^2, g and N at q; also leaves sigma in ws_
     void evaluate(const Pack* q, Model& model) {
-        decompose_fast(chain_, view_, q, set_.rank, ws_);
+        Pack fresh = fill(0.0);
+        for (int lane = 0; lane < W; ++lane)
+            if (lanes_[lane].fresh) set(fresh, lane, 1.0);
+        const Mask anew = fresh > fill(0.5);
+        decompose_fast(chain_, view_, q, set_.rank, ws_, &anew);
         fill_block(chain_, view_, set_.rank, ws_, block_);
         const int entries = (view_.m - set_.rank) * (n_ - set_.rank);
         n_ == 7 ? sums<7>(entries, model) : n_ == 6 ? sums<6>(entries, model) : sums<0>(entries, model);
@@ -195,7 +199,8 @@ class BlockNewton {
         if (state.accepted) {
             const double size2 = get(here_.size2, lane);
             const double reachable = std::sqrt(std::fmax(0.0, get(reachable2_, lane)));
-            const bool flat = state.pasts >= 10 && size2 > (1.0 - 1e-3) * state.past[state.pasts % 10] && reachable < 0.3;
+            // in a curved valley the model promises a fall that never comes: what ten steps gained tells
+            const bool flat = state.pasts >= 10 && size2 > (1.0 - 1e-3) * state.past[state.pasts % 10];
             state.past[state.pasts++ % 10] = size2;
             if (sigma > set_.singular && (reachable < set_.stationary || flat)) return minimum(lane, first, out);
         } else if (state.stalled > 40 && sigma > set_.singular) {

@@ -43,6 +43,7 @@ struct SearchOutput {
 // One ball by branch and bound: up to `radius` of its EnclosureSettings.
 struct BallSettings {
     double inner;         // a ball that is known to be free
+    double enough;        // a larger one is not asked for once this is proven
     double smallest;      // boxes are not divided below this
     std::int64_t budget;  // enclosures, at most
     bool keep;            // the boxes that were proven free
@@ -67,6 +68,8 @@ struct NearestSettings {
     double singular = 1e-9;                  // sigma[rank] at or below: singular
     double target = 1e-13;                   // sigma[rank] at or below: on the set
     double step = 0.5;                       // longest step [rad, or length scale]
+    double still = 1e-9;                     // share of the way to the centre that lies along the set, of a nearest point
+    bool polish = true;                      // go on to the last digit at the end
     std::vector<double> centre;              // (n) the configuration whose distance is asked for
     std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
     std::vector<double> lower, upper;        // (n) limits, or empty for none

@@ -34,7 +34,7 @@ class Tangent {
             q_[j] = min(max(q_[j], fill(set_.lower[j])), fill(set_.upper[j]));
             x[j] = (q_[j] - fill(set_.centre[j])) / fill(scale(j));
         }
-        decompose(chain_, view_, q_, set_.rank, ws_);
+        decompose_fast(chain_, view_, q_, set_.rank, ws_);
         fill_block(chain_, view_, set_.rank, ws_, block_);
         for (int j = 0; j < n_; ++j) free_[j] = fill(1.0);
         for (int e = 0; e < entries_; ++e)

@@ -59,6 +59,7 @@ class SearchSettings:
         limits: _A | None,
         tie: float,
         share: float = 0.0,
+        kicks: int = 2,
     ) -> None: ...
 
 class NearestSettings:
@@ -72,6 +73,8 @@ class NearestSettings:
         centre: _A,
         scale: _A,
         limits: _A | None,
+        still: float = 1e-9,
+        polish: bool = True,
     ) -> None: ...
 
 def search(
@@ -177,6 +180,7 @@ class EnclosureSettings:
 def enclose(
     chain: Chain, view: View, q: _A, half: _A | None, settings: EnclosureSettings, *, threads: int = 0
 ) -> tuple[NDArray[np.int8], _A, _A, _A, _A, _A, _A]: ...
+def series(screws: _A, rates: _A, axes: int, origin: int, order: int) -> _A: ...
 def ball(
     chain: Chain,
     view: View,
@@ -185,6 +189,7 @@ def ball(
     settings: EnclosureSettings,
     *,
     inner: float,
+    enough: float,
     smallest: float,
     budget: int,
     keep: bool,

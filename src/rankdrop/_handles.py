@@ -14,19 +14,22 @@ from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task
 
+LARGEST_SEED = 2**63 - 1
+"""What the core takes."""
 _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 
 
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "idle", "ranks", "views", "world")
+    __slots__ = ("chain", "idle", "ranks", "samples", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
         self.chain = _make_chain(robot)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
+        self.samples: dict[tuple[int, float], Array] = {}  # random configurations that stand for almost all
         self.idle: dict[tuple[Frame, tuple[int, ...], float, bool], NDArray[np.bool_]] = {}  # joints that do nothing
         self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
 
@@ -43,6 +46,22 @@ def check_robot(robot: object) -> None:
     if not isinstance(robot, Robot):
         what = repr(robot)[:80] if isinstance(robot, str | PurePath) else f"a {type(robot).__name__}"
         raise RobotError("a Robot is needed", got=what, allowed="a Robot", mend="use open_robot(…)")
+
+
+def whole_number(name: str, value: object, least: int, most: int) -> int:
+    """An option as a whole number of Python.
+
+    Raises:
+        OptionError: not a whole number, or outside least … most.
+    """
+    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
+    if number is None or not least <= number <= most:
+        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
+        raise OptionError(
+            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
+            got=shown, allowed=f"{least} … {most}",
+        )
+    return int(number)
 
 
 def handles_of(robot: Robot) -> Handles:
@@ -95,6 +114,29 @@ def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
             "q has a value that is not finite", where=f"robot {robot.name!r}", got=f"{array[bad]} at index {bad}"
         )
     return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
+
+
+def one_configuration(robot: Robot, q: ArrayLike) -> Array:
+    """q as one finite configuration (n,).
+
+    Raises:
+        ConfigurationError: another shape, or a value that is no number or not finite.
+    """
+    try:
+        configuration = np.array(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
+        ) from error  # fmt: skip
+    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
+        names = ", ".join(joint.name for joint in robot.variables)
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=configuration.shape if configuration.shape != (robot.n,) else configuration.tolist(),
+            allowed=f"one number per joint: {names}",
+        )  # fmt: skip
+    return configuration
 
 
 def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[int, ...]) -> Array | None:

@@ -13,7 +13,8 @@ class Tolerances:
         singular: σ at or below this counts as zero [1]. Polished points reach 1e-13; the smallest nonzero local minimum
             met on a real arm is 4e-5 (Gen3's 12 mm offset), so nine decades separate the two.
         target: the search stops a start here [1]: rounding of a Jacobian of norm 3 leaves 1e-15.
-        stationary: share of F inside the range of D below which a start has met a nonzero local minimum [1].
+        stationary: share of F inside the range of D below which a nonzero local minimum that is told of is known [1]; a
+            search says that it met one from 1e-3 on, where its value is known to a millionth.
         block_rank: singular values of D at or below this are zero, an absolute cut [1/rad].
         tangent: entry of the projector on ker D below which a joint is pinned (above one minus it: free): the square
             of an angle of 1e-7; Gen3's 12 mm offset makes angles of 1e-5 that are not zero [1].

@@ -109,6 +109,22 @@ def test_one_enclosure_reaches_half_the_distance(name):
     assert np.median(ratio) > 0.5
 
 
+def test_boxes_cut_by_the_ball_reach_a_singularity_and_stop_there():
+    """Near the set the radius is proven to a ten-thousandth, with no singularity known beforehand, and not beyond."""
+    robot = open_robot("pa10")
+    q = np.random.default_rng(19).uniform(-np.pi, np.pi, (60, robot.n))
+    far = pa10_distance(q)
+    near = np.flatnonzero((far > 0.05) & (far < 0.3))
+    assert len(near) > 10
+    for i in near:
+        found = certified_radius(robot, q[i], at_most=1.5 * far[i], evaluations=4000)
+        assert found.radius <= far[i]
+        assert found.radius > 0.97 * far[i]
+        enough = certified_radius(robot, q[i], at_most=1.5 * far[i], enough=0.9 * far[i], evaluations=4000)
+        assert 0.9 * far[i] <= enough.radius <= found.radius
+        assert enough.evaluations < found.evaluations
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["puma560", "ur5", "pa10", "panda"])
 def test_branch_and_bound_reaches_nine_tenths(name):

@@ -15,15 +15,27 @@ from reference import arms
 
 from rankdrop import _core
 from rankdrop.certify import covering as module
-from rankdrop.certify.coverfile import _check_shape, digest, load, write_covering
-from rankdrop.certify.covering import Covering, covering, looked_into
+from rankdrop.certify.coverfile import (
+    _check_shape,
+    batch_from_bytes,
+    batch_to_bytes,
+    digest,
+    load,
+    write_covering,
+)
+from rankdrop.certify.covering import Covering, chunk_of, covering, looked_into, plan_of
+from rankdrop.compare.covered import Explainer
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.measured import distances
 from rankdrop.families.searching import search
+from rankdrop.jobs import progress_of
+from rankdrop.jobs.job import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
+from rankdrop.verbs import cover
 
 WIDTH = 0.4
 
@@ -158,26 +170,42 @@ def test_the_bytes_do_not_depend_on_threads_or_lanes():
         _core.choose_instruction_set(chosen)
 
 
-def test_an_interrupted_covering_goes_on_to_the_same_bytes(tmp_path):
-    robot, journal = robot_of("ur5"), tmp_path / "half.journal"
-
+def test_an_interrupted_covering_tells_what_is_done():
     def stop(done: int, total: int) -> None:
         if done >= total // 3:
             raise KeyboardInterrupt
 
-    part = covering(robot, WIDTH, journal=journal, progress=stop)
+    part = covering(robot_of("ur5"), WIDTH, progress=stop)
     assert (part.complete, part.stopped) == (False, "interrupted")
     assert 0.3 < part.tree.finished.mean() < 0.5
     assert part.free_share < covered("ur5").free_share
     assert part.holds(np.random.default_rng(1).uniform(-np.pi, np.pi, (2000, 6))).mean() > 0.6
-    size = journal.stat().st_size
-    with journal.open("r+b") as file:  # the last record was cut off
-        file.truncate(size - 100)
-    calls = []
-    whole = covering(robot, WIDTH, journal=journal, progress=lambda done, total: calls.append(done))
-    assert 30 < len(calls) < 64
-    assert hashed(whole) == hashed(covered("ur5"))
-    assert (whole.tested, whole.freed) == (covered("ur5").tested, covered("ur5").freed)
+
+
+@pytest.mark.parametrize(("name", "width"), [("ur5", WIDTH), ("almarkhi4", 0.1)])
+def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, monkeypatch):
+    robot, out, calls = open_robot(name), tmp_path / "half", []
+
+    def stop(label: str, done: int, total: int) -> None:
+        if done > total // 3:
+            raise KeyboardInterrupt
+
+    some = cover(robot, width=width, out=out, explain=False, report=stop)
+    assert (some.complete, some.covering.stopped) == (False, "interrupted")
+    assert 0.3 < some.covering.tree.finished.mean() < 0.5
+    assert not out.exists()
+    journal = tmp_path / "half.parts" / "journal"
+    journal.write_bytes(journal.read_bytes()[:-20])  # the last line was cut off
+    there = progress_of(tmp_path / "half.parts")
+    assert (there.kind, there.chunks) == ("covering", 64)
+    monkeypatch.setattr("rankdrop.verbs.covering._QUICK", 0)  # the rest by processes
+    monkeypatch.setattr("rankdrop.verbs.covering._QUICK_BY_ENCLOSURES", 0)
+    whole = cover(robot, width=width, out=out, explain=False, threads=2, report=lambda *told: calls.append(told[1]))
+    assert calls == list(range(there.done, there.chunks + 1))
+    assert os.listdir(tmp_path) == ["half"]
+    usual = covering(robot, width)
+    assert whole.sha256 == digest(usual.plan, usual.tree.payload()) == cover(robot, width=width, out=out).sha256
+    assert (whole.covering.tested, whole.covering.freed) == (usual.tested, usual.freed)
 
 
 @pytest.mark.slow
@@ -188,11 +216,11 @@ def test_a_killed_command_goes_on_to_the_same_file(tmp_path):
         "from rankdrop.verbs import cover\n"
         "def tell(label, done, total):\n"
         "    if done > total // 2 and sys.argv[2] == 'kill': os.kill(os.getpid(), 9)\n"
-        "cover(rankdrop.open_robot('puma560'), width=0.4, out=sys.argv[1], explain=False, report=tell)\n"
+        "cover(rankdrop.open_robot('puma560'), width=0.2, out=sys.argv[1], explain=False, report=tell)\n"
     )
     run = lambda name, how: subprocess.run([sys.executable, "-c", code, str(tmp_path / name), how]).returncode  # noqa: E731
     assert run("a", "kill") == -9
-    assert (tmp_path / "a.journal").stat().st_size > 1000
+    assert len(os.listdir(tmp_path / "a.parts" / "parts")) > 30
     assert not (tmp_path / "a").exists()
     assert run("a", "go on") == 0
     assert run("b", "once") == 0
@@ -228,17 +256,83 @@ def test_each_number_of_boxes_is_looked_at(change):
         _check_shape(replace(plan, **change))
 
 
-def test_a_journal_of_another_covering_is_refused(tmp_path):
-    journal = tmp_path / "x.journal"
-    covering(open_robot("planar3r"), 0.1, journal=journal)
-    with pytest.raises(ResultFileError, match="another covering"):
-        covering(open_robot("planar3r"), 0.1, corank=2, journal=journal)
-    for arm, width in (("planar3r", 0.2), ("almarkhi4", 0.5)):
-        with pytest.raises(ResultFileError, match="another covering"):
-            covering(open_robot(arm), width, journal=journal)
-    journal.write_bytes(b"something else\n")
-    with pytest.raises(ResultFileError, match="no journal"):
-        covering(open_robot("planar3r"), 0.1, journal=journal)
+def test_parts_of_another_covering_are_refused(tmp_path):
+    def stop(label: str, done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    out = tmp_path / "x"
+    assert not cover(open_robot("planar3r"), width=0.1, out=out, report=stop).complete
+    for arm, how in (("planar3r", {"corank": 2}), ("planar3r", {"width": 0.2}), ("almarkhi4", {"width": 0.5})):
+        with pytest.raises(ResultFileError, match="another job"):
+            cover(open_robot(arm), **({"width": 0.1} | how), out=out)
+    assert cover(open_robot("planar3r"), width=0.1, out=out, explain=False).complete
+
+
+def test_chunks_are_kept_to_the_bit_and_damaged_ones_refused():
+    robot = open_robot("almarkhi4")
+    plan = plan_of(robot, 0.2)
+    made = chunk_of(robot, resolve_task(None, robot), plan, 20)
+    content = batch_to_bytes(made)
+    masks, sizes, tested, freed = batch_from_bytes(content, plan.shape)
+    assert len(masks) > 10
+    np.testing.assert_array_equal(masks, made[0])
+    np.testing.assert_array_equal(sizes, made[1])
+    assert (tested, freed) == made[2:]
+    for other in (content[:-1], content[:20], content + b"x"):
+        with pytest.raises(ValueError, match="chunk"):
+            batch_from_bytes(other, plan.shape)
+
+
+def backwards(job, engine, *, folder, report, each):
+    """`finish`, as if workers had the last chunks ready first."""
+    for chunk in reversed(range(job.chunks)):
+        each(chunk, perform(job.work, job.plan, chunk))
+        yield chunk, b""
+
+
+@pytest.mark.parametrize("made", ["here", "by processes", "backwards"])
+def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch, tmp_path):
+    robot = open_robot("almarkhi4")
+    budget = covering(robot, 0.2).tested // 2
+    if made == "by processes":
+        monkeypatch.setattr("rankdrop.verbs.covering._QUICK_BY_ENCLOSURES", 0)
+    if made == "backwards":
+        monkeypatch.setattr("rankdrop.verbs.covering.finish", backwards)
+    found = cover(robot, width=0.2, budget=budget, out=tmp_path / "x", threads=2, explain=False).covering
+    assert (found.complete, found.stopped) == (False, "the budget is spent")
+    assert 0 < found.tested <= budget
+    usual = covering(robot, 0.2, budget=budget)
+    np.testing.assert_array_equal(found.tree.finished, usual.tree.finished)
+    assert found.tested == usual.tested
+    monkeypatch.undo()
+    assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
+
+
+@pytest.mark.parametrize("halvings", [0, 1, 2])
+def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_of_a_leaf(halvings):
+    robot = robot_of("puma560")
+    task, found = resolve_task(None, robot), covered("puma560", 2)
+    families = [one for one in known_analysis(robot, task).families if one.corank >= 2]
+    explainer = Explainer(found, robot, families, np.ones(6), halvings)
+    leaves = np.concatenate([cells for cells, _ in found.tree.parts()])
+    rng = np.random.default_rng(2)
+    parts = (rng.permutation(leaves)[:300] << halvings) + rng.integers(0, 1 << halvings, (300, 4), dtype=np.int32)
+    q = np.zeros((len(parts), 6))
+    q[:, explainer.place] = explainer.low + (parts + 0.5) * explainer.width
+    far = distances(families, robot, q, task).distance.min(axis=1) + np.linalg.norm(explainer.width) / 2
+    whole = 2 * np.linalg.norm(found.boxes(leaves[:1])[1])
+    near = explainer.by(parts) >= 0
+    assert (far[near] <= whole + 1e-6).all()
+    assert far[near].max() > 0.9 * whole
+    assert (far[~near] > 0.999 * whole).mean() > 0.95  # of one in forty the walk found no point
+    assert (~near).sum() > 5
+
+
+@pytest.mark.slow
+def test_boxes_between_families_that_almost_touch_are_explained_by_the_parts_that_are_left():
+    found = cover(robot_of("puma560"), width=0.1, corank=2)
+    assert found.holds
+    assert found.account.diagonal == pytest.approx(2 * np.linalg.norm(found.covering.boxes(np.zeros((1, 4), int))[1]))
 
 
 @pytest.mark.parametrize("name", ["planar3r", "almarkhi4", "anthropomorphic", "stanford"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from reference.displaced import displaced_arm
 from rankdrop.certify.displaced import ModelTolerance, points_of
 from rankdrop.certify.proof.intervals import BITS, Arm, Link, Region, Tolerance, flint
 from rankdrop.certify.setting import settings_for
+from rankdrop.robot.model import Joint, JointKind, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -19,6 +21,9 @@ ARMS = {
     **{name: (lambda name=name: open_robot(name)) for name in ("ur5", "panda", "stanford", "almarkhi4")},
     "random screws": lambda: arms.random_chain(np.random.default_rng(5), "rhrphr"),
     "mimics": lambda: region.coupled(np.random.default_rng(6), "r p r1:0.3 p1:-0.4 r h0:2.5 r p0:0.3 r"),
+}
+OTHERS = {"slides": lambda: arms.random_chain(np.random.default_rng(4), "prrprr")} | {
+    name: ARMS[name] for name in ("random screws", "mimics")
 }
 ROUNDED = 1e-11  # of the reference, in doubles
 
@@ -38,7 +43,7 @@ def checker(robot, setting):
              *((joint.mimic.multiplier, joint.mimic.offset) if joint.mimic else (1.0, 0.0)))
         for joint in robot.joints
     ]  # fmt: skip
-    frame = robot.joints[setting.link - 1].frame
+    frame = robot.joints[setting.link - 1].frame if setting.link else np.eye(4)
     point = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
     return Arm(links, robot.n, setting.link, [arb(float(x)) for x in point], arb(setting.length)), frame[:3, :3]
 
@@ -97,9 +102,10 @@ def test_a_region_without_size_is_a_point():
 
 @pytest.mark.parametrize(("name", "task"), [
     ("ur5", "pose"), ("panda", "pose"), ("stanford", "pose"), ("slides", "pose"), ("stanford", "position"),
+    ("random screws", "pose"), ("mimics", "pose"),
 ])  # fmt: skip
 def test_arms_within_a_tolerance_are_in_it_and_the_worst_of_them_reach_its_ends(name, task):
-    robot = arms.random_chain(np.random.default_rng(4), "prrprr") if name == "slides" else open_robot(name)
+    robot = OTHERS[name]() if name in OTHERS else open_robot(name)
     rng = np.random.default_rng(12)
     arb = flint().arb
     near = ModelTolerance(3e-4, 1e-3)
@@ -139,3 +145,63 @@ def test_arms_within_a_tolerance_are_in_it_and_the_worst_of_them_reach_its_ends(
                 if width[r, c] > 1e-6:
                     reached = max(reached, off[r, c] / width[r, c])
     assert reached > 0.9
+
+
+X, Z = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+STEEP = np.array([0.0, 0.0, 5.0, 0.0, 0.0, 1.0])
+ROUND = np.array([0.0, 0.0, 5.0 / (2 * np.pi), 0.0, 0.0, 1.0])  # a whole turn carries by five
+UP = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+TURN, SLIDE, SCREW = JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.HELICAL
+
+
+MANY = 8  # joints before what is carried: all turned they outweigh what those turns add that are made far out
+CARRIERS = {
+    "slide": (SLIDE, UP, None, 5.0),
+    "screw": (SCREW, ROUND, None, 2 * np.pi),
+    "offset of a slide": (SLIDE, UP, Mimic("j0", 1.0, 5.0), 0.0),
+    "multiplier of a slide": (SLIDE, UP, Mimic("j0", 2.5 / np.pi, 0.0), 2 * np.pi),
+    "offset of a screw": (SCREW, ROUND, Mimic("j0", 1.0, 2 * np.pi), 0.0),
+}
+
+
+def one_entry(joints, q, link, row, angle):
+    """(what arms add whose joints are all turned about x by an angle, what is allowed for it), of one entry of J."""
+    robot = Robot("test", tuple(
+        Joint(f"j{k}", kind, screw, mimic=mimic) for k, (kind, screw, mimic) in enumerate(joints)
+    ), np.eye(4))  # fmt: skip
+    arb = flint().arb
+    setting = SimpleNamespace(link=link, point=(0.0, 0.0, 0.0), length=1.0, rows=(row,))
+    arm, turn = checker(robot, setting)
+    place = Region([arb(float(x)) for x in q], [arb(0)] * robot.n)
+    found, u, v = arm.enclosed(place, [row], 1, Tolerance(0.0, angle, points_of(robot)))
+    middle, width = middles(found)
+    turns = np.tile([angle, 0.0, 0.0], (len(joints), 1))
+    other = displaced_arm(robot, turns, np.zeros((len(joints), 3)))
+    return float(np.abs(values(other, np.array(q), setting, turn, u, v) - middle).item()), float(width.item())
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("end", [0, 1])
+def test_how_far_a_joint_carries_counts_where_turns_do_nothing_at_first(carrier, end):
+    """An entry that turns about x change by d (1 − cos θ), d how far out an axis is carried: of second order alone."""
+    kind, screw, mimic, value = CARRIERS[carrier]
+    many, outer = [(TURN, Z, None)] * MANY, (TURN, X, None)
+    first = 2 * np.pi if carrier == "multiplier of a slide" else 0.0
+    if end:  # seen from the last link
+        joints = [outer, (kind, screw, mimic), *many]
+        q = [first, *([] if mimic else [value]), *[0.0] * MANY]
+    else:
+        joints = [*many, (kind, screw, mimic), outer]
+        q = [first, *[0.0] * (MANY - 1), *([] if mimic else [value]), 0.0]
+    off, width = one_entry(joints, q, len(joints) * end, 1, 0.02)
+    assert off > 4.9 * (1 - np.cos(MANY * 0.02))
+    assert 0.2 * width < off <= width
+
+
+@pytest.mark.parametrize(("joints", "link"), [
+    ([(SCREW, STEEP, None)], 0), ([(SCREW, STEEP, None), (TURN, Z, None)], 2),
+])  # fmt: skip
+def test_the_pitch_of_a_screw_counts_where_turns_do_nothing_at_first(joints, link):
+    off, width = one_entry(joints, [0.0] * len(joints), link, 2, 0.05)
+    assert off > 4.9 * (1 - np.cos(0.05))
+    assert 0.2 * width < off <= width

@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -360,11 +361,12 @@ def test_a_condition_is_not_tested_against_half_of_the_singular_set(run) -> None
     assert "not tested: the singular set is not completely derived" in one_line(ended.out)
 
 
-@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.conditions.corank_one"])
+@pytest.mark.parametrize("where", ["rankdrop.exact.tree._explore", "rankdrop.verbs.deriving.corank_one"])
 def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatch, where: str) -> None:
-    module, _, name = where.rpartition(".")
+    place, _, name = where.rpartition(".")
+    module = import_module(place)
     calls = {"left": 2 if name == "_explore" else 0}
-    whole = getattr(sys.modules[module], name)
+    whole = getattr(module, name)
 
     def interrupting(*args: Any, **options: Any) -> Any:
         calls["left"] -= 1
@@ -372,7 +374,7 @@ def test_an_interruption_keeps_what_was_done(run, monkeypatch: pytest.MonkeyPatc
             raise KeyboardInterrupt
         return whole(*args, **options)
 
-    monkeypatch.setattr(sys.modules[module], name, interrupting)
+    monkeypatch.setattr(module, name, interrupting)
     ended = run("conditions", "pa10", "--points", "0", "--quiet", "--json", "-")
     assert ended.code == exits.INTERRUPTED
     record = json.loads(ended.out)

@@ -65,6 +65,15 @@ def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     assert done.returncode == exits.BAD_INPUT
 
 
+@pytest.mark.parametrize("words", [("--help",), ("explain", "--help"), ("completion", "bash")])
+def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str, ...]) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(command(*words), stdout=write, stderr=subprocess.PIPE, timeout=60)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (exits.BROKEN_PIPE, b"")
+
+
 def test_files_are_written_though_stdout_is_closed(tmp_path: Path) -> None:
     ended = shell(f"$R analyze planar3r --quiet --starts 100 --json {tmp_path}/a.json >&-")
     assert ended.code == exits.BAD_INPUT
@@ -142,7 +151,7 @@ def test_an_interrupted_report_ends_with_130(
         monkeypatch.setattr(content, "telling_slices", stopping)
     else:  # it hands over what it has, and says that it was interrupted
         monkeypatch.setattr(content, "known_conditions", lambda *_: None)
-        monkeypatch.setattr("rankdrop.verbs.conditions.corank_one", stopping)
+        monkeypatch.setattr("rankdrop.verbs.deriving.corank_one", stopping)
     path = tmp_path / "a.html"
     ended = run("report", "planar3r", "--out", str(path), "--quiet")
     assert ended.code == exits.INTERRUPTED
@@ -270,6 +279,31 @@ def test_bash_completes_commands() -> None:
     )
     done = subprocess.run([bash, "-c", ask], capture_output=True, text=True, timeout=60)
     assert done.stdout.split() == ["analyze"], done.stderr
+
+
+@pytest.mark.parametrize("word", ["bash", "zsh"])
+def test_where_no_word_fits_names_of_files_are_offered(word: str, run: Any) -> None:
+    script = run("completion", word).out
+    if word == "bash":
+        assert script.rstrip().endswith("complete -o default -F _rankdrop rankdrop")
+        return
+    lines = [line for line in script.splitlines() if re.search(r"--(json|out|html)\[|'1:.*file", line)]
+    assert len(lines) > 20
+    assert [line for line in lines if "]:" in line or "'1:" in line if ":_files'" not in line] == []
+
+
+def test_zsh_calls_the_script_where_it_is_autoloaded_and_knows_it_where_it_is_sourced(tmp_path: Path) -> None:
+    zsh = shutil.which("zsh")
+    if zsh is None:
+        pytest.skip("zsh is not installed (apt-get install zsh)")
+    script = subprocess.run(command("completion", "zsh"), capture_output=True, text=True, timeout=60).stdout
+    (tmp_path / "_rankdrop").write_text(script, encoding="utf-8")
+    called = (
+        f"fpath=({tmp_path} $fpath); autoload -U _rankdrop; _arguments() {{ echo asked; return 1 }}; _rankdrop",
+        f"compdef() {{ echo $1 is of $2 }}; source {tmp_path}/_rankdrop",
+    )
+    said = [subprocess.run([zsh, "-fc", one], capture_output=True, text=True, timeout=60).stdout for one in called]
+    assert said == ["asked\n", "_cyclopts_rankdrop is of rankdrop\n"]
 
 
 def test_python_m_is_the_command() -> None:

@@ -99,6 +99,27 @@ def test_no_sentence_is_longer_on_any_of_six_arms(arm: str, run: Any) -> None:
         assert [text for text in out.splitlines() if JARGON.search(text)] == [], line
 
 
+DESIGNS = """
+robot = "planar3r"
+[parameters]
+forearm = { sets = "3.a", values = [0.3, 0.4] }
+tool = { sets = "tool.x", values = [0.0, 0.1] }
+[families]
+exact = true
+starts = 60
+fresh = 60
+[near]
+within = "5 deg"
+samples = 2000
+[region]
+lower = [0.3, -0.2, 0.0]
+upper = [0.6, 0.2, 0.0]
+rpy = [0, 0, 0]
+points = 3
+"""
+"""Variants of the smallest arm, with everything that is told of them."""
+
+
 @pytest.mark.slow
 def test_no_sentence_about_motion_or_proofs_is_longer(
     run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -107,7 +128,11 @@ def test_no_sentence_about_motion_or_proofs_is_longer(
     start, end = np.radians([0, -60, 60, -40, 50, 0]), np.radians([40, -100, -20, 10, -30, 60])
     rows = [start + share * (end - start) for share in np.linspace(0.0, 1.0, 20)]
     Path("path.csv").write_text("\n".join(",".join(f"{x:.6f}" for x in row) for row in rows), encoding="utf-8")
+    Path("designs.toml").write_text(DESIGNS, encoding="utf-8")
     for line in (
+        ("sweep", "designs.toml", "--workers", "1"),
+        ("sweep", "designs.toml", "--workers", "1", "--all"),
+        ("monitor", "ur5e", "--header", "-"),  # comments; lines of numbers have no words
         ("path", "ur5e", "path.csv"),
         ("path", "ur5e", "path.csv", "--remedies"),
         ("nearest", "planar3r", "--q", "0.3,1.2,0.4", "--certificate", "ball.json"),

@@ -19,8 +19,8 @@ from rankdrop.designs import Designs, side_by_side, write_tables
 from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
 from rankdrop.designs.families import Effort, families_of
 from rankdrop.designs.pareto import pareto
-from rankdrop.designs.samples import order_of, variants_of
 from rankdrop.designs.spec import Asks, spec_of
+from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
 from rankdrop.families.memory import Memory
 from rankdrop.kinematics import pose
@@ -423,3 +423,16 @@ def _poses(file: Path) -> tuple[np.ndarray, np.ndarray | None]:
 
     read = read_poses(file)
     return read.matrices, read.times
+
+
+def test_where_no_variant_has_a_measure_none_is_ranked_and_the_sentence_says_which() -> None:
+    """The region is out of reach."""
+    found = rankdrop.sweep({
+        "robot": "planar3r", "parameters": {"forearm": {"sets": "3.a", "values": [0.3, 0.4]}},
+        "region": {"lower": [5, 5, 0], "upper": [6, 6, 0], "points": 2, "rpy": [0, 0, 0]},
+    }, workers=1)  # fmt: skip
+    assert found.pareto == []
+    assert found.sentence == "2 variants of planar3r: none is ranked, since none has sigma."
+    titles = [section.title for section in found.sections()]
+    assert "Variants" in titles
+    assert "Variants that no other one beats" not in titles

@@ -22,7 +22,8 @@ from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import join
-from rankdrop.verbs.conditions import _cloud, conditions
+from rankdrop.verbs.conditions import conditions
+from rankdrop.verbs.deriving import _cloud
 
 
 def test_a_configuration_of_corank_two_is_not_explained_by_a_family_of_corank_one() -> None:

@@ -8,8 +8,10 @@ from math import atan, pi
 import numpy as np
 import pytest
 
+from rankdrop.families import irregular, signature
 from rankdrop.families.irregular import inspect_doubled
 from rankdrop.families.linear import gathered, gathered_tangent, spread
+from rankdrop.families.signature import inspect
 from rankdrop.family.equation import Equation, Term
 from rankdrop.problem import Problem, Twin
 from rankdrop.robot.dh import from_dh
@@ -43,6 +45,21 @@ def test_points_come_to_rounding_and_the_joint_is_pinned(robot: Robot, joint: in
     told = [one for one in found.signatures if one is not None]
     assert len(told) > 30
     assert {(one.rank, one.pinned) for one in told} == {(1, (joint,))}
+
+
+def test_points_of_long_arms_are_inspected_in_parts_with_the_same_result(rng, monkeypatch) -> None:
+    at = problem(squared())
+    q = at.random(30, rng)
+    q[:, 2] = -atan(0.2) + 3e-7 * rng.standard_normal(30)
+    whole, good = inspect_doubled(at, q)
+    plain = inspect(at, q)
+    monkeypatch.setattr(irregular, "_ENTRIES", 7)
+    monkeypatch.setattr(signature, "_ENTRIES", 50)
+    for one, other in ((inspect_doubled(at, q)[0], whole), (inspect(at, q), plain)):
+        assert one.signatures == other.signatures
+        for name in ("q", "sigma", "exact", "regular", "condition", "tangent"):
+            np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(inspect_doubled(at, q)[1], good)
 
 
 def test_a_simple_family_and_regular_configurations_are_left_alone(rng) -> None:

@@ -11,8 +11,7 @@ import pytest
 from rankdrop.families import rows as merge_module
 from rankdrop.families import table as families_module
 from rankdrop.families.linear import Linear, polished
-from rankdrop.families.residual import elsewhere
-from rankdrop.families.row import Row, soundness, verified
+from rankdrop.families.row import Row, elsewhere, soundness, verified
 from rankdrop.families.rows import membership, on_row
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Signature, inspect

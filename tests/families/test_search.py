@@ -9,6 +9,7 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.families import searching
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import METHODS, refine, search
 from rankdrop.kinematics import task_jacobian
@@ -258,3 +259,37 @@ def test_near_misses_of_the_sum_of_squares_that_lead_on_to_zero_are_no_smallest_
     assert found.sigma[found.outcome == Outcome.NEAR_MISS, found.rank].min() > 0.1
     assert len(found.converged) > 9000
     assert found.smallest_near_miss is None
+
+
+def test_starts_of_a_barren_search_are_not_moved_on_from_their_minima(monkeypatch):
+    robot = open_robot("panda")
+    monkeypatch.setattr(searching, "_TRIED", 50)
+    found = search(robot, 3, starts=200)
+    ever = refine(robot, starts_of(robot, 200), 3)
+    assert not (found.outcome == Outcome.CONVERGED).any()
+    np.testing.assert_array_equal(found.iterations[:50], ever.iterations[:50])
+    assert found.iterations[50:].mean() < 0.6 * ever.iterations[50:].mean()
+
+
+def test_a_search_that_finds_late_is_run_as_if_it_had_found_at_once(monkeypatch):
+    robot, seed = open_robot("panda"), 8
+    ever = refine(robot, starts_of(robot, 200, seed), 2, seed=seed)
+    assert ever.outcome[0] == Outcome.NEAR_MISS
+    monkeypatch.setattr(searching, "_TRIED", 1)
+    found = search(robot, 2, starts=200, seed=seed)
+    np.testing.assert_array_equal(found.outcome, ever.outcome)
+    np.testing.assert_array_equal(found.iterations, ever.iterations)
+
+
+def test_the_lowest_near_misses_of_a_barren_search_are_followed_to_zero(monkeypatch):
+    robot = open_robot("panda")
+    monkeypatch.setattr(searching, "_MET", 1.1)  # every place counts as a minimum
+    monkeypatch.setattr(searching, "_TRIED", 10)
+    found = search(robot, 1, starts=20)
+    assert found.count(Outcome.CONVERGED) == 20
+    assert found.sigma[:, found.rank].max() <= 1e-9
+    assert found.smallest_near_miss is None
+
+
+def starts_of(robot, count, seed=0):
+    return sample(robot, resolve_task(None, robot), count, seed)

@@ -9,7 +9,7 @@ from known.members import members
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.monitor import Monitor
-from rankdrop.family.which import families_at, families_near
+from rankdrop.family.which import families_at
 from rankdrop.local.block import singular_values
 from rankdrop.results.known import shipped
 
@@ -74,29 +74,8 @@ def test_where_families_meet_all_of_them_are_named():
     assert "elbow" in met[1].family.name
 
 
-def test_what_is_near_comes_first_and_its_distance_is_right_to_first_order():
-    found = shipped("pa10")
-    q = np.array([0.3, 0.6, 0.4, 0.01, 0.2, 0.9, 1.0])
-    near = families_near(found.families, found.robot, q, found.task)
-    assert len(near) == len(found.families)
-    assert near[0].family.name.startswith("elbow")
-    assert near[0].residual == pytest.approx(0.01, rel=1e-3)
-    assert [one.residual for one in near] == sorted(one.residual for one in near)
-
-
-def test_the_distance_to_two_conditions_is_that_to_both():
-    """θ2, θ4 and θ6 are off by 0.003, 0.004 and 0.012: the distance is 0.013."""
-    found = shipped("pa10")
-    q = np.array([0.3, 0.003, 0.4, 0.004, 0.2, 0.012, 1.0])
-    near = {one.family.id: one.residual for one in families_near(found.families, found.robot, q, found.task)}
-    both = next(f for f in found.families if f.corank == 2 and [p.number for p in f.pinned] == [2, 4, 6])
-    assert near[both.id] == pytest.approx(0.013, rel=1e-4)
-
-
 def test_broken_input_is_refused():
     found = shipped("pa10")
     for bad in (np.zeros(6), np.full(7, np.nan), np.zeros((2, 7))):
         with pytest.raises(ConfigurationError):
             families_at(found.families, found.robot, bad, found.task)
-        with pytest.raises(ConfigurationError):
-            families_near(found.families, found.robot, bad, found.task)

@@ -20,8 +20,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import family_to_dict
 from rankdrop.results.conditions.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped
-from rankdrop.robot.fingerprint import geometry
-from rankdrop.robot.model import Joint, JointKind, Robot
+from rankdrop.robot.model import Joint, JointKind, Robot, geometry
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled

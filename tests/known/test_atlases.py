@@ -25,8 +25,7 @@ from rankdrop.frames import BODY
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.known import ANSWERS, SEED, STARTS, known_analysis, known_names, shipped, shipped_record
-from rankdrop.robot.fingerprint import coarse_fingerprint
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
 from rankdrop.task import resolve_task

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,11 +11,17 @@ import pytest
 import rankdrop
 from rankdrop.families import posture
 from rankdrop.families.posture import _turned, posed
+from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.directions import lost_directions
 from rankdrop.local.posture import fault, spine, start_posture
+from rankdrop.problem import Problem
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.conditions.known import known_conditions
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
+from rankdrop.verbs.deriving import posed_exactly
 
 
 def test_each_fault_counts_and_limits_count_most() -> None:
@@ -45,13 +52,25 @@ def test_the_ur5_opens_above_the_floor() -> None:
     assert spine(arm, start_posture(arm, resolve_task(None, arm))[None])[0, :, 2].min() >= 0.0
 
 
+def worst(found: Analysis, family: Family) -> Family:
+    """The family with the member that is worst to look at, of some, for its witness."""
+    problem = Problem(found.robot, found.task, family.corank)
+    starts = np.random.default_rng(3).uniform(-3, 3, (200, found.robot.n))
+    q, solved = family.system.solve(starts)
+    q = q[solved]
+    q = q[problem.singular(q) & (problem.sigma(q)[:, problem.rank - 1] > 1e-3)]
+    at = q[fault(found.robot, q).argmax()]
+    directions = lost_directions(found.robot, at, found.task, family.corank)
+    return replace(family, witness=tuple(at), lost_directions=directions)
+
+
 @pytest.mark.parametrize("name", ["ur5", "kr16", "puma560", "stanford", "gen3"])
 def test_a_posed_family_is_the_same_family_at_a_better_place(name: str) -> None:
     found = shipped(name)
-    for family in found.families:
+    for family in map(partial(worst, found), found.families):
         after = posed(found.robot, found.task, family)
         before, there = fault(found.robot, [family.witness])[0], fault(found.robot, [after.witness])[0]
-        assert there <= before
+        assert there <= before - 0.15 or after is family
         assert (after.id, after.equations, after.pinned) == (family.id, family.equations, family.pinned)
         rank = found.generic_rank - family.corank
         sigma = singular_values(found.robot, after.witness, found.task)
@@ -61,14 +80,13 @@ def test_a_posed_family_is_the_same_family_at_a_better_place(name: str) -> None:
 
 
 def test_a_posed_family_tells_what_is_lost_where_it_stands() -> None:
-    from rankdrop.local.directions import lost_directions
-
     found = shipped("ur5")
-    family = posed(found.robot, found.task, found.families[0])
-    assert family.witness != found.families[0].witness
+    before = worst(found, found.families[0])
+    family = posed(found.robot, found.task, before)
+    assert family.witness != before.witness
     lost = lost_directions(found.robot, np.array(family.witness), found.task, 1)
     assert abs(float((lost @ family.lost_directions.T).item())) == pytest.approx(1.0)
-    assert not np.allclose(family.lost_directions, found.families[0].lost_directions)
+    assert not np.allclose(family.lost_directions, before.lost_directions)
 
 
 def test_the_first_joint_counts_twice_in_how_far_an_arm_is_turned() -> None:
@@ -86,3 +104,28 @@ def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> 
     after = posed(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
     assert after.witness != (9.0, 9.0)
     assert singular_values(found.robot, after.witness, found.task)[0] <= 1e-9
+
+
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", ["ur5", "puma560", "kr16"])
+def test_what_is_printed_is_what_is_drawn(name: str) -> None:
+    """Witnesses of shipped analyses and conditions stand where `posed` would put them, so that pictures keep them."""
+    found = shipped(name)
+    exactly = known_conditions(found.robot, found.task)
+    assert exactly is not None
+    for family in found.families:
+        assert posed(found.robot, found.task, family) == family
+    for one in exactly.families:
+        assert posed_exactly(found.robot, found.task, one).witness == one.witness
+    good = fault(found.robot, [family.witness for family in found.families]) < 0.5
+    assert good.sum() >= len(good) - 1
+
+
+def test_an_analysis_made_now_has_its_witnesses_in_good_postures(monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = open_robot("puma560")
+    found = rankdrop.analyze(arm, starts=300, exact="off")
+    good = fault(arm, [family.witness for family in found.families])
+    monkeypatch.setattr("rankdrop.verbs.analyze.posed", lambda robot, task, family: family)
+    plain = rankdrop.analyze(arm, starts=300, exact="off")
+    assert (good < 0.5).sum() > (fault(arm, [family.witness for family in plain.families]) < 0.5).sum()
+    assert found.residual().holds(found.settings.tolerances)

@@ -28,7 +28,7 @@ def displaced_arm(robot, turns, moves, tool=(0.0, 0.0, 0.0)):
         if w.any():
             axis = carried[:3, :3] @ w
             foot = carried[:3, :3] @ np.cross(w, v) + carried[:3, 3]
-            screw = np.concatenate([np.cross(foot, axis), axis])
+            screw = np.concatenate([np.cross(foot, axis) + (v @ w) * axis, axis])
         else:
             screw = np.concatenate([carried[:3, :3] @ v, w])
         joints.append(replace(joint, screw=screw, frame=carried @ joint.frame))

@@ -20,6 +20,8 @@ from rankdrop.report.content import Content, arrows, content, standing
 from rankdrop.report.data import page_data
 from rankdrop.report.page import page
 from rankdrop.results.known import shipped
+from rankdrop.robot.dh import from_dh
+from rankdrop.verbs.analyze import analyze
 
 LARGEST = 15_000_000
 
@@ -214,3 +216,17 @@ def test_a_search_shows_itself_in_a_notebook() -> None:
 
     found = search(shipped("scara").robot, 1, starts=20)
     assert "<td>converged</td><td>20</td>" in found._repr_html_()
+
+
+def test_an_arm_without_a_family_has_no_empty_section() -> None:
+    """Two slides at a right angle reach every point of the plane with the same two singular values."""
+    rows = [(0.0, np.pi / 2, 0.0, theta) for theta in (0.0, np.pi / 2)]  # a, alpha, d, theta
+    robot = from_dh(rows, convention="standard", kinds="PP", name="table")
+    text = page(content(analyze(robot, "vy,vz", starts=50))).split("<script")[0]
+    ids = re.findall(r'<section id="(\w+)"', text)
+    assert ids == ["see", "tables", "exact", "checks"]
+    assert re.findall(r'href="#(\w+)"', text) == ids
+    assert "The arm at each witness" not in text
+    assert "No family: the rank is 2 at every configuration." in text
+    whole = text_of("scara")
+    assert set(re.findall(r'href="#(\w+)"', whole)) == {*ids, "slices", "workspace", "lines"}

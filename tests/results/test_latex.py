@@ -12,6 +12,7 @@ import pytest
 
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
+from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.latex import as_text, mathematics
 from rankdrop.verbs.analyze import analyze
 
@@ -74,3 +75,13 @@ def test_no_families_are_told_as_no_proof() -> None:
 
 def test_conditions_become_mathematics() -> None:
     assert mathematics("0.5 cos(2θ2−θ12) · sin θ4") == r"0.5 \cos(2\theta_{2}-\theta_{12}) \cdot  \sin \theta_{4}"
+
+
+def test_a_loss_told_at_the_witness_has_the_witness_below_the_table() -> None:
+    found = shipped("pa10")
+    told = [one for one in found.families if any("witness" in text for text in one.lost_words)]
+    latex = found.latex()
+    assert len(told) > 1
+    assert latex.count("witness q = ") == len(told)
+    for one in told:
+        assert f"witness q = {as_text(degrees_text(one.witness, found.robot.units))}" in latex

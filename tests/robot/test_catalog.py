@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from reference.kinematics import pose
 
-from rankdrop.robot.fingerprint import coarse_fingerprint
+from rankdrop.robot.model import coarse_fingerprint
 from rankdrop.robot.open import catalog_entries, open_robot, robot_names, search_catalog
 from rankdrop.task import task_names
 

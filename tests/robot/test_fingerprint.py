@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rankdrop.robot.fingerprint import coarse_fingerprint, fingerprint, geometry
-from rankdrop.robot.model import Joint, Mimic, Robot
+from rankdrop.robot.model import Joint, Mimic, Robot, coarse_fingerprint, fingerprint, geometry
 from rankdrop.robot.open import open_robot
 
 

@@ -11,11 +11,14 @@ import rankdrop
 from scripts import tool
 
 BOUNDS = {
-    "analyze planar3r --starts 300 --quiet --threads 1": (64, 55),
-    "conditions puma560 --quiet": (41, 29),
-    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (69, 60),
+    "analyze planar3r --starts 300 --quiet --threads 1": (60, 53),
+    "conditions puma560 --quiet": (34, 25),
+    "conditions puma560 --quiet --fresh --coranks 1 --points 100": (68, 60),
 }
-"""Command line -> at most so many files of the package, at most so many types that instances are made of."""
+"""Command line -> at most so many files of the package, at most so many types that instances are made of.
+
+The two that look for families pass two files more than they once did: they choose postures (`posed`, `fault`).
+"""
 
 
 @pytest.mark.parametrize("line", BOUNDS)
@@ -30,11 +33,11 @@ def test_a_command_passes_no_more_files_and_types_than_before(line: str) -> None
 
 
 WHOLE = {
-    "certify": (20, 33), "cli": (33, 5), "compare": (5, 12), "designs": (13, 10), "errors": (1, 8), "exact": (53, 87),
-    "families": (28, 42), "family": (7, 15), "jobs": (5, 5), "kinematics": (1, 0), "local": (31, 54),
-    "motion": (39, 52), "problem": (1, 2), "report": (21, 4), "reproduce": (21, 14), "results": (23, 27),
-    "robot": (28, 31), "schema": (2, 1), "sections": (1, 1), "solve": (1, 0), "text": (4, 1), "units": (1, 1),
-    "verbs": (7, 4), "viewer": (21, 25),
+    "certify": (20, 32), "cli": (31, 5), "compare": (5, 12), "designs": (12, 10), "errors": (1, 8), "exact": (53, 87),
+    "families": (28, 41), "family": (7, 15), "jobs": (5, 5), "kinematics": (1, 0), "local": (31, 54),
+    "motion": (38, 50), "problem": (1, 2), "report": (18, 4), "reproduce": (21, 14), "results": (22, 21),
+    "robot": (27, 31), "schema": (2, 1), "sections": (1, 1), "solve": (1, 0), "text": (4, 1), "units": (1, 1),
+    "verbs": (8, 4), "viewer": (21, 25),
 }  # fmt: skip
 """Room -> at most so many files, at most so many classes."""
 

@@ -1,8 +1,9 @@
 """A ball around a configuration that is proven free of singularities.
 
 Two steps. One enclosure of the whole ball gives a radius at once (CERTIFY: local second derivatives and a third-order
-remainder). Branch and bound then cuts the ball asked for into boxes, nearest first, until each is proven free or the
-budget is spent; what is certified then is the distance of the nearest box that is left.
+remainder). Branch and bound then cuts the ball asked for into boxes. Of each its enclosure tells how far from the
+centre it is free, as much as the ball leaves of it; the one that is free least far is cut next, until all are free or
+the budget is spent. What is certified then is how far the least is free.
 """
 
 from __future__ import annotations
@@ -14,13 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of
-from rankdrop.certify.setting import Setting, enclose, settings_for
+from rankdrop._handles import chain_of, one_configuration
+from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
 from rankdrop.frames import WORLD_ALIGNED, Frame
-from rankdrop.local.verdict import one_configuration
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 
@@ -83,12 +82,26 @@ def settings_of(robot: Robot, task: Task) -> tuple[Setting, ...]:
     return _settings[key]
 
 
+_looks: dict[tuple[int, Task], tuple[tuple[_core.View, _core.EnclosureSettings], ...]] = {}
+
+
+def _singles(robot: Robot, task: Task, row: Array) -> list[float]:
+    """The radius of one enclosure of each setting around one configuration (1, n); what the core is told is kept."""
+    key = (id(robot), task)
+    if key not in _looks:
+        _looks[key] = tuple((one.view(robot), one.told(LARGEST)) for one in settings_of(robot, task))
+        weakref.finalize(robot, _looks.pop, key, None)
+    chain = chain_of(robot)
+    return [float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _looks[key]]
+
+
 def certified_radius(
     robot: Robot,
     q: ArrayLike,
     task: str | Task | None = None,
     *,
     at_most: float = LARGEST,
+    enough: float = np.inf,
     evaluations: int = 20_000,
     keep_boxes: bool = False,
 ) -> Certificate:
@@ -97,16 +110,19 @@ def certified_radius(
     U₁ᵀ J(q + δ) V₁ = Σ + E with |E_ij| ≤ Σ_k |g_ijk| |δ_k| + ½ Σ_kl |H_ijkl| |δ_k| |δ_l| + T_j, g and H exact at the
     centre of the box, T_j = ⅙ Σ_i |v_ij| (M_i t³ + 3 t² s), t and s the sums of |δ_k| over the turning joints and of
     |δ_k|/ℓ over the slides between joint i and the link, M_i = √(1 + (reach_i/ℓ)²) a bound on every derivative of
-    column i by turns. Where the matrix Σ_ii − |E_ii|, −|E_ij| is an M-matrix, Σ + E is regular. Floating-point error is
-    allowed for by 1e-12 · Σ M_i in every entry. Limits of the joints play no part.
+    column i by turns. Where a ball of radius ρ around q cuts the box, whose centre is c off, Σ g_ijk δ_k lies between
+    −|g_ij| ρ − g_ij·c and |g_ij| ρ − g_ij·c as well, and the narrower of the two counts. Where the matrix
+    Σ_ii − |E_ii|, −|E_ij| is an M-matrix, Σ + E is regular. Floating-point error is allowed for by 1e-12 · Σ M_i in
+    every entry. Limits of the joints play no part.
 
     Args:
         robot: the arm.
         q: (n,) centre [rad, m].
         task: pose, position, orientation; other rows only where the arm moves no others.
         at_most: no larger radius is sought, e.g. the distance of a singularity that is known; in (0, π].
-        evaluations: budget of branch and bound; 0: one enclosure only. About 1.5 µs each.
-        keep_boxes: keep the free boxes, for `rankdrop.certify.check`.
+        enough: branch and bound ends once this radius is proven.
+        evaluations: budget of branch and bound; 0: one enclosure only. About 2 µs each.
+        keep_boxes: keep the free boxes, for `rankdrop.certify.check`; each is free as a whole then, which takes more.
 
     Raises:
         ConfigurationError: q is not one configuration of this arm.
@@ -127,19 +143,18 @@ def certified_radius(
         )
     resolved = resolve_task(task, robot)
     settings = settings_of(robot, resolved)
-    row = centre[None, :]
-    singles = [float(enclose(robot, setting, row, radius=at_most)[1][0]) for setting in settings]
+    singles = _singles(robot, resolved, centre[None, :])
     best = int(np.argmax(singles))
-    setting, single = settings[best], singles[best]
+    setting, single = settings[best], min(singles[best], at_most)
     if single < at_most:
         single *= 1.0 - _MARGIN
     radius, used, complete, boxes = single, len(settings), True, None
-    if (evaluations and single < at_most) or keep_boxes:
+    if (evaluations and single < min(at_most, enough)) or keep_boxes:
         inner = 0.0 if keep_boxes else single
         smallest = min(_SMALLEST, single / 8) if single > 0.0 else _SMALLEST  # a small ball needs boxes smaller still
         radius, count, stopped, middle, half = _core.ball(
             chain_of(robot), setting.view(robot), centre, setting.matters, setting.told(at_most),
-            inner=inner, smallest=smallest, budget=int(evaluations), keep=keep_boxes,
+            inner=inner, enough=float(enough), smallest=smallest, budget=int(evaluations), keep=keep_boxes,
         )  # fmt: skip
         used, complete = used + count, not stopped
         boxes = (middle, half) if keep_boxes else None

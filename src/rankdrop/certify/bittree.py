@@ -61,6 +61,11 @@ class Shape:
         return prod(self.cells(self.top))
 
     @property
+    def leaves(self) -> int:
+        """Number of boxes of the last level."""
+        return prod(self.cells(self.levels))
+
+    @property
     def kind(self) -> np.dtype[np.unsignedinteger]:
         """Type of a mask: 2^d bits, in whole bytes."""
         return np.dtype(f"<u{max(1, (1 << self.variables) // 8)}")

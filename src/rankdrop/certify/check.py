@@ -16,8 +16,7 @@ import numpy as np
 
 from rankdrop.certify.ball import LARGEST, Certificate
 from rankdrop.errors import OptionError
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 
 _ROUNDING = 1e-12  # per unit of M: a thousand times what double precision leaves in these sums
 _FAR = 1e-13  # per unit of the screws in base coordinates, before they are brought to the link

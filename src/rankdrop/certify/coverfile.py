@@ -1,4 +1,4 @@
-"""Coverings as files: what was covered in one line of JSON, then the tree of bits; and the journal of one being made.
+"""Coverings as files: what was covered in one line of JSON, then the tree of bits; and chunks of one being made.
 
     RANKDROP COVER 1\\n
     {"arm": …, "sha256": …}\\n      the plan, counts, and the hash, keys sorted
@@ -16,7 +16,7 @@ import struct
 import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,7 @@ from rankdrop.disk import replace_file
 from rankdrop.errors import ResultFileError
 
 MAGIC = b"RANKDROP COVER 1\n"
-_JOURNAL = b"RANKDROP COVER JOURNAL 1\n"
-_RECORD = struct.Struct("<4sqqqqqI")  # mark, first box, boxes, masks, tested, freed, CRC of what follows
-_MARK = b"PART"
+_HEAD = struct.Struct("<qqqq")  # of a chunk: boxes, masks, tested, freed
 _LONGEST = 1 << 20  # bytes of the line of JSON
 _LARGEST = 1 << 31  # bytes of a payload
 _DEEPEST, _MOST_VARIABLES = 40, 6  # halvings of a range, and how many ranges
@@ -132,7 +130,7 @@ def load(path: Path) -> tuple[Plan, BitTree, int, int]:
         raise ResultFileError(f"cannot read: {error.strerror}", where=where) from error
     try:
         record = json.loads(line)
-        plan = _plan(record["plan"])
+        plan = plan_from_entries(record["plan"])
         stream = zlib.decompressobj()
         _check_shape(plan)
         payload = stream.decompress(packed, min(int(record["bytes"]), _LARGEST) + 1)
@@ -160,7 +158,8 @@ def _check_shape(plan: Plan) -> None:
         raise ValueError(f"halvings are 0 … {_DEEPEST}, and top is above the leaves")
 
 
-def _plan(record: dict[str, Any]) -> Plan:
+def plan_from_entries(record: dict[str, Any]) -> Plan:
+    """The plan that `Plan.entries` wrote."""
     lists: dict[str, Any] = {key: tuple(one) if isinstance(one, list) else one for key, one in record.items()}
     return Plan(**lists)
 
@@ -169,86 +168,25 @@ Batch = tuple[Masks, NDArray[np.int32], int, int]
 """Masks, (boxes, levels + 1) how many, boxes tested, leaves freed."""
 
 
-class Journal:
-    """Parts of a covering that are finished, in a file that survives whoever writes it.
+def batch_to_bytes(batch: Batch) -> bytes:
+    """A chunk as it is kept: counts, then sizes, then masks, all little-endian."""
+    masks, sizes, tested, freed = batch
+    body = sizes.astype("<i4").tobytes() + np.ascontiguousarray(masks).tobytes()
+    return _HEAD.pack(len(sizes), len(masks), tested, freed) + body
 
-    A record that was cut off, by a kill or a full disk, is dropped when the file is opened again.
+
+def batch_from_bytes(content: bytes, shape: Shape) -> Batch:
+    """What `batch_to_bytes` made of a chunk of such boxes.
+
+    Raises:
+        ValueError: it did not make this.
     """
-
-    def __init__(self, file: IO[bytes], plan: Plan, start: int) -> None:
-        self._file, self._plan, self._start = file, plan, start
-
-    @classmethod
-    def open(cls, path: Path, plan: Plan) -> Journal:
-        """Open the journal of a covering, or begin one.
-
-        Raises:
-            ResultFileError: it cannot be opened, is no journal, or that of another covering.
-        """
-        head = _JOURNAL + plan.line() + b"\n"
-        try:
-            file = path.open("r+b" if path.exists() and path.stat().st_size else "w+b")
-            there = file.read(len(head))
-            if not there.startswith(head[: len(there)]) or (len(there) < len(head) and there[-1:] == b"\n" and there):
-                file.close()
-                raise ResultFileError(
-                    "this is the journal of another covering, or no journal", where=str(path),
-                    mend="name another file, or delete this one",
-                )
-            if len(there) < len(head):
-                file.seek(0)
-                file.truncate()
-                file.write(head)
-                file.flush()
-        except OSError as error:
-            raise ResultFileError(f"cannot open the journal: {error.strerror}", where=str(path)) from error
-        return cls(file, plan, len(head))
-
-    def read(self) -> dict[int, Batch]:
-        """The finished parts, by the number of their first box; the file ends behind the last of them from now on."""
-        found: dict[int, Batch] = {}
-        self._file.seek(self._start)
-        end = self._start
-        while (made := self._record()) is not None:
-            begin, batch = made
-            found[begin] = batch
-            end = self._file.tell()
-        self._file.seek(end)
-        self._file.truncate()
-        return found
-
-    def _record(self) -> tuple[int, Batch] | None:
-        head = self._file.read(_RECORD.size)
-        if len(head) < _RECORD.size:
-            return None
-        mark, begin, boxes, count, tested, freed, told = _RECORD.unpack(head)
-        shape = self._plan.shape
-        parts = shape.levels - shape.top + 1
-        size = boxes * parts * 4 + count * shape.kind.itemsize
-        if mark != _MARK or not 0 <= size <= _LARGEST:
-            return None
-        body = self._file.read(size)
-        if len(body) < size or zlib.crc32(head[:-4] + body) != told:
-            return None
-        sizes = np.frombuffer(body[: boxes * parts * 4], "<i4").reshape(boxes, parts)
-        return begin, (np.frombuffer(body[boxes * parts * 4 :], shape.kind), sizes, tested, freed)
-
-    def add(self, begin: int, batch: Batch) -> None:
-        """Write one finished part.
-
-        Raises:
-            ResultFileError: it cannot be written.
-        """
-        masks, sizes, tested, freed = batch
-        body = sizes.astype("<i4").tobytes() + masks.astype(self._plan.shape.kind).tobytes()
-        head = _RECORD.pack(_MARK, begin, len(sizes), len(masks), tested, freed, 0)[:-4]
-        try:
-            self._file.write(head + struct.pack("<I", zlib.crc32(head + body)) + body)
-            self._file.flush()
-        except OSError as error:
-            raise ResultFileError(f"cannot write the journal: {error.strerror}", where=self._file.name) from error
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-
+    parts = shape.levels - shape.top + 1
+    if len(content) < _HEAD.size:
+        raise ValueError("a chunk of a covering that ends too soon")
+    boxes, count, tested, freed = _HEAD.unpack_from(content)
+    begin = _HEAD.size + boxes * parts * 4
+    if len(content) != begin + count * shape.kind.itemsize:
+        raise ValueError("a chunk of another covering")
+    sizes = np.frombuffer(content[_HEAD.size : begin], "<i4").reshape(boxes, parts).astype(np.int32)
+    return np.frombuffer(content[begin:], shape.kind), sizes, tested, freed

@@ -15,30 +15,30 @@ Variables that move no column against another are free: a box is a cylinder over
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, log2, pi
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.certify.bittree import BitTree, Masks, Shape, counts, joined
-from rankdrop.certify.coverfile import Journal, Plan
+from rankdrop.certify.bittree import BitTree, Shape, counts, joined
+from rankdrop.certify.coverfile import Batch, Plan
 from rankdrop.certify.enclosed import BudgetSpent, Looked, Near, closer, enclosed_trees, viewed
 from rankdrop.certify.setting import Setting
 from rankdrop.certify.split import split_of
 from rankdrop.errors import OptionError
 from rankdrop.local.block import generic_rank
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.version import VERSION
 
 Progress = Callable[[int, int], None]
 
 SPLIT, ENCLOSURES = "split determinant", "enclosures"
+SPENT = "the budget is spent"
 BUDGET = 100_000_000
 """Enclosures spent at most, about 1.5 µs each; the split determinant needs none."""
 FURTHER = 0
@@ -51,7 +51,7 @@ _MOST_VARIABLES = 5
 _TOP = 3  # level of the boxes that are done one by one
 _CLOSER = 24  # halvings by which leaves that no family explains are looked into
 _PARTS = 10_000_000  # of them in all, about 2 µs each
-_BATCH = 64  # of them at one go
+_CHUNKS = 64  # into which a covering is divided, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +139,6 @@ def covering(
     limits: bool = False,
     budget: int = BUDGET,
     further: int = FURTHER,
-    journal: Path | None = None,
     threads: int = 0,
     progress: Progress | None = None,
 ) -> Covering:
@@ -153,20 +152,80 @@ def covering(
         limits: within the joint limits only; else turning joints go all the way round. Slides need limits.
         budget: enclosures, at most; arms of six turning joints need none.
         further: halvings by which leaves not proven are looked into (six turning joints).
-        journal: finished parts are kept in this file, and taken from it.
         threads: 0 for all cores; the result does not depend on it.
         progress: progress(done, total) parts.
 
     Raises:
         OptionError: a width, a corank or a budget outside what is allowed, a slide without limits, an arm or task that
-            cannot be certified, more than five variables that matter, or a journal of another covering.
+            cannot be certified, or more than five variables that matter.
     """
     plan = plan_of(robot, width, task, corank=corank, limits=limits, further=further)
-    if plan.method == SPLIT:
-        return _by_split(robot, plan, journal, threads, progress)
+    check_budget(budget)
+    batches: dict[int, Batch] = {}
+    left, stopped, resolved = int(budget), "", resolve_task(task, robot)
+    try:
+        for chunk in range(chunks_of(plan)):
+            made = batches[chunk] = chunk_of(robot, resolved, plan, chunk, budget=left, threads=threads)
+            left -= 0 if plan.method == SPLIT else made[2]
+            if progress is not None:
+                progress(chunk + 1, chunks_of(plan))
+    except KeyboardInterrupt:
+        stopped = "interrupted"
+    except BudgetSpent:
+        stopped = SPENT
+    return put_together(plan, batches, stopped)
+
+
+def check_budget(budget: int) -> None:
+    """A budget is a whole number from 1.
+
+    Raises:
+        OptionError: else.
+    """
     if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 1:
         raise OptionError("no such budget", where="budget", got=budget, allowed="a whole number from 1")
-    return _by_enclosures(robot, resolve_task(task, robot), plan, int(budget), journal, threads, progress)
+
+
+def chunks_of(plan: Plan) -> int:
+    """Into how many chunks a covering is divided: so many boxes of the level `top`, one after another, in each."""
+    return -(-plan.shape.trees // _size(plan))
+
+
+def _size(plan: Plan) -> int:
+    return -(-plan.shape.trees // _CHUNKS)
+
+
+def chunk_of(
+    robot: Robot, task: Task, plan: Plan, chunk: int, *, budget: int = BUDGET, threads: int = 0
+) -> Batch:
+    """One chunk of a covering; it depends on the plan and its number alone.
+
+    Raises:
+        BudgetSpent: it takes more enclosures than that; never for the split determinant.
+    """
+    begin = chunk * _size(plan)
+    end = min(begin + _size(plan), plan.shape.trees)
+    if plan.method == SPLIT:
+        return _core.cover(_kept_tables(robot, plan), begin, end, threads=threads)
+    return enclosed_trees(robot, task, _kept_view(robot, task, plan), plan, begin, end, budget, threads)
+
+
+def put_together(plan: Plan, batches: Mapping[int, Batch], stopped: str = "") -> Covering:
+    """The covering of chunks, by their numbers; those that are missing are not covered.
+
+    Args:
+        plan: what is covered.
+        batches: what `chunk_of` made.
+        stopped: why some are missing.
+    """
+    shape, size = plan.shape, _size(plan)
+    finished = np.zeros(shape.trees, dtype=np.bool_)
+    for chunk in batches:
+        finished[chunk * size : (chunk + 1) * size] = True
+    ordered = [batches[chunk] for chunk in sorted(batches)]
+    tree = joined(shape, finished, [(masks, sizes) for masks, sizes, _, _ in ordered])
+    tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
+    return Covering(plan, tree, tested, freed, stopped)
 
 
 def plan_of(
@@ -273,67 +332,11 @@ def looked_into(
     return closer(robot, task, viewed(robot, task, found.plan.corank), found.plan, cells, threads, near)
 
 
-def _by_split(
-    robot: Robot, plan: Plan, journal: Path | None, threads: int, progress: Progress | None
-) -> Covering:
-    core = tables_of(robot, plan)
-
-    def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:
-        return _core.cover(core, begin, end, threads=threads)
-
-    return _collected(plan, batch, journal, progress)
+@lru_cache(1)
+def _kept_tables(robot: Robot, plan: Plan) -> _core.Split:
+    return tables_of(robot, plan)
 
 
-def _by_enclosures(
-    robot: Robot, task: Task, plan: Plan, budget: int, journal: Path | None, threads: int, progress: Progress | None
-) -> Covering:
-    setting = viewed(robot, task, plan.corank)
-    spent = 0
-
-    def batch(begin: int, end: int) -> tuple[Masks, NDArray[np.int32], int, int]:
-        nonlocal spent
-        made = enclosed_trees(robot, task, setting, plan, begin, end, budget - spent, threads)
-        spent += made[2]
-        return made
-
-    return _collected(plan, batch, journal, progress)
-
-
-def _collected(
-    plan: Plan,
-    batch: Callable[[int, int], tuple[Masks, NDArray[np.int32], int, int]],
-    journal: Path | None,
-    progress: Progress | None,
-) -> Covering:
-    """Every part of the covering, from the journal or made; what is done when Ctrl-C comes is kept."""
-    shape = plan.shape
-    notes = Journal.open(journal, plan) if journal is not None else None
-    kept = {} if notes is None else notes.read()
-    begins = range(0, shape.trees, _BATCH)
-    stopped = ""
-    try:
-        for begin in begins:
-            if begin in kept:
-                continue
-            end = min(begin + _BATCH, shape.trees)
-            made = batch(begin, end)
-            kept[begin] = made
-            if notes is not None:
-                notes.add(begin, made)
-            if progress is not None:
-                progress(end, shape.trees)
-    except KeyboardInterrupt:
-        stopped = "interrupted"
-    except BudgetSpent:
-        stopped = "the budget is spent"
-    finally:
-        if notes is not None:
-            notes.close()
-    finished = np.zeros(shape.trees, dtype=np.bool_)
-    for begin in kept:
-        finished[begin : begin + _BATCH] = True
-    ordered = [kept[begin] for begin in sorted(kept)]
-    tree = joined(shape, finished, [(masks, sizes) for masks, sizes, _, _ in ordered])
-    tested, freed = (sum(int(one[part]) for one in ordered) for part in (2, 3))
-    return Covering(plan, tree, tested, freed, stopped)
-
+@lru_cache(1)
+def _kept_view(robot: Robot, task: Task, plan: Plan) -> Setting:
+    return viewed(robot, task, plan.corank)

@@ -15,7 +15,10 @@ longer by at most N_i δ_p. So, lengths divided by ℓ,
     ‖ΔJ_i‖ ≤ D_i = N_i √(δ_a² + ((δ_a (R_i + N_i δ_p) + δ_p) / ℓ)²)        turning joints
     ‖ΔJ_i‖ ≤ D_i = N_i δ_a / ℓ                                             slides
 
-R_i grows by how far the slides between are out. A point that is moved itself makes N_i in the inner bracket larger by
+R_i grows by how far the slides between are out, and by how far joints that screw carry along their axes; of these the
+moment has the pitch times z as well, which adds the size of the pitch to R_i in their own D_i. Joints that follow
+others are displaced each for itself; how they follow is exact, and a column of the Jacobian is the sum of theirs, each
+times its multiplier. A point that is moved itself makes N_i in the inner bracket larger by
 one, and adds δ_p/ℓ. Then |(U₁ᵀ ΔJ V₁)_rj| ≤ Σ_i D_i |v_ij|, which is added to the bound of an enclosure.
 """
 
@@ -69,6 +72,27 @@ def points_of(robot: Robot) -> Array:
     return np.array(found)
 
 
+def coupling_of(robot: Robot) -> Array:
+    """(N, n) sizes of the multipliers with which joints follow the variables."""
+    place = {joint.name: k for k, joint in enumerate(robot.variables)}
+    found = np.zeros((len(robot.joints), robot.n))
+    for i, joint in enumerate(robot.joints):
+        found[i, place[joint.mimic.leader if joint.mimic else joint.name]] = (
+            abs(joint.mimic.multiplier) if joint.mimic else 1.0
+        )  # fmt: skip
+    return found
+
+
+def displaced_jacobian(
+    robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], far: Array | None = None
+) -> Array:
+    """(..., n) how far each column of the Jacobian can change: D_i of the joints of one variable together.
+
+    Arguments and errors as for `displaced_columns`.
+    """
+    return displaced_columns(robot, setting, tolerance, rows, far) @ coupling_of(robot)
+
+
 def displaced_columns(
     robot: Robot, setting: Setting, tolerance: ModelTolerance, rows: tuple[int, ...], far: Array | None = None
 ) -> Array:
@@ -81,22 +105,23 @@ def displaced_columns(
         far: (..., n) how far the variables go from zero, at most; of slides it is used. None for zero.
 
     Raises:
-        OptionError: the arm has joints that screw or that follow others, or the task takes some rows only.
+        OptionError: the task takes some rows only.
     """
     if tuple(rows) != setting.rows:
         raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
                           "not for those near it", where="model_tolerance", got=f"rows {rows}",
                           allowed="pose, position, orientation")  # fmt: skip
-    if any(joint.kind is JointKind.HELICAL or joint.mimic is not None for joint in robot.joints):
-        raise OptionError("a tolerance of the model is for arms whose joints turn or slide, each for itself",
-                          where="model_tolerance", got=robot.name)  # fmt: skip
     points, count = points_of(robot), len(robot.joints)
     frame = robot.home if setting.link == count + 1 else np.eye(4) if not setting.link else (
         robot.joints[setting.link - 1].frame
     )
     start = frame[:3, :3] @ np.array(setting.point) + frame[:3, 3]
     slides = np.array([joint.kind is JointKind.PRISMATIC for joint in robot.joints])
-    travel = np.where(slides, np.zeros(count) if far is None else np.abs(far), 0.0)
+    pitch = np.array([abs(joint.screw[:3] @ joint.screw[3:]) * (joint.kind is JointKind.HELICAL)
+                      for joint in robot.joints])  # fmt: skip
+    offset = np.array([abs(joint.mimic.offset) if joint.mimic else 0.0 for joint in robot.joints])
+    out = (np.zeros(robot.n) if far is None else np.abs(far)) @ coupling_of(robot).T + offset
+    travel = np.where(slides, out, pitch * out)
     found = np.zeros(travel.shape)
     linear, angular = 0 in setting.rows, 3 in setting.rows
     tool = int(not angular)  # a point that is moved with the others
@@ -108,7 +133,7 @@ def displaced_columns(
             if slides[i]:
                 found[..., i] = times * tolerance.angle * linear / setting.length
             else:
-                moment = tolerance.angle * (reach + (times + tool) * tolerance.length) + tolerance.length
+                moment = tolerance.angle * (reach + pitch[i] + (times + tool) * tolerance.length) + tolerance.length
                 part = (times * moment + tool * tolerance.length) * linear / setting.length
                 found[..., i] = np.hypot(times * tolerance.angle * angular, part)
             reach = reach + (travel[..., i] if own else 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,7 +12,7 @@ from rankdrop.cli import exits
 from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
-    from rankdrop.results import Analysis
+    from rankdrop.results import Analysis, Record
     from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
@@ -73,12 +73,10 @@ def analyze(
     """
     from rankdrop import analyze as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
     from rankdrop.cli.terminal import reporter
 
-    for option, target in {"--json": json, "--latex": latex}.items():
-        check_target(target, option)
-    check_different({"--json": json, "--latex": latex})
+    check_targets({"--json": json, "--latex": latex})
     begun = monotonic()
     model, task, made = open_ideal(robot, arm, ideal)
     with reporter(quiet=quiet) as report:
@@ -88,17 +86,18 @@ def analyze(
         )
     there, moved, beside = ideal_sections(made, analysis.task, analysis.families, seed)
     seconds = monotonic() - begun
-    record = analysis.to_dict()
-    if made is not None:
-        record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
-    steps: list[Callable[[], None]] = []
-    if STDOUT not in (json, latex):
-        steps.append(lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all))
-    if json is not None:
-        steps.append(lambda: write_json(record, json))
-    if latex is not None:
-        steps.append(lambda: write_text(analysis.latex(), latex))
-    do_all(steps)
+
+    def record() -> Record:
+        if made is None:
+            return analysis.to_dict()
+        verdict = of_ideal(analysis.verdict, made).to_dict()
+        return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, there)}
+
+    hand_over(
+        lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all),
+        (json, lambda target: write_json(record(), target)),
+        (latex, lambda target: write_text(analysis.latex(), target)),
+    )
     return _exit_code(analysis)
 
 

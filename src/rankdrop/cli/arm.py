@@ -152,16 +152,18 @@ def arm_section(robot: Robot, task: Task, generic_rank: int, lines: dict[str, st
     from rich.table import Table
     from rich.text import Text
 
+    from rankdrop.sections import count
+
     yield Text.assemble((robot.name, "bold"), f": {robot.about}" if robot.about else "")
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column(overflow="fold")  # a long path keeps its end
-    grid.add_row("chain", f"{_count(robot.n, 'joint')} from {robot.base} to {robot.tip}")
+    grid.add_row("chain", f"{count(robot.n, 'joint')} from {robot.base} to {robot.tip}")
     names = [joint.name for joint in robot.variables]
     if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
         grid.add_row("joints", ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1)))
     freedom = robot.n - generic_rank
-    grid.add_row("task", f"{task.name} ({_count(task.m, 'row')}), rank {generic_rank}, redundancy {freedom}")
+    grid.add_row("task", f"{task.name} ({count(task.m, 'row')}), rank {generic_rank}, redundancy {freedom}")
     whose = "the arm's reach" if task.length_scale is None else "as given"
     grid.add_row("length scale", f"{task.scale(robot):.4g} m, {whose}; no family depends on it")
     for label, text in lines.items():
@@ -180,10 +182,6 @@ def _first_sentence(text: str) -> str:
     return first if first == text else f"{first}."
 
 
-def _count(number: int, one: str) -> str:
-    return f"{number} {one}{'' if number == 1 else 's'}"
-
-
 def open_ideal(
     name: str, options: ArmOptions, tolerance: str | None, tcp: str | None = None, *, deg: bool = False
 ) -> tuple[Robot, Task, Idealised | None]:
@@ -192,13 +190,13 @@ def open_ideal(
     Raises:
         RankdropError: as `open_arm`; this is not a tolerance.
     """
+    if tolerance is None:
+        return *open_arm(name, options, tcp, deg=deg), None
     from rankdrop.robot import read_tolerance
     from rankdrop.verbs import idealised
 
-    given = None if tolerance is None else read_tolerance(tolerance)
+    given = read_tolerance(tolerance)
     robot, task = open_arm(name, options, tcp, deg=deg)
-    if given is None:
-        return robot, task, None
     found = idealised(robot, given)
     return found.ideal, task, found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -55,14 +54,12 @@ def aspects(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import reporter, say
     from rankdrop.motion import NOT_FOUND, aspects_of
 
-    check_target(json, "--json")
-    check_target(path, "--path", (".csv",))
-    check_different({"--json": json, "--path": path})
+    check_targets({"--json": json, "--path": path}, {"--path": (".csv",)})
     model, task = open_arm(robot, arm)
     start = None if q is None else parse_configuration(q, model, deg=deg)
     with reporter(quiet=quiet) as report:
@@ -71,14 +68,11 @@ def aspects(
             progress=lambda done, total: report("poses solved", done, total),
         )  # fmt: skip
     csv = found.path_csv()
-    steps: list[Callable[[], None]] = []
-    if STDOUT not in (json, path):
-        steps.append(lambda: print_sections(found.sections(deg=deg)))
-    if path is not None and csv:
-        steps.append(lambda: write_text(csv, path))
-    if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
-    do_all(steps)
+    hand_over(
+        lambda: print_sections(found.sections(deg=deg)),
+        (path if csv else None, lambda target: write_text(csv, target)),
+        (json, lambda target: write_json(found.to_dict(), target)),
+    )
     if path is not None and not csv:
         say(f"{path} is not written: there is no path")
     if not found.complete:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def model_tolerance(text: str | None) -> ModelTolerance | None:
     return ModelTolerance(given.length or 0.0, given.angle or 0.0)
 
 
-def of_place(found: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
+def of_place(explanation: Explanation, tolerance: ModelTolerance | None, evaluations: int) -> dict[str, Any]:
     """What can be proven at a configuration: that a singular one exists there, or a ball without any.
 
     Raises:
@@ -33,9 +32,11 @@ def of_place(found: Explanation, tolerance: ModelTolerance | None, evaluations: 
     """
     from rankdrop.certify import ball_certificate, existence_certificate
 
-    if found.rank.corank and tolerance is None:
-        return existence_certificate(found.robot, found.q, found.task)
-    return ball_certificate(found.robot, found.q, found.task, tolerance=tolerance, evaluations=max(evaluations, 1))
+    if explanation.rank.corank and tolerance is None:
+        return existence_certificate(explanation.robot, explanation.q, explanation.task)
+    return ball_certificate(
+        explanation.robot, explanation.q, explanation.task, tolerance=tolerance, evaluations=max(evaluations, 1)
+    )
 
 
 def in_words(record: dict[str, Any]) -> str:
@@ -51,12 +52,12 @@ def in_words(record: dict[str, Any]) -> str:
     return f"{said}, for every arm within {near['length'] * 1e3:g} mm and {near['angle'] * 1e3:g} mrad, joint by joint"
 
 
-def saving(record: dict[str, Any], target: str) -> Callable[[], None]:
-    """The step that writes a certificate."""
+def save_certificate(record: dict[str, Any] | None, target: str) -> None:
+    """Write a certificate where something was proven; to stdout when `target` is "-"."""
+    from rankdrop.certify import write_certificate
+    from rankdrop.cli.files import STDOUT, write_json
 
-    def save() -> None:
-        from rankdrop.certify import write_certificate
-
+    if record is not None and target == STDOUT:
+        write_json(record, target)
+    elif record is not None:
         write_certificate(record, target)
-
-    return save

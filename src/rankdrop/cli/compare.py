@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -69,11 +68,11 @@ def compare(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.designs import asks_of, side_by_side
 
-    check_target(json, "--json")
+    check_targets({"--json": json})
     asked: dict[str, Any] = {"families": {"starts": starts, "fresh": 1000}, "near": {"within": within}}
     if lower is not None or upper is not None:
         asked["region"] = {"lower": _three(lower, "--lower"), "upper": _three(upper, "--upper"), "points": points}
@@ -88,12 +87,7 @@ def compare(
             arms, asks, task=task, length_scale=length_scale, limits=limits, seed=seed, as_written=as_written,
             workers=workers, scheduler=scheduler, report=report,
         )  # fmt: skip
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found))
-    if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
-    do_all(steps)
+    hand_over(lambda: _print(found), (json, lambda target: write_json(found.to_dict(), target)))
     return exits.FINE if found.holds else exits.UNEXPLAINED
 
 
@@ -106,7 +100,7 @@ def _three(text: str | None, option: str) -> list[float | str]:
     return list(words)
 
 
-def _print(found: SideBySide) -> None:
+def _print(designs: SideBySide) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections())
+    print_sections(designs.sections())

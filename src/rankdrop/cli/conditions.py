@@ -1,17 +1,25 @@
-"""`rankdrop conditions`: the singularity conditions of an arm, exactly."""
+"""`rankdrop conditions`: the singularity conditions of an arm, exactly.
+
+And what a user asks beside them: is mine right, which aspect is this, what parts these two.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
 from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
+from rankdrop.errors import OptionError, RankdropError
 
 if TYPE_CHECKING:
-    from rankdrop.results import Conditions, Verdict
+    from rankdrop.exact import Chain, Flags
+    from rankdrop.results import Conditions, Record, Verdict
+    from rankdrop.robot import Robot
     from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
@@ -98,16 +106,12 @@ def conditions(
     """
     from rankdrop import conditions as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
-    from rankdrop.cli.question import Question
+    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
     from rankdrop.cli.terminal import reporter
     from rankdrop.exact import exact_chain
     from rankdrop.results import steps_text
 
-    targets = {"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json}
-    for option, target in targets.items():
-        check_target(target, option)
-    check_different(targets)
+    check_targets({"--steps-out": steps_out, "--latex": latex, "--python": python, "--c": c, "--json": json})
     model, task, made = open_ideal(robot, arm, ideal)
     letters = lengths_of(lengths)
     question = Question(model, test, flags, from_, to, deg=deg)
@@ -122,23 +126,21 @@ def conditions(
     answers, answered, verdict = question.answer(found)
     verdict = of_ideal(verdict, made)
     there, moved, beside = ideal_sections(made, task, found.families, seed)
-    record = {**found.to_dict(), **answered}
-    if made is not None:
-        record |= {"sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there)}
-    written: list[Callable[[], None]] = []
-    if STDOUT not in targets.values():
-        written.append(lambda: _print(found, task, answers, verdict, made, moved, beside))
-    if steps_out is not None:
-        written.append(lambda: write_text(steps_text(found), steps_out))
-    if latex is not None:
-        written.append(lambda: write_text(found.latex(), latex))
-    if python is not None:
-        written.append(lambda: write_text(found.code("python"), python))
-    if c is not None:
-        written.append(lambda: write_text(found.code("c"), c))
-    if json is not None:
-        written.append(lambda: write_json(record, json))
-    do_all(written)
+
+    def record() -> Record:
+        nearby = {} if made is None else {
+            "sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there),
+        }  # fmt: skip
+        return {**found.to_dict(), **answered, **nearby}
+
+    hand_over(
+        lambda: _print(found, task, answers, verdict, made, moved, beside),
+        (steps_out, lambda target: write_text(steps_text(found), target)),
+        (latex, lambda target: write_text(found.latex(), target)),
+        (python, lambda target: write_text(found.code("python"), target)),
+        (c, lambda target: write_text(found.code("c"), target)),
+        (json, lambda target: write_json(record(), target)),
+    )
     if found.interrupted:
         return exits.INTERRUPTED
     return exits.FINE if verdict.holds else exits.UNEXPLAINED
@@ -150,7 +152,7 @@ def lengths_of(text: str) -> str | dict[str, float]:
     Raises:
         OptionError: neither.
     """
-    from rankdrop.errors import OptionError, RobotError
+    from rankdrop.errors import RobotError
     from rankdrop.robot import quantity
 
     if "=" not in text:
@@ -179,7 +181,6 @@ def joints_of(text: str) -> tuple[int, ...]:
     Raises:
         OptionError: no numbers of joints.
     """
-    from rankdrop.errors import OptionError
     from rankdrop.exact import parse_joints
 
     try:
@@ -189,7 +190,7 @@ def joints_of(text: str) -> tuple[int, ...]:
 
 
 def _print(
-    found: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
+    conditions: Conditions, task: Task, answers: Sequence[Section], verdict: Verdict, made: Idealised | None,
     moved: Sequence[Section], beside: Sequence[Section],
 ) -> None:  # fmt: skip
     from rankdrop.cli.arm import arm_section, near_line
@@ -200,6 +201,104 @@ def _print(
     console = results()
     line = verdict_line(verdict)
     show(console, [line, ""])
-    show(console, arm_section(found.robot, task, found.generic_rank, arm_lines(found) | near_line(found.robot, made)))
-    print_sections((*moved, *found.sections(width=console.width - INDENT), *beside, *answers), first=False)
+    show(
+        console,
+        arm_section(
+            conditions.robot, task, conditions.generic_rank, arm_lines(conditions) | near_line(conditions.robot, made)
+        ),
+    )
+    print_sections((*moved, *conditions.sections(width=console.width - INDENT), *beside, *answers), first=False)
     show(console, ["", line])
+
+
+@dataclass(frozen=True)
+class Question:
+    """The options --test, --flags, --from and --to; false where none is given.
+
+    Attributes:
+        robot: the arm.
+        test: a condition.
+        flags, start, end: configurations as typed.
+        deg: angles without a unit are in degrees.
+    """
+
+    robot: Robot
+    test: str | None
+    flags: str | None
+    start: str | None
+    end: str | None
+    deg: bool
+
+    def __bool__(self) -> bool:
+        return any(one is not None for one in (self.test, self.flags, self.start, self.end))
+
+    def check(self, chain: Chain) -> None:
+        """Refuse bad input before the derivation.
+
+        Raises:
+            OptionError: a mistake in the condition, or one of --from and --to without the other.
+            ConfigurationError: not a configuration.
+            TaskError: flags of an arm whose Jacobian is not square.
+        """
+        if not self:
+            return
+        from rankdrop.exact import parse_conditions, signs_of
+
+        if self.test is not None:
+            parse_conditions(self.test, chain.ring, shifts=[float(shift) for shift in chain.shifts])
+        if (self.start is None) != (self.end is None):
+            missing, given = ("--from", "--to") if self.start is None else ("--to", "--from")
+            raise OptionError(f"{given} needs {missing}", where=missing, mend="give both configurations")
+        options = (("--flags", self.flags), ("--from", self.start), ("--to", self.end))
+        typed = [(option, one) for option, one in options if one is not None]
+        for option, one in typed:
+            self._q(one, option)
+        if typed:
+            signs_of(chain, names=False)
+
+    def answer(self, conditions: Conditions) -> tuple[list[Section], Record, Verdict]:
+        """From what was derived: text, entries of the JSON, the verdict on the conditions and the one asked about."""
+        from rankdrop.results import of_conditions
+
+        sections: list[Section] = []
+        record: Record = {"test": None, "flags": None, "between": None}
+        tested = "exact"
+        if self.test is not None:
+            section, record["test"], tested = _tested(conditions, self.test)
+            sections.append(section)
+        if self.flags is not None:
+            flags = conditions.flags(self._q(self.flags))
+            record["flags"] = flags.to_dict()
+            sections.append(self._flags("Configuration flags", flags))
+        if self.start is not None and self.end is not None:
+            between = conditions.between(self._q(self.start), self._q(self.end))
+            record["between"] = between.to_dict()
+            sections += [self._flags("From", between.first), self._flags("To", between.second)]
+            sections.append(_section("What parts them", between.sentences()))
+        verdict = of_conditions(conditions, tested)
+        return sections, {**record, **verdict.to_dict()}, verdict
+
+    def _q(self, text: str, option: str = "") -> list[float]:
+        from rankdrop.cli.configuration import parse_configuration
+
+        return parse_configuration(text, self.robot, deg=self.deg, option=option)
+
+    def _flags(self, title: str, flags: Flags) -> Section:
+        pairs = zip(flags.q, self.robot.variables, strict=True)
+        shown = [degrees(x) if self.deg and joint.unit == "rad" else x for x, joint in pairs]
+        values = ", ".join(f"{round(x, 12) + 0.0:.6g}".replace("-", "−") for x in shown)
+        return _section(title, flags.sentences(), f"q = ({values}) [{'°' if self.deg else 'rad'}, m]")
+
+
+def _tested(conditions: Conditions, condition: str) -> tuple[Section, Record | None, str]:
+    try:
+        result = conditions.test(condition)
+    except RankdropError as error:  # the derivation ended early: what it has is shown all the same
+        return _section("Your condition", (f"not tested: {error}",), condition), None, "not tested"
+    return _section("Your condition", result.sentences(), condition), result.to_dict(), result.verdict
+
+
+def _section(title: str, lines: tuple[str, ...], summary: str = "") -> Section:
+    from rankdrop.sections import Section
+
+    return Section(title, summary, lines)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -26,6 +25,7 @@ def cover(
     analysis: str | None = None,
     budget: Whole = 100_000_000,
     threads: Whole = 0,
+    scheduler: str | None = None,
     out: str | None = None,
     certificate: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -56,25 +56,24 @@ def cover(
         limits: Within the joint limits only.
         explain: Hold the boxes against families.
         analysis: Families from this file (`rankdrop analyze --json`); else from the catalogue, else found here.
-        budget: Enclosures that a covering may cost; about 1.5 microseconds each. Arms of six turning joints need none
-            for corank 1.
+        budget: Enclosures after which no further part is begun; about 1.5 microseconds each. Arms of six turning joints
+            need none for corank 1.
         threads: Processors to use; 0 means all. The result does not depend on it.
-        out: Keep the boxes in this file; what is finished is in FILE.journal meanwhile.
+        scheduler: Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786).
+        out: Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile.
         certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must
             be in the same folder.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.certificates import save_certificate
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
 
-    check_target(json, "--json")
-    check_target(out, "--out")
-    check_target(certificate, "--certificate")
-    check_different({"--out": out, "--json": json, "--certificate": certificate})
+    check_targets({"--json": json, "--out": out, "--certificate": certificate})
     _check_certificate(certificate, out)
     _check_out(out)
     model, task = open_arm(robot, arm)
@@ -82,16 +81,14 @@ def cover(
     with reporter(quiet=quiet) as report:
         result = covered(
             model, task, width=_angle(width), corank=corank, limits=limits, explain=explain, analysis=families,
-            out=out, budget=budget, threads=threads, report=report,
+            out=out, budget=budget, threads=threads, scheduler=scheduler, report=report,
         )  # fmt: skip
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(result))
-    if json is not None:
-        steps.append(lambda: write_json(result.to_dict(), json))
-    if certificate is not None and out is not None and result.complete:
-        steps.append(_saving(result, out, certificate))
-    do_all(steps)
+    proven = None if certificate is None or out is None or not result.complete else _proven(result, out)
+    hand_over(
+        lambda: _print(result),
+        (json, lambda target: write_json(result.to_dict(), target)),
+        (certificate, lambda target: save_certificate(proven, target)),
+    )
     return _code(result, out)
 
 
@@ -115,14 +112,12 @@ def _check_certificate(certificate: str | None, out: str | None) -> None:
                           mend="name the covering with --out, in the same folder")  # fmt: skip
 
 
-def _saving(result: Covered, out: str, certificate: str) -> Callable[[], None]:
+def _proven(result: Covered, out: str) -> dict[str, Any]:
     from pathlib import Path
 
     from rankdrop.certify import covering_certificate
-    from rankdrop.cli.certificates import saving
 
-    plan = result.covering.plan
-    return saving(covering_certificate(result.robot, plan, result.sha256, Path(out).name, result.task), certificate)
+    return covering_certificate(result.robot, result.covering.plan, result.sha256, Path(out).name, result.task)
 
 
 def _angle(text: str) -> float:
@@ -147,7 +142,7 @@ def _code(result: Covered, out: str | None) -> int:
     if result.complete:
         return exits.FINE if result.holds else exits.UNEXPLAINED
     if result.covering.stopped == "interrupted":
-        kept = f"what is done is kept in {out}.journal: the same command goes on there" if out else "--out keeps it"
+        kept = f"what is done is kept in {out}.parts: the same command goes on there" if out else "--out keeps it"
         say(f"interrupted: {kept}")
         return exits.INTERRUPTED
     return exits.UNEXPLAINED

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -56,25 +55,24 @@ def escape(
     from rankdrop import explain
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import results, show
     from rankdrop.local import OrderedScrewSet, render, report
     from rankdrop.results import way_out_to_dict
 
-    check_target(json, "--json")
+    check_targets({"--json": json})
     model, task = open_arm(robot, arm, tcp, deg=deg)
     given = parse_configuration(q, model, deg=deg)
     found = explain(model, given, task, evaluations=0, seed=seed, step=step, frame=frame)
     procedure = report(OrderedScrewSet.of(model, found.q), seed) if lie else None
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
+
+    def to_stdout() -> None:
         parts = ("verdict", "escape", "lost", "blame") if full else ("answer", "lost", "fuller")
-        steps.append(lambda: print_sections(found.sections(parts=parts, full=full)))
+        print_sections(found.sections(parts=parts, full=full))
         if procedure is not None:
-            steps.append(lambda: show(results(), ["", render(procedure)]))
-    if json is not None:
-        steps.append(lambda: write_json(way_out_to_dict(found, procedure), json))
-    do_all(steps)
+            show(results(), ["", render(procedure)])
+
+    hand_over(to_stdout, (json, lambda target: write_json(way_out_to_dict(found, procedure), target)))
     out = any(one.order is not None for one in found.escape.single) or found.escape.best_direction.restores
     return exits.FINE if out or not found.rank.corank else exits.UNEXPLAINED

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -12,7 +11,7 @@ from rankdrop.cli.arm import FRAME, IDEAL, NO_OPTIONS, TCP, ArmOptions, Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
-    from rankdrop.results import Explanation
+    from rankdrop.results import Explanation, Record
     from rankdrop.verbs import Here, Idealised
 
 
@@ -71,17 +70,15 @@ def explain(
 
     from rankdrop import explain as run
     from rankdrop.cli.arm import open_ideal
-    from rankdrop.cli.certificates import of_place, saving
+    from rankdrop.cli.certificates import of_place, save_certificate
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.sections import interrupted
     from rankdrop.results import Analysis, plain
     from rankdrop.tolerances import DEFAULT
     from rankdrop.verbs import here
 
-    check_target(json, "--json")
-    check_target(certificate, "--certificate")
-    check_different({"--json": json, "--certificate": certificate})
+    check_targets({"--json": json, "--certificate": certificate})
     model, task, made = open_ideal(robot, arm, ideal, tcp, deg=deg)
     given = parse_configuration(q, model, deg=deg)
     found = run(
@@ -90,31 +87,32 @@ def explain(
         tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
-    record = found.to_dict()
-    if made is not None and beside is not None:
-        record["ideal"] = {**made.to_dict(found.task), "here": plain(beside)}
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found, made, beside, full=full))
-    if json is not None:
-        steps.append(lambda: write_json(record, json))
-    if certificate is not None:
-        steps.append(saving(of_place(found, None, evaluations), certificate))
-    do_all(steps)
+    proven = None if certificate is None else of_place(found, None, evaluations)
+
+    def record() -> Record:
+        if made is None or beside is None:
+            return found.to_dict()
+        return found.to_dict() | {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
+
+    hand_over(
+        lambda: _print(found, made, beside, full=full),
+        (json, lambda target: write_json(record(), target)),
+        (certificate, lambda target: save_certificate(proven, target)),
+    )
     return interrupted(found) or EXIT[found.verdict]
 
 
 EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "always-singular": exits.SINGULAR}
 
 
-def _print(found: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
+def _print(explanation: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
     from rankdrop.cli.arm import near_line
     from rankdrop.cli.sections import print_sections
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 
-    *sections, last = found.sections(full=full)
+    *sections, last = explanation.sections(full=full)
     if made is not None and beside is not None:
         sections[1:1] = [here_section(made, beside), *([moved_section(made)] if full else [])]
-    sections += [Section("", "", (line,)) for line in near_line(found.robot, made).values()]
+    sections += [Section("", "", (line,)) for line in near_line(explanation.robot, made).values()]
     print_sections([*sections, last])

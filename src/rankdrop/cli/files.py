@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,21 @@ def check_target(target: str | None, option: str, endings: tuple[str, ...] = ())
         raise OptionError("no permission to write there", where=option, got=target)
 
 
+def check_targets(targets: Mapping[str, str | None], endings: Mapping[str, tuple[str, ...]] | None = None) -> None:
+    """Find out before a long run whether every result can be written, and whether one would overwrite another.
+
+    Args:
+        targets: option -> file, "-" for stdout, or None.
+        endings: option -> what its file may end in, where that names the format.
+
+    Raises:
+        OptionError: as `check_target` and `check_different`.
+    """
+    for option, target in targets.items():
+        check_target(target, option, (endings or {}).get(option, ()))
+    check_different(targets)
+
+
 def check_different(targets: Mapping[str, str | None]) -> None:
     """Find out before a long run whether one result would overwrite another.
 
@@ -55,12 +71,18 @@ def check_different(targets: Mapping[str, str | None]) -> None:
         first.setdefault(path, option)
 
 
-def do_all(steps: Iterable[Callable[[], None]]) -> None:
-    """Show and save finished work: each step is tried, even where one before it has failed.
+def hand_over(show: Callable[[], object], *results: tuple[str | None, Callable[[str], object]]) -> None:
+    """Show finished work, and write every result that has a target; each is tried, even where one before has failed.
+
+    Args:
+        show: prints it; not called where a result is written to stdout in its place.
+        results: where to, None for nowhere, and what writes there.
 
     Raises:
-        OptionError, OSError: of the first step that failed; a reader that has gone counts only where all else is well.
+        OptionError, OSError: of the first that failed; a reader that has gone counts only where all else is well.
     """
+    steps = [] if any(target == STDOUT for target, _ in results) else [show]
+    steps += [partial(write, target) for target, write in results if target is not None]
     failed: Exception | None = None
     for step in steps:
         try:

@@ -85,15 +85,15 @@ def find(
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.families import refine, search
     from rankdrop.results import find_to_dict
 
-    check_target(json, "--json")
-    check_target(out, "--out", (".csv", ".json", ".npz"))
-    check_target(history, "--history", (".csv", ".npz"))
-    check_different({"--json": json, "--out": out, "--history": history})
+    check_targets(
+        {"--json": json, "--out": out, "--history": history},
+        {"--out": (".csv", ".json", ".npz"), "--history": (".csv", ".npz")},
+    )
     begun = monotonic()
     model, task = open_arm(robot, arm)
     if store is not None:
@@ -115,16 +115,12 @@ def find(
             q0, number = _one_start(start, model, task, seed, deg=deg, limits=limits)
             found = refine(model, [q0], corank, first=number, **options)
     seconds = monotonic() - begun
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found, task, start, seconds=seconds))
-    if json is not None:
-        steps.append(lambda: write_json(find_to_dict(found), json))
-    if out is not None:
-        steps.append(lambda: _save(found, out))
-    if history is not None:
-        steps.append(lambda: _save_history(found, history))
-    do_all(steps)
+    hand_over(
+        lambda: _print(found, task, start, seconds=seconds),
+        (json, lambda target: write_json(find_to_dict(found), target)),
+        (out, lambda target: _save(found, target)),
+        (history, lambda target: _save_history(found, target)),
+    )
     return exits.FINE if found.complete else exits.INTERRUPTED
 
 
@@ -201,88 +197,88 @@ def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, lim
     return values, number - 1
 
 
-def _save(found: Search, out: str) -> None:
+def _save(search: Search, out: str) -> None:
     from rankdrop.cli.files import write_bytes, write_json
     from rankdrop.results import find_to_csv, find_to_dict, find_to_npz
 
     if out.lower().endswith(".json"):
-        write_json(find_to_dict(found), out)
+        write_json(find_to_dict(search), out)
     else:
         csv = out.lower().endswith(".csv")
-        write_bytes(find_to_csv(found).encode() if csv else find_to_npz(found), out)
+        write_bytes(find_to_csv(search).encode() if csv else find_to_npz(search), out)
 
 
-def _save_history(found: Search, history: str) -> None:
+def _save_history(search: Search, history: str) -> None:
     from rankdrop.cli.files import write_bytes
     from rankdrop.results import history_to_csv, history_to_npz
 
-    if found.history is not None:
+    if search.history is not None:
         csv = history.lower().endswith(".csv")
-        steps = found.history
+        steps = search.history
         write_bytes(history_to_csv(steps).encode() if csv else history_to_npz(steps), history)
 
 
-def _print(found: Search, task: Task, start: str | None, *, seconds: float) -> None:
+def _print(search: Search, task: Task, start: str | None, *, seconds: float) -> None:
     from rankdrop.cli.arm import arm_section
     from rankdrop.cli.terminal import results, show
 
-    where = "within the joint limits" if found.limits else "in the whole joint space (limits ignored)"
-    starts = f"{len(found.q):,} {where}, seed {found.seed}"
+    where = "within the joint limits" if search.limits else "in the whole joint space (limits ignored)"
+    starts = f"{len(search.q):,} {where}, seed {search.seed}"
     if start is not None:
-        starts = f"random start {start} {where}, seed {found.seed}" if start.strip().isdecimal() else f"one, {start}"
-    lines = {"starts": starts, "method": _how(found)}
-    show(results(), arm_section(found.robot, task, found.rank + found.corank, lines))
-    show(results(), _outcome(found, seconds))
+        starts = f"random start {start} {where}, seed {search.seed}" if start.strip().isdecimal() else f"one, {start}"
+    lines = {"starts": starts, "method": _how(search)}
+    show(results(), arm_section(search.robot, task, search.rank + search.corank, lines))
+    show(results(), _outcome(search, seconds))
 
 
-def _how(found: Search) -> str:
+def _how(search: Search) -> str:
     """The method with what it was told."""
-    words = [found.method]
-    if found.method == "reciprocal":
-        if found.corank == 1:
+    words = [search.method]
+    if search.method == "reciprocal":
+        if search.corank == 1:
             return "reciprocal wrenches: every joint in closed form, or some joints by Newton's method"
         return "reciprocal wrenches: some joints by Newton's method, the others drawn"
-    if found.method != "lm":
-        words.append("line search" if found.step is None else f"steps of {found.step:g} of that to linearised zero")
-    if found.method == "almarkhi":
-        words.append(f"ties below {found.tie:g}" if found.tie else "ties not treated")
-    return ", ".join([*words, f"at most {found.most:,} iterations"])
+    if search.method != "lm":
+        words.append("line search" if search.step is None else f"steps of {search.step:g} of that to linearised zero")
+    if search.method == "almarkhi":
+        words.append(f"ties below {search.tie:g}" if search.tie else "ties not treated")
+    return ", ".join([*words, f"at most {search.most:,} iterations"])
 
 
-def _outcome(found: Search, seconds: float) -> Iterator[RenderableType]:
+def _outcome(search: Search, seconds: float) -> Iterator[RenderableType]:
     import numpy as np
     from rich.text import Text
 
     from rankdrop.families import Outcome
 
-    counts = {outcome: found.count(outcome) for outcome in Outcome}
+    counts = {outcome: search.count(outcome) for outcome in Outcome}
     yield ""
-    if found.stratum is not None:
-        yield from _drawn(found, seconds)
+    if search.stratum is not None:
+        yield from _drawn(search, seconds)
         return
-    title = f" (rank {found.rank} of {found.rank + found.corank}): "
-    verdict = f"{counts[Outcome.CONVERGED]:,} of {len(found.q):,} starts converged"
-    yield Text.assemble((f"Corank {found.corank}", "bold"), title, verdict)
+    title = f" (rank {search.rank} of {search.rank + search.corank}): "
+    verdict = f"{counts[Outcome.CONVERGED]:,} of {len(search.q):,} starts converged"
+    yield Text.assemble((f"Corank {search.corank}", "bold"), title, verdict)
     if counts[Outcome.CONVERGED]:
-        yield _configurations(found)
-        steps = found.iterations[found.outcome == Outcome.CONVERGED]
-        largest = f"Largest σ{found.rank + 1} of a converged start: {found.residual():.2g}"
+        yield _configurations(search)
+        steps = search.iterations[search.outcome == Outcome.CONVERGED]
+        largest = f"Largest σ{search.rank + 1} of a converged start: {search.residual():.2g}"
         yield f"{largest}; median {np.median(steps):.0f} iterations."
-    elif len(found.q) == 1 and found.complete:
-        left = ", ".join(f"{value:.4g}" for value in found.sigma[0, found.rank :])
-        yield f"It ended at σ{found.rank + 1} … = {left} after {found.iterations[0]:,} iterations."
+    elif len(search.q) == 1 and search.complete:
+        left = ", ".join(f"{value:.4g}" for value in search.sigma[0, search.rank :])
+        yield f"It ended at σ{search.rank + 1} … = {left} after {search.iterations[0]:,} iterations."
     stuck = f", {counts[Outcome.CREASE]:,} stuck on a crease (a tie, no minimum)" if counts[Outcome.CREASE] else ""
     rest = f"{counts[Outcome.NEAR_MISS]:,} near misses{stuck}, {counts[Outcome.SLOW]:,} slow."
-    if found.smallest_near_miss is not None:
-        rest += f" Smallest near miss: σ{found.rank + 1} = {found.smallest_near_miss:.4g}, not singular."
+    if search.smallest_near_miss is not None:
+        rest += f" Smallest near miss: σ{search.rank + 1} = {search.smallest_near_miss:.4g}, not singular."
     if not counts[Outcome.CONVERGED]:
         rest += " Absence of a find is not a proof."
-    if not found.complete:
+    if not search.complete:
         rest += f" Interrupted: {counts[Outcome.NOT_RUN]:,} starts were not run."
     yield f"{rest} Time taken: {seconds:.1f} s."
 
 
-def _drawn(found: Search, seconds: float) -> Iterator[RenderableType]:
+def _drawn(search: Search, seconds: float) -> Iterator[RenderableType]:
     """What reciprocal wrenches gave: how many from each stratum, how exact."""
     from collections import Counter
 
@@ -290,18 +286,22 @@ def _drawn(found: Search, seconds: float) -> Iterator[RenderableType]:
 
     from rankdrop.families import EXACT
 
-    ratio = (found.sigma[:, found.rank] / found.sigma[:, 0]).max(initial=0.0)
-    yield Text.assemble((f"{len(found.q):,} exact singular configurations", "bold"), f", corank {found.corank} or more")
-    if len(found.q):
-        yield _configurations(found)
-    counts = Counter(found.strata[k] for k in found.stratum.tolist()) if found.stratum is not None else Counter[str]()
+    ratio = (search.sigma[:, search.rank] / search.sigma[:, 0]).max(initial=0.0)
+    yield Text.assemble(
+        (f"{len(search.q):,} exact singular configurations", "bold"), f", corank {search.corank} or more"
+    )
+    if len(search.q):
+        yield _configurations(search)
+    counts = (
+        Counter(search.strata[k] for k in search.stratum.tolist()) if search.stratum is not None else Counter[str]()
+    )
     yield "From " + "; ".join(f"{name}: {count:,}" for name, count in counts.items()) + "."
-    yield f"Largest σ{found.rank + 1}/σ1: {ratio:.2g}, all at most {EXACT:g}. Time taken: {seconds:.1f} s."
+    yield f"Largest σ{search.rank + 1}/σ1: {ratio:.2g}, all at most {EXACT:g}. Time taken: {seconds:.1f} s."
     rest = "Families that none of these met are missing: it is no covering."
-    yield rest if found.complete else f"{rest} Interrupted: fewer were drawn than were asked for."
+    yield rest if search.complete else f"{rest} Interrupted: fewer were drawn than were asked for."
 
 
-def _configurations(found: Search) -> Table:
+def _configurations(search: Search) -> Table:
     """The first few converged configurations, rad above deg."""
     from math import degrees
 
@@ -310,12 +310,12 @@ def _configurations(found: Search) -> Table:
 
     from rankdrop.text import joint_symbol
 
-    kinds = [str(joint.kind) for joint in found.robot.variables]
+    kinds = [str(joint.kind) for joint in search.robot.variables]
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     table.add_column("")
     for number, kind in enumerate(kinds, start=1):
         table.add_column(joint_symbol(number, kind), justify="right")
-    for q in found.converged[:_SHOWN]:
+    for q in search.converged[:_SHOWN]:
         in_degrees = ["" if kind == "prismatic" else _fixed(degrees(x), 2) for x, kind in zip(q, kinds, strict=True)]
         table.add_row("rad, m" if "prismatic" in kinds else "rad", *(_fixed(value, 4) for value in q))
         table.add_row("deg", *in_degrees, style="dim")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -65,15 +64,12 @@ def jacobian(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.conditions import lengths_of
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json, write_text
+    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
     from rankdrop.cli.sections import print_sections
     from rankdrop.errors import OptionError
     from rankdrop.verbs import link_jacobian
 
-    targets = {"--latex": latex, "--json": json}
-    for option, target in targets.items():
-        check_target(target, option)
-    check_different(targets)
+    check_targets({"--latex": latex, "--json": json})
     if latex is not None and q is not None and not symbolic:
         raise OptionError("numbers are not written as LaTeX", where="--latex", mend="give --symbolic as well")
     model, task = open_arm(robot, arm)
@@ -82,14 +78,11 @@ def jacobian(
         model, frame, task, at=_point(at), q=given, symbolic=symbolic or given is None, inverse=inverse,
         lengths=lengths_of(lengths), seconds=time_limit / 3.0,
     )  # fmt: skip
-    steps: list[Callable[[], None]] = []
-    if STDOUT not in targets.values():
-        steps.append(lambda: print_sections(found.sections()))
-    if latex is not None:
-        steps.append(lambda: write_text(found.latex(), latex))
-    if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
-    do_all(steps)
+    hand_over(
+        lambda: print_sections(found.sections()),
+        (latex, lambda target: write_text(found.latex(), target)),
+        (json, lambda target: write_json(found.to_dict(), target)),
+    )
     missing = inverse and found.numbers is not None and found.numbers.inverse is None
     return exits.FINE if found.holds and not missing else exits.UNEXPLAINED
 

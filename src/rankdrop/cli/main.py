@@ -107,6 +107,16 @@ app.command(reproduce)
 app.command(report)
 
 
+_ZSH = """
+if [[ ${funcstack[1]} == _rankdrop ]]; then
+  _cyclopts_rankdrop "$@"
+else
+  compdef _cyclopts_rankdrop rankdrop
+fi
+"""
+"""The script only defines a function: it is called where the file is autoloaded, and made known where it is sourced."""
+
+
 @app.command
 def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
     """Print a script with which a shell completes commands and options at the Tab key.
@@ -119,7 +129,13 @@ def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
     Args:
         shell: Whose script.
     """
-    sys.stdout.write(app.generate_completion(prog_name="rankdrop", shell=shell))
+    script = app.generate_completion(prog_name="rankdrop", shell=shell)
+    if shell == "bash":  # names of files where no word of ours fits
+        script = script.replace("complete -F ", "complete -o default -F ")
+    if shell == "zsh":
+        plain = re.compile(r"^( +'(?:\*?--.*\]:[\w-]+|\d:.*[.…]))'(?= \\$|$)", re.MULTILINE)
+        script = plain.sub(r"\1:_files'", script) + _ZSH
+    sys.stdout.write(script)
     return exits.FINE
 
 
@@ -186,8 +202,10 @@ def _run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         say("interrupted")
         return exits.INTERRUPTED
-    except BrokenPipeError:
-        _close_stdout()
+    except (BrokenPipeError, SystemExit) as error:
+        if isinstance(error, SystemExit) and not isinstance(error.__context__, BrokenPipeError):
+            raise
+        _close_stdout()  # rich leaves by SystemExit where it prints a help
         return exits.BROKEN_PIPE
     except Exception as error:
         if isinstance(error, OSError) and error.errno in _NO_ROOM and error.filename is None:  # files name themselves

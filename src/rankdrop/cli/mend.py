@@ -44,17 +44,14 @@ def check_options(options: MendOptions, count: int) -> dict[str, float | None]:
     """The bounds as numbers, before any work.
 
     Raises:
-        OptionError: a number or a file that cannot be, or several paths.
+        OptionError: a number that cannot be, or several paths.
     """
-    from rankdrop.cli.files import check_target
     from rankdrop.errors import OptionError, RobotError
-    from rankdrop.motion import WRITTEN
     from rankdrop.robot import quantity
 
     if options.asked and count > 1:
         raise OptionError("remedies are those of one path", where="--remedies", got=f"{count} files",
                           mend="name one file")  # fmt: skip
-    check_target(options.fixed, "--fixed", WRITTEN)
     bounds: dict[str, float | None] = {}
     for name, text, measure in (("tool_tilt", options.tool_tilt, "angle"), ("base_shift", options.base_shift, "length"),
                                 ("blend", options.blend, "length"),
@@ -84,16 +81,16 @@ def mended(
     )  # fmt: skip
 
 
-def write_fixed(found: Mending, target: str) -> None:
+def write_fixed(mending: Mending, target: str) -> None:
     """The mended path as a file, and a line that says so."""
     from rankdrop.cli.files import write_bytes
     from rankdrop.cli.terminal import say
     from rankdrop.motion import trajectory_bytes
 
-    one = found.best or (found.remedies[0] if found.remedies else None)
+    one = mending.best or (mending.remedies[0] if mending.remedies else None)
     if one is None:
-        say(f"{target} is not written: {'no remedy was found' if found.needed else 'the path needs none'}")
+        say(f"{target} is not written: {'no remedy was found' if mending.needed else 'the path needs none'}")
         return
-    write_bytes(trajectory_bytes(one.trajectory, found.before.robot, target), target)
+    write_bytes(trajectory_bytes(one.trajectory, mending.before.robot, target), target)
     between = "" if one.interpolate == "linear" else f", read it with --interpolate {one.interpolate}"
     say(f"{target}: mended by {one.kind}, judged again: {one.check.verdict}{between}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -56,17 +55,15 @@ def nearest(
     """
     from rankdrop import explain
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.certificates import in_words, of_place, saving
+    from rankdrop.cli.certificates import in_words, of_place, save_certificate
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
     from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.sections import interrupted, print_sections
     from rankdrop.results import Analysis, far_to_dict
     from rankdrop.sections import Section
 
-    check_target(json, "--json")
-    check_target(certificate, "--certificate")
-    check_different({"--json": json, "--certificate": certificate})
+    check_targets({"--json": json, "--certificate": certificate})
     near = tolerance_of(model_tolerance)
     model, task = open_arm(robot, arm)
     found = explain(
@@ -74,16 +71,11 @@ def nearest(
         coranks=6, analysis=None if analysis is None else Analysis.load(analysis),
     )  # fmt: skip
     proven = of_place(found, near, evaluations) if certificate is not None or near is not None else None
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: print_sections(found.sections(parts=("verdict", "far"), full=True)))
-        if proven is not None:
-            said = Section("certificate", in_words(proven))
-            steps.append(lambda: print_sections([said], first=False))
-    if proven is not None and certificate is not None:
-        steps.append(saving(proven, certificate))
-    if json is not None:
-        steps.append(lambda: write_json(far_to_dict(found), json))
-    do_all(steps)
+    said = [] if proven is None else [Section("certificate", in_words(proven))]
+    hand_over(
+        lambda: print_sections([*found.sections(parts=("verdict", "far"), full=True), *said]),
+        (certificate, lambda target: save_certificate(proven, target)),
+        (json, lambda target: write_json(far_to_dict(found), target)),
+    )
     known = found.far.nearest is not None or found.rank.corank
     return interrupted(found) or (exits.FINE if known else exits.UNEXPLAINED)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
+    from rankdrop.sections import Section
     from rankdrop.task import Task
 
 _OF_ONE = {
@@ -100,12 +100,13 @@ def path(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
-    from rankdrop.cli.certificates import saving
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.certificates import save_certificate
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
     from rankdrop.motion import (
         FORMATS,
         FREE,
+        WRITTEN,
         check_format,
         judged,
         path_certificate,
@@ -114,15 +115,11 @@ def path(
     )
     from rankdrop.results import Analysis
 
-    check_target(json, "--json")
-    check_target(figure, "--figure", (".svg", ".png", ".pdf"))
-    check_target(html, "--html", (".html", ".htm"))
-    check_target(rows, "--rows", FORMATS)
-    check_target(certificate, "--certificate")
-    check_different({
-        "--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed,
-        "--certificate": certificate,
-    })  # fmt: skip
+    check_targets(
+        {"--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed,
+         "--certificate": certificate},
+        {"--figure": (".svg", ".png", ".pdf"), "--html": (".html", ".htm"), "--rows": FORMATS, "--fixed": WRITTEN},
+    )  # fmt: skip
     near = tolerance_of(model_tolerance)
     if rows is not None:
         check_format(rows)
@@ -146,33 +143,21 @@ def path(
         kept = None if near is None else bool(result.complete and result.verdict == FREE) and proven_for_near_arms(
             result, near
         )
-        steps: list[Callable[[], None]] = []
-        if json != STDOUT:
-            steps.append(lambda: _print(result, remedies, full=full))
-            if near is not None:
-                steps.append(lambda: _print_near(near, bool(kept)))
-        if certificate is not None and result.complete:
-            steps.append(saving(path_certificate(result, near if kept else None), certificate))
-        if json is not None:
-            steps.append(lambda: write_json(_record(result, remedies), json))
-        if remedies is not None and mend.fixed is not None:
-            steps.append(lambda: write_fixed(remedies, str(mend.fixed)))
-        if figure is not None:
-            steps.append(lambda: _draw(result, figure))
-        if html is not None:
-            steps.append(lambda: _page(result, html))
-        if rows is not None:
-            steps.append(lambda: _rows(result, families, rows))
-        do_all(steps)
+        wanted = certificate is not None and result.complete
+        proven = path_certificate(result, near if kept else None) if wanted else None
+        hand_over(
+            lambda: _print(result, remedies, near, full=full, kept=bool(kept)),
+            (certificate, lambda target: save_certificate(proven, target)),
+            (json, lambda target: write_json(_record(result, remedies), target)),
+            (mend.fixed, lambda target: None if remedies is None else write_fixed(remedies, target)),
+            (figure, lambda target: _draw(result, target)),
+            (html, lambda target: _page(result, target)),
+            (rows, lambda target: _rows(result, families, target)),
+        )
         return _code(result, remedies) or (exits.UNEXPLAINED if kept is False else exits.FINE)
     with reporter(quiet=quiet) as report:
         many = judged(found, lambda file: one(file, report))
-    steps = []
-    if json != STDOUT:
-        steps.append(lambda: _print_many(many))
-    if json is not None:
-        steps.append(lambda: write_json(paths_to_dict(model, many), json))
-    do_all(steps)
+    hand_over(lambda: _print_many(many), (json, lambda target: write_json(paths_to_dict(model, many), target)))
     return _worst(many, len(found))
 
 
@@ -286,19 +271,21 @@ def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
         say(f"{read.name}: not used: {', '.join(read.unused)}")
 
 
-def _print(result: PathCheck, remedies: Mending | None, *, full: bool) -> None:
+def _print(
+    result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, *, full: bool, kept: bool
+) -> None:
     from rankdrop.cli.sections import print_sections
 
     *first, last = result.sections(full=full)
-    print_sections([*first, *(() if remedies is None else remedies.sections()), last])
+    beside = [] if near is None else [_near_section(near, kept)]
+    print_sections([*first, *(() if remedies is None else remedies.sections()), last, *beside])
 
 
-def _print_near(near: ModelTolerance, kept: bool) -> None:
-    from rankdrop.cli.sections import print_sections
+def _near_section(near: ModelTolerance, kept: bool) -> Section:
     from rankdrop.sections import Section
 
     arms = f"for every arm within {near.length * 1e3:g} mm and {near.angle * 1e3:g} mrad of this one, joint by joint"
-    print_sections([Section("model", f"free {arms}: {'proven' if kept else 'not proven'}")], first=False)
+    return Section("model", f"free {arms}: {'proven' if kept else 'not proven'}")
 
 
 def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:

@@ -28,11 +28,11 @@ def print_sections(sections: Iterable[Section], *, first: bool = True) -> None:
         show(console, _parts(section, console.width, first=first and number == 0))
 
 
-def interrupted(found: Explanation) -> int:
+def interrupted(explanation: Explanation) -> int:
     """Exit code where Ctrl-C ended the proof early (what was proven holds), else 0."""
     from rankdrop.cli.terminal import say
 
-    if found.far.certificate is None or found.far.certificate.complete:
+    if explanation.far.certificate is None or explanation.far.certificate.complete:
         return exits.FINE
     say("interrupted: the certified radius could have become larger")
     return exits.INTERRUPTED

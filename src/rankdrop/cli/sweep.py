@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -62,15 +61,15 @@ def sweep(
         quiet: No progress.
     """
     from rankdrop import sweep as run
-    from rankdrop.cli.files import STDOUT, check_different, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
 
     if status is not None:
         return _status(status)
-    check_target(json, "--json")
-    check_target(figure, "--figure", (".svg", ".png", ".pdf"))
-    check_target(html, "--html", (".html", ".htm"))
-    check_different({"--json": json, "--figure": figure, "--html": html})
+    check_targets(
+        {"--json": json, "--figure": figure, "--html": html},
+        {"--figure": (".svg", ".png", ".pdf"), "--html": (".html", ".htm")},
+    )
     name = _check(spec, out, parquet)
     axes = tuple(word.strip() for word in over.split(",")) if over else ()
     try:
@@ -78,18 +77,13 @@ def sweep(
             found = run(name, out=out, workers=workers, scheduler=scheduler, report=report)
     except KeyboardInterrupt:
         return _interrupted(out)
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found, every=all))
-    if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
-    if figure is not None:
-        steps.append(lambda: _draw(found, axes, figure))
-    if html is not None:
-        steps.append(lambda: _page(found, axes, html))
-    if parquet and out is not None:
-        steps.append(lambda: _tables(found, out))
-    do_all(steps)
+    hand_over(
+        lambda: _print(found, every=all),
+        (json, lambda target: write_json(found.to_dict(), target)),
+        (figure, lambda target: _draw(found, axes, target)),
+        (html, lambda target: _page(found, axes, target)),
+        (out if parquet else None, lambda folder: _tables(found, folder)),
+    )
     return exits.FINE if found.holds else exits.UNEXPLAINED
 
 
@@ -124,13 +118,13 @@ def _interrupted(out: str | None) -> int:
     return exits.INTERRUPTED
 
 
-def _print(found: Designs, *, every: bool) -> None:
+def _print(designs: Designs, *, every: bool) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections(every=every))
+    print_sections(designs.sections(every=every))
 
 
-def _draw(found: Designs, axes: tuple[str, ...], target: str) -> None:
+def _draw(designs: Designs, axes: tuple[str, ...], target: str) -> None:
     from io import BytesIO
     from pathlib import Path
 
@@ -138,20 +132,20 @@ def _draw(found: Designs, axes: tuple[str, ...], target: str) -> None:
     from rankdrop.report.design_figure import design_figure
 
     buffer = BytesIO()
-    design_figure(found, axes).savefig(buffer, format=Path(target).suffix[1:].lower(), dpi=200)
+    design_figure(designs, axes).savefig(buffer, format=Path(target).suffix[1:].lower(), dpi=200)
     write_bytes(buffer.getvalue(), target)
 
 
-def _page(found: Designs, axes: tuple[str, ...], target: str) -> None:
+def _page(designs: Designs, axes: tuple[str, ...], target: str) -> None:
     from rankdrop.cli.files import write_text
     from rankdrop.report.design_page import design_page
 
-    write_text(design_page(found, axes), target)
+    write_text(design_page(designs, axes), target)
 
 
-def _tables(found: Designs, out: str) -> None:
+def _tables(designs: Designs, out: str) -> None:
     from rankdrop.cli.terminal import say
     from rankdrop.designs import write_tables
 
-    variants, families = write_tables(found, out)
+    variants, families = write_tables(designs, out)
     say(f"Parquet: {variants}, {families}")

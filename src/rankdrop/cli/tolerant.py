@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -39,7 +38,7 @@ def tolerant(
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
-        relative: Measure σ_r left by σ1 of the whole arm: it is at most √((n − r)/n), wherever the arm stands.
+        relative: Measure σ_r left by σ1 of the whole arm: the most that it can be depends on no configuration.
         limits: Within the joint limits only.
         starts: Random starts.
         seed: Of every random choice; the same seed gives the same result.
@@ -48,14 +47,14 @@ def tolerant(
         quiet: No progress.
     """
     from rankdrop.cli.arm import arm_section, open_arm
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.sections import print_sections
     from rankdrop.cli.terminal import reporter, results
     from rankdrop.cli.terminal import show as show_parts
     from rankdrop.families import most_tolerant
     from rankdrop.results import tolerant_sections, tolerant_to_dict
 
-    check_target(json, "--json")
+    check_targets({"--json": json})
     model, task = open_arm(robot, arm)
     with reporter(quiet=quiet) as report:
         found = most_tolerant(
@@ -69,12 +68,7 @@ def tolerant(
         show_parts(results(), arm_section(model, task, found.generic_rank, lines))
         print_sections(tolerant_sections(found), first=False)
 
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(to_stdout)
-    if json is not None:
-        steps.append(lambda: write_json(tolerant_to_dict(found), json))
-    do_all(steps)
+    hand_over(to_stdout, (json, lambda target: write_json(tolerant_to_dict(found), target)))
     if not found.complete:
         return exits.INTERRUPTED
     return exits.FINE if found.places else exits.UNEXPLAINED

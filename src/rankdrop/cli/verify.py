@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -56,28 +55,23 @@ def verify(
     """
     from rankdrop.certify import verify as check
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import STDOUT, check_target, do_all, write_json
+    from rankdrop.cli.files import check_targets, hand_over, write_json
     from rankdrop.cli.terminal import reporter
 
-    check_target(json, "--json")
+    check_targets({"--json": json})
     model = None if robot is None else open_arm(robot, arm)[0]
     with reporter(quiet=quiet) as report:
         found = check(
             file, model, enclosures=enclosures, sample=sample, every=everything, journal=journal,
             progress=lambda done, total: report("checked", done, total),
         )  # fmt: skip
-    steps: list[Callable[[], None]] = []
-    if json != STDOUT:
-        steps.append(lambda: _print(found))
-    if json is not None:
-        steps.append(lambda: write_json(found.to_dict(), json))
-    do_all(steps)
+    hand_over(lambda: _print(found), (json, lambda target: write_json(found.to_dict(), target)))
     if not found.complete:
         return exits.INTERRUPTED
     return exits.FINE if found.holds else exits.UNEXPLAINED
 
 
-def _print(found: Verified) -> None:
+def _print(verified: Verified) -> None:
     from rankdrop.cli.sections import print_sections
 
-    print_sections(found.sections())
+    print_sections(verified.sections())

@@ -1,10 +1,4 @@
-"""Singular configurations found with the numeric Jacobian alone, and how many of them given conditions explain.
-
-Sets without a point modulo any of the primes, though they may be real: what is known of them all the same.
-
-The rank tree tells sets apart at random points modulo primes. With letters for lengths a set has such points for about
-every other value of them, with numbers modulo about every other prime; a few have none modulo all that are tried.
-"""
+"""Singular configurations found with the numeric Jacobian alone, and how many of them given conditions explain."""
 
 from __future__ import annotations
 
@@ -14,23 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.exact.algebra.field import PRIMES
-from rankdrop.exact.algebra.zeroset import ZeroSet
-from rankdrop.exact.arm.chain import Chain
-from rankdrop.exact.family import ExactFamily
-from rankdrop.exact.merge import alone, merge
-from rankdrop.exact.reading.lint import round_points
-from rankdrop.exact.tree import Tree
 from rankdrop.families.searching import refine, search
 from rankdrop.family.equation import Equation, normalised
 from rankdrop.family.record import Check
 from rankdrop.family.system import System
 from rankdrop.family.which import on_one_of
-from rankdrop.local.block import generic_rank, singular_values
+from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
-from rankdrop.units import into_units
 
 ROUNDS = 20
 """The search for a cloud is begun anew so many times at most; less than a tenth of `count` in a round ends it."""
@@ -147,70 +133,3 @@ def _further(points: Cloud, indices: NDArray[np.int64]) -> Array:
         near = np.abs(found - q[mine]).max(axis=1) <= FURTHER
         q[mine[near]] = found[near]
     return q
-
-
-_POINTS = 24  # real points looked at on each
-_LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
-
-
-def sets_without_points(
-    chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
-) -> tuple[list[str], list[str]]:
-    """What the tree leaves open for want of points, and the sets on which no real point was found, in sentences.
-
-    A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
-    there and no smaller set inside it is looked for. That none was found is no proof that there is none.
-    """
-    lost: dict[str, ZeroSet] = {}
-    unmet: dict[str, ZeroSet] = {}
-    for piece, order, last in tree.without_points:
-        theta = [point for point, _ in zip(round_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
-        if not theta:
-            unmet[piece.key] = piece
-        elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
-            lost[piece.key] = piece
-    short = [piece for piece in unmet.values() if _terms(piece) <= _LONG]
-    words = f"no real point was found, nor one modulo {len(PRIMES)} primes"
-    told = [f"{', '.join(row.texts)}: {words}" for row in merge(short)]
-    if len(unmet) > len(short):
-        told.append(f"{len(unmet) - len(short)} sets with long conditions: no real point was found on them either")
-    return [_sentence(list(lost.values()))] if lost else [], told
-
-
-def _sentence(lost: Sequence[ZeroSet]) -> str:
-    sets = "1 set of real configurations" if len(lost) == 1 else f"{len(lost)} sets of real configurations"
-    shortest = min(lost, key=_terms)
-    texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
-    where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""
-    return (
-        f"{sets}{where} could not be looked into: roots of numbers that stand in the conditions exist modulo none of "
-        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not known; "
-        "--lengths letters may avoid this"
-    )
-
-
-def _terms(piece: ZeroSet) -> int:
-    return sum(map(len, piece.equations))
-
-
-def _settled(
-    chain: Chain,
-    tree: Tree,
-    families: Sequence[ExactFamily],
-    theta: Array,
-    order: int,
-    last: bool,
-) -> bool:
-    q = into_units(chain.robot, theta - chain.shifts)
-    rank = (singular_values(chain.own, q, chain.own_task) > DEFAULT.singular).sum(axis=1)
-    low = rank < order
-    if not low.any():
-        return last
-    corank = tree.generic_rank - rank
-    for k in sorted(set(corank[low].tolist())):
-        here = q[low & (corank == k)]
-        known = [family.in_units(chain).equations for family in families if family.corank >= k]
-        _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
-        if len(over):
-            return False
-    return bool(low.all()) or last

@@ -87,9 +87,19 @@ class Comparison:
     wider: tuple[Wider, ...] = ()
 
     @property
+    def agrees(self) -> bool:
+        """Whether both sides have the same families."""
+        return self.status == AGREES
+
+    @property
+    def derived(self) -> bool:
+        """Whether there is an exact side."""
+        return self.status != NOT_DERIVED
+
+    @property
     def holds(self) -> bool:
         """Whether the two agree; under "auto" also where nothing was derived."""
-        return self.status == AGREES or (self.status == NOT_DERIVED and self.asked == "auto")
+        return self.agrees or (not self.derived and self.asked == "auto")
 
     @property
     def interrupted(self) -> bool:

@@ -1,9 +1,10 @@
 """A covering against families: which boxes known families explain, and what a descent finds where nothing known does.
 
-A leaf is explained where a point of some family was found within half a diagonal of its centre, or of the centre of
-each part of it that is left when it is halved on. The point is one of the family, so no leaf is explained that is not
-near one; one that is not explained may be near a point that was not found. When every leaf is explained, every singular
-configuration lies within one diagonal of a known family. The boxes that are left are grouped: places to look at.
+A leaf is explained where a point of some family was found within half a diagonal of its centre, or, when it is halved
+on, so near to the centre of each part that is left that no place of the part is farther from it than a diagonal of the
+leaf. The point is one of the family, so no leaf is explained that is not near one; one that is not explained may be
+near a point that was not found. When every leaf is explained, every singular configuration lies within one diagonal of
+a known family. The boxes that are left are grouped: places to look at.
 """
 
 from __future__ import annotations
@@ -57,20 +58,20 @@ class Spot:
     kind: str
 
 
-def spots(found: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[Spot, ...]:
+def spots(covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags) -> tuple[Spot, ...]:
     """Group leaves (M, d) and descend in each group; those with most boxes first.
 
     Args:
-        found: the covering.
+        covering: with its boxes.
         robot, task: what it is about.
         cells: leaves of it.
         proven: (M,) which are proven to hold a singularity.
     """
     if not len(cells):
         return ()
-    groups = grouped(cells, found.tree.shape.cells(found.tree.shape.levels), found.plan.turns)
+    groups = grouped(cells, covering.tree.shape.cells(covering.tree.shape.levels), covering.plan.turns)
     order = sorted(groups, key=lambda rows: (-len(rows), int(rows[0])))
-    return _descended(found, robot, task, cells, proven, order)
+    return _descended(covering, robot, task, cells, proven, order)
 
 
 def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[NDArray[np.int64]]:
@@ -101,22 +102,22 @@ def grouped(cells: Cells, counts: Sequence[int], turns: Sequence[bool]) -> list[
 
 
 def _descended(
-    found: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
+    covering: Covering, robot: Robot, task: Task, cells: Cells, proven: Flags, order: list[NDArray[np.int64]]
 ) -> tuple[Spot, ...]:
-    place = np.array(found.plan.variables) - 1
+    place = np.array(covering.plan.variables) - 1
     starts, owner = [], []
     for number, rows in enumerate(order):
         chosen = rows[np.argsort(~proven[rows], kind="stable")[:: max(1, len(rows) // _STARTS)][:_STARTS]]
         q = np.zeros((len(chosen), robot.n))
-        q[:, place] = found.boxes(cells[chosen])[0]
+        q[:, place] = covering.boxes(cells[chosen])[0]
         starts.append(q)
         owner += [number] * len(chosen)
     begun, whose = np.concatenate(starts), np.array(owner)
-    ends = refine(robot, begun, found.plan.corank, task=task, limits=found.plan.limits)
-    rank = found.plan.kept
-    width = 2 * found.boxes(cells[:1])[1]
+    ends = refine(robot, begun, covering.plan.corank, task=task, limits=covering.plan.limits)
+    rank = covering.plan.kept
+    width = 2 * covering.boxes(cells[:1])[1]
     away = np.abs(ends.q - begun)[:, place]
-    away = np.where(np.array(found.plan.turns), np.abs(wrap(away)), away)
+    away = np.where(np.array(covering.plan.turns), np.abs(wrap(away)), away)
     stays = (away <= _NEAR * width).all(axis=1) & np.isfinite(ends.sigma[:, rank - 1])
     here = singular_values(robot, begun, task)[:, rank - 1]
     sigma = np.where(stays, ends.sigma[:, rank - 1], here)
@@ -125,7 +126,7 @@ def _descended(
     for number, rows in enumerate(order):
         mine = np.flatnonzero(whose == number)
         best = mine[int(sigma[mine].argmin())]
-        centres, half = found.boxes(cells[rows])
+        centres, half = covering.boxes(cells[rows])
         sure = int(proven[rows].sum())
         if sure:
             kind = PROVEN
@@ -168,33 +169,35 @@ class Explainer:
     """Families of one arm in the variables of a covering.
 
     Args:
-        found: the covering.
+        covering: what is explained.
         robot: its arm.
         families: of this arm and task; those without equations, or on joints that are not covered, explain nothing.
         scale: (n,) unit of motion of each joint, as for distances.
-        halvings: of leaves, whose parts are asked about: near is what it is for the whole leaf.
+        halvings: of leaves, whose parts are asked about: near is what leaves no place of a part farther from the family
+            than a place of a whole leaf may be, a diagonal of the leaf.
     """
 
     def __init__(
-        self, found: Covering, robot: Robot, families: Sequence[Family], scale: Array, halvings: int = 0
+        self, covering: Covering, robot: Robot, families: Sequence[Family], scale: Array, halvings: int = 0
     ) -> None:
-        self.found, self.families = found, tuple(families)
-        shape = found.tree.shape
-        self.place = np.array(found.plan.variables) - 1
+        self.found, self.families = covering, tuple(families)
+        shape = covering.tree.shape
+        self.place = np.array(covering.plan.variables) - 1
         self.n, self.unit = robot.n, scale[self.place]
         leaves = shape.cells(shape.levels)
         self.cells = tuple(count << halvings for count in leaves)
-        self.low = np.array(found.plan.lower)
-        self.width = (np.array(found.plan.upper) - self.low) / self.cells
-        self.radius = float(np.linalg.norm(self.width / self.unit)) * (1 << halvings) / 2 + _WIDER
+        self.low = np.array(covering.plan.lower)
+        self.width = (np.array(covering.plan.upper) - self.low) / self.cells
+        part = float(np.linalg.norm(self.width / self.unit)) / 2
+        self.radius = part * ((2 << halvings) - 1) + _WIDER
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]
         order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
         self._sights = {i: _Sight(self, self.families[i]) for i in order}
 
     @property
     def diagonal(self) -> float:
-        """Of a leaf [rad; slides divided by the length scale]."""
-        return 2 * self.radius
+        """Of a box asked about [rad; slides divided by the length scale]."""
+        return float(np.linalg.norm(self.width / self.unit)) + 2 * _WIDER
 
     def _usable(self, family: Family) -> bool:
         joints = {number for equation in family.equations for number in equation.joints}
@@ -255,7 +258,7 @@ class _Sight:
         return wrap(gap) if self.maker.found.plan.turns[at] else gap
 
     def near(self, cells: Cells) -> Flags:
-        """(M,) whether a point of the family was found within half a diagonal of the centre of each leaf."""
+        """(M,) whether a point of the family was found near enough to the centre of each leaf, or part."""
         found = np.zeros(len(cells), dtype=np.bool_)
         least = self.maker.radius**2
         pinned = list(self.pins)

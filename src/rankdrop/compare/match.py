@@ -186,7 +186,7 @@ class Points:
 
 
 def _tried(
-    problem: Problem, one: Side, points: Points, others: Sequence[Side], theirs: str
+    problem: Problem, family: Side, points: Points, others: Sequence[Side], theirs: str
 ) -> tuple[Check, list[str], list[str], list[str]]:
     """Points of one family, tried on those of the other side, which is called `theirs`.
 
@@ -207,8 +207,8 @@ def _tried(
         left = left[over]
     generic = on[:, points.special :] if len(q) > points.special else on
     met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
-    vague = not one.equations or any(not others[k].equations for k in met)
-    kin = [k for k in met if vague or others[k].dimension == one.dimension]
+    vague = not family.equations or any(not others[k].equations for k in met)
+    kin = [k for k in met if vague or others[k].dimension == family.dimension]
     if len(left):
         at = ", ".join(f"{x:.6g}" for x in as_given(problem.robot, q[left[0]]))
         wrong.append(
@@ -216,30 +216,30 @@ def _tried(
         )
     if met and not kin:
         dimensions = ", ".join(map(str, sorted({others[k].dimension for k in met})))
-        wrong.append(f"dimension {one.dimension}, but the {theirs} families on it have {dimensions}")
+        wrong.append(f"dimension {family.dimension}, but the {theirs} families on it have {dimensions}")
     around = [others[k].id for k in kin if generic[k].all()]
     return Check(len(q), len(q) - len(left)), [others[k].id for k in kin], around, wrong
 
 
-def solutions(problem: Problem, one: Side, rng: np.random.Generator) -> Points:
+def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> Points:
     """Solutions of a family's equations from random starts, where these are well conditioned.
 
     Those of a lower corank are left out, and counted.
 
     Args:
         problem: the arm and the corank.
-        one: the family.
+        family: of either side.
         rng: of the starts.
     """
-    witness = np.array([one.witness], dtype=np.float64)
-    if not one.equations:
+    witness = np.array([family.witness], dtype=np.float64)
+    if not family.equations:
         return Points(witness, 1)
-    system = _system(one)
+    system = _system(family)
     witness = witness[np.abs(system.values(witness)).max(axis=1) <= problem.tolerances.explained]
     q, _ = system.solve(problem.random(STARTS, rng), iterations=60)
     q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
     slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
-    q = q[slopes[:, min(problem.n - one.dimension, slopes.shape[1]) - 1] > CONDITIONED]
+    q = q[slopes[:, min(problem.n - family.dimension, slopes.shape[1]) - 1] > CONDITIONED]
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER
     q = q[singular | system.zero(q)]  # what is regular and all but a zero is neither here nor there
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER
@@ -249,8 +249,8 @@ def solutions(problem: Problem, one: Side, rng: np.random.Generator) -> Points:
     return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
 
 
-def _system(one: Side) -> System:
-    return System(tuple(normalised(equation.terms) for equation in one.equations))
+def _system(family: Side) -> System:
+    return System(tuple(normalised(equation.terms) for equation in family.equations))
 
 
 def lies_on(other: Side, q: Array, tolerances: Tolerances) -> Mask:

@@ -87,37 +87,37 @@ def _families(
     return found
 
 
-def _family(one: Family, robot: Robot) -> Record:
-    coupled = set(one.coupled)
+def _family(family: Family, robot: Robot) -> Record:
+    coupled = set(family.coupled)
     return {
-        "id": one.id,
-        "key": key_of(one, robot),
-        "name": one.name,
-        "corank": one.corank,
-        "dimension": one.dimension,
-        "pinned": [{"number": pin.number, "values": list(pin.values)} for pin in one.pinned],
-        "free": list(one.free),
-        "coupled": list(one.coupled),
-        "conditions": [condition_text(x) for x in one.equations if coupled & set(x.joints)],
-        "named": one.named,
-        "sound": [one.soundness.agree, one.soundness.tested],
-        "explained": [one.explained.agree, one.explained.tested],
-        "witness": list(one.witness),
+        "id": family.id,
+        "key": key_of(family, robot),
+        "name": family.name,
+        "corank": family.corank,
+        "dimension": family.dimension,
+        "pinned": [{"number": pin.number, "values": list(pin.values)} for pin in family.pinned],
+        "free": list(family.free),
+        "coupled": list(family.coupled),
+        "conditions": [condition_text(x) for x in family.equations if coupled & set(x.joints)],
+        "named": family.named,
+        "sound": [family.soundness.agree, family.soundness.tested],
+        "explained": [family.explained.agree, family.explained.tested],
+        "witness": list(family.witness),
     }
 
 
-def key_of(one: Family, robot: Robot) -> str:
+def key_of(family: Family, robot: Robot) -> str:
     """What a family is, apart from the arm's lengths: corank, dimension, pinned joints, coupled joints.
 
     Values that are multiples of 90°, and zero of a slide, belong to it; others move with the lengths, and only their
     number does.
     """
     pins = []
-    for pin in sorted(one.pinned, key=lambda pin: pin.number):
+    for pin in sorted(family.pinned, key=lambda pin: pin.number):
         slides = robot.variables[pin.number - 1].kind is JointKind.PRISMATIC
         pins.append(f"q{pin.number} = {_lengths(pin.values)}" if slides else f"θ{pin.number} = {_values(pin.values)}")
-    tied = [f"joints {', '.join(map(str, one.coupled))} coupled"] if one.coupled else []
-    return f"k{one.corank}, dim {one.dimension}: {'; '.join([*pins, *tied]) or 'everywhere'}"
+    tied = [f"joints {', '.join(map(str, family.coupled))} coupled"] if family.coupled else []
+    return f"k{family.corank}, dim {family.dimension}: {'; '.join([*pins, *tied]) or 'everywhere'}"
 
 
 def _lengths(values: tuple[float, ...]) -> str:
@@ -133,15 +133,21 @@ def _values(values: tuple[float, ...]) -> str:
     return ", ".join(words + ([f"{other} other"] if other else []))
 
 
-def _near(found: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
-    near = near_shares(found.families, found.robot, found.task, asked["within"], limits=limits,
+def _near(analysis: Analysis, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
+    near = near_shares(analysis.families, analysis.robot, analysis.task, asked["within"], limits=limits,
                        samples=asked["samples"], seed=seed)  # fmt: skip
     record["near"] = {"any": _share(near.any), "families": [_share(one) for one in near.families]}
     record["measures"]["near"] = near.any.share
 
 
-def _share(one: NearShare) -> Record:
-    return {"id": one.id, "share": one.share, "error": one.error, "interval": list(one.interval), "bound": one.bound}
+def _share(share: NearShare) -> Record:
+    return {
+        "id": share.id,
+        "share": share.share,
+        "error": share.error,
+        "interval": list(share.interval),
+        "bound": share.bound,
+    }
 
 
 def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, seed: int, record: Record) -> None:
@@ -162,8 +168,8 @@ def _region(robot: Robot, task: Task, asked: Mapping[str, Any], limits: bool, se
     record["measures"]["reached"] = float(met.found.mean())
 
 
-def _paths(found: Analysis, asked: Mapping[str, Any], limits: bool, record: Record) -> None:
-    rows = [_path(found, name, given, limits) for name, given in asked.items()]
+def _paths(analysis: Analysis, asked: Mapping[str, Any], limits: bool, record: Record) -> None:
+    rows = [_path(analysis, name, given, limits) for name, given in asked.items()]
     record["paths"] = rows
     for measure, key in (("path_sigma", "sigma"), ("path_distance", "distance")):
         values = [row[key] for row in rows]
@@ -171,10 +177,10 @@ def _paths(found: Analysis, asked: Mapping[str, Any], limits: bool, record: Reco
     record["measures"]["paths_free"] = sum(row["verdict"] == FREE for row in rows) / len(rows)
 
 
-def _path(found: Analysis, name: str, given: Mapping[str, Any], limits: bool) -> Record:
+def _path(analysis: Analysis, name: str, given: Mapping[str, Any], limits: bool) -> Record:
     try:
-        judged = check_poses(found.robot, np.array(given["poses"]), given["t"], task=found.task, limits=limits,
-                             analysis=found)  # fmt: skip
+        judged = check_poses(analysis.robot, np.array(given["poses"]), given["t"], task=analysis.task, limits=limits,
+                             analysis=analysis)  # fmt: skip
     except RankdropError as error:  # the first pose is out of reach, say
         return {"name": name, "verdict": "not reached", "sigma": None, "distance": None, "q": None, "why": error.what}
     least = min(judged.stretches, key=lambda one: one.closest.sigma)

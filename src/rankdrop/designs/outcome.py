@@ -130,8 +130,11 @@ class Designs:
         if self.structures:
             sets = len(self.structures)
             parts.append("all have the same families" if sets == 1 else f"{sets} different sets of families")
-        if self.goals:
+        if self.pareto:
             parts.append(f"{len(self.pareto):,} that no other one beats")
+        elif self.goals:
+            missing = [name for name in self.goals if all(value is None for value in self.values(name))]
+            parts.append(f"none is ranked, since none has {' and '.join(missing) or 'every measure'}")
         verified = ", the families of each verified by sampling" if self.structures else ""
         return f"{count}{verified}: {'; '.join(parts)}." if parts else f"{count} measured."
 
@@ -198,7 +201,7 @@ class Designs:
         yield Section("", lines=(self.sentence,))
 
     def _ranking(self, every: bool) -> Iterator[Section]:
-        chosen = list(range(len(self.records))) if every or not self.goals else self.pareto
+        chosen = list(range(len(self.records))) if every or not self.pareto else self.pareto
         names = self.measures
         if self.goals:
             chosen = sorted(chosen, key=self._rank)
@@ -211,7 +214,7 @@ class Designs:
             for i in chosen[:most]
         )  # fmt: skip
         wants = ", ".join(f"{want} {name}" for name, want in self.goals.items())
-        title = "Variants" if every or not self.goals else "Variants that no other one beats"
+        title = "Variants" if every or not self.pareto else "Variants that no other one beats"
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
         after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
         notes = tuple(f"{name}: {MEANINGS[name]}" for name in names)

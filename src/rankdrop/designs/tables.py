@@ -24,11 +24,11 @@ SCHEMA = "rankdrop/sweep-rows/1"
 Column = tuple[str, str, str, Callable[[Mapping[str, Any]], Any]]
 
 
-def write_tables(found: Designs, folder: str | Path) -> tuple[Path, Path]:
+def write_tables(designs: Designs, folder: str | Path) -> tuple[Path, Path]:
     """Write the two tables of a sweep.
 
     Args:
-        found: the sweep.
+        designs: the sweep.
         folder: in which `variants` and `families` are made.
 
     Returns:
@@ -40,12 +40,15 @@ def write_tables(found: Designs, folder: str | Path) -> tuple[Path, Path]:
     """
     arrow, parquet = _pyarrow()
     made = []
-    for name, columns, rows in (("variants", _variant_columns(found), _each), ("families", _family_columns(), _every)):
+    for name, columns, rows in (
+        ("variants", _variant_columns(designs), _each),
+        ("families", _family_columns(), _every),
+    ):
         target = Path(folder) / name
         try:
             target.mkdir(parents=True, exist_ok=True)
-            for number, first in enumerate(range(0, len(found.records), ROWS)):
-                content = _table(arrow, parquet, columns, list(rows(found.records[first : first + ROWS])), found)
+            for number, first in enumerate(range(0, len(designs.records), ROWS)):
+                content = _table(arrow, parquet, columns, list(rows(designs.records[first : first + ROWS])), designs)
                 replace_file(target / f"part-{number:05}.parquet", content)
         except OSError as error:
             raise ResultFileError(f"cannot write: {error.strerror or error}", where=str(target)) from error
@@ -87,12 +90,12 @@ def _picked(part: str, key: int | str) -> Callable[[Mapping[str, Any]], Any]:
     return lambda one: one[part][key] if isinstance(key, int) else one[part].get(key)
 
 
-def _variant_columns(found: Designs) -> list[Column]:
+def _variant_columns(designs: Designs) -> list[Column]:
     columns: list[Column] = [("variant", "int64", "number of the variant, from 1", lambda one: one["number"] + 1)]
-    for k, parameter in enumerate(found.parameters):
+    for k, parameter in enumerate(designs.parameters):
         columns.append((f"{parameter.name}_{parameter.unit}", "float64", f"parameter, sets {_sets(parameter.places)}",
                         _picked("values", k)))  # fmt: skip
-    for name in found.measures:
+    for name in designs.measures:
         unit = f"; {UNITS[name]}" if UNITS[name] else ""
         columns.append((name, "float64", MEANINGS[name] + unit,
                         _picked("measures", name)))  # fmt: skip
@@ -126,12 +129,12 @@ def _family_columns() -> list[Column]:
 
 
 def _table(
-    arrow: Any, parquet: Any, columns: Sequence[Column], rows: Sequence[Mapping[str, Any]], found: Designs
+    arrow: Any, parquet: Any, columns: Sequence[Column], rows: Sequence[Mapping[str, Any]], designs: Designs
 ) -> bytes:
     types = {"int64": arrow.int64(), "float64": arrow.float64(), "string": arrow.string()}
     fields = [arrow.field(name, types[kind], metadata={"meaning": meaning}) for name, kind, meaning, _ in columns]
     arrays = [arrow.array([take(row) for row in rows], types[kind]) for _, kind, _, take in columns]
-    schema = arrow.schema(fields, metadata={"schema": SCHEMA, "robot": found.robot, "task": found.task})
+    schema = arrow.schema(fields, metadata={"schema": SCHEMA, "robot": designs.robot, "task": designs.task})
     out = io.BytesIO()
     parquet.write_table(arrow.table(arrays, schema=schema), out, compression="zstd")
     return out.getvalue()

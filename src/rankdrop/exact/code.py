@@ -69,17 +69,17 @@ class Code:
             table += f'\nDETERMINANTS = {{\n{entries}}}\n"""The determinant or minors of the Jacobian."""\n'
         return "\n\n".join(['"""' + "\n".join(head) + f'\n"""\n\n{imports}', *functions, table])
 
-    def _python_determinant(self, one: Minor) -> str:
+    def _python_determinant(self, minor: Minor) -> str:
         names = self._python_names()
-        used = {names.get(name, name): float(self.letters[name]) for name in self._in(one.value.polynomial)}
+        used = {names.get(name, name): float(self.letters[name]) for name in self._in(minor.value.polynomial)}
         keywords = "".join(f", {name}={value!r}" for name, value in used.items())
-        lines = [f"def {one.mark}(q{', *' if used else ''}{keywords}):"]
-        lines += [f'    """{_plain(one.name)} of the Jacobian.', ""]
+        lines = [f"def {minor.mark}(q{', *' if used else ''}{keywords}):"]
+        lines += [f'    """{_plain(minor.name)} of the Jacobian.', ""]
         lines += ["    Args:", f"        q: (..., {self.n}) joint variables [rad, slides m]."]
         lines += [f"        {', '.join(used)}: lengths [m]."] if used else []
         lines += ["", "    Returns:", "        (...) its value.", '    """', "    q = np.asarray(q, dtype=float)"]
         joints = range(1, self.n + 1)
-        text = one.value.code(Python(shifts=self.shifts, names=names))
+        text = minor.value.code(Python(shifts=self.shifts, names=names))
         lines += [f"    q{j} = q[..., {j - 1}]" for j in joints if re.search(rf"\bq{j}\b", text)]
         return "\n".join([*lines, f"    return {text} + np.zeros(q.shape[:-1])"]) + "\n"
 

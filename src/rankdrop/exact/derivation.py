@@ -59,12 +59,14 @@ class CorankOne:
 def check_method(
     chain: Chain, method: str, *, basic: tuple[int, ...] | None = None, frame: int | None = None
 ) -> None:
-    """Refuse decoupling of an arm that does not decouple, and screws chosen for a method that has none, before the rank
-    tree is derived.
+    """Refuse a method that there is not, decoupling of an arm that does not decouple, and screws chosen for a method
+    that has none, before the rank tree is derived.
 
     Raises:
         OptionError: says why.
     """
+    if method not in METHODS:
+        raise OptionError("there is no such method", where="method", got=repr(method), allowed=", ".join(METHODS))
     if (basic, frame) != (None, None) and method not in CHOOSING:
         raise OptionError(
             "basic screws and the frame are chosen for another method", where="method", got=method,
@@ -127,11 +129,13 @@ def corank_one(
     return _by_tree_if_open(compared, method, tree)
 
 
-def _by_tree_if_open(found: CorankOne, asked: str, tree: Tree) -> CorankOne:
+def _by_tree_if_open(derivation: CorankOne, asked: str, tree: Tree) -> CorankOne:
     """A second method that nobody asked for and that did not finish says nothing against the rank tree."""
-    if asked != "auto" or not found.left or found.disagreements or not tree.complete:
-        return found
-    return CorankOne("tree", f"{found.reason}; the method {found.method} was tried and did not finish", found.steps)
+    if asked != "auto" or not derivation.left or derivation.disagreements or not tree.complete:
+        return derivation
+    return CorankOne(
+        "tree", f"{derivation.reason}; the method {derivation.method} was tried and did not finish", derivation.steps
+    )
 
 
 def _tree_lines(tree: Tree) -> tuple[str, ...]:
@@ -141,15 +145,21 @@ def _tree_lines(tree: Tree) -> tuple[str, ...]:
     )
 
 
-def _decoupled(chain: Chain, found: Decoupling, tree: Tree, steps: bool) -> CorankOne:
+def _decoupled(chain: Chain, decoupling: Decoupling, tree: Tree, steps: bool) -> CorankOne:
     """Corank 1 by the factors of the two blocks, each held against the tree's sets of codimension 1."""
-    told = (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", found.sentences())) if steps else ()
-    atoms = [atom for part in found.parts for atom in part.atoms]
+    told = (
+        (Step("Structure", structure_of(chain).sentences()), Step("Decoupling", decoupling.sentences()))
+        if steps
+        else ()
+    )
+    atoms = [atom for part in decoupling.parts for atom in part.atoms]
     said = [_as_set(chain, atom) for atom in atoms]
     drops = [drop.piece for drop in tree.drops if drop.rank < tree.generic_rank and drop.piece.codimension == 1]
     missing = [one for one in said if not any(one.inside(other) for other in drops)]
     surplus = [one for one in drops if not any(one.inside(other) for other in said)]
-    return CorankOne("decoupling", found.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree))
+    return CorankOne(
+        "decoupling", decoupling.reason, told, (), _differences(chain, "decoupling", missing, surplus, tree)
+    )
 
 
 def _as_set(chain: Chain, atom: Atom) -> ZeroSet:
@@ -196,9 +206,9 @@ def _suppressed(
     return CorankOne("suppression", reason, told, left, different)
 
 
-def _suppression_differences(chain: Chain, found: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
+def _suppression_differences(chain: Chain, suppression: Suppression, tree: Tree, work: Work) -> tuple[str, ...]:
     """Random points of each method's sets, tried on those of the other."""
-    pieces = [piece for family in found.families for piece in family.stratum.pieces]
+    pieces = [piece for family in suppression.families for piece in family.stratum.pieces]
     missing = []
     for piece in pieces:
         point = piece.point(work.rng)
@@ -237,13 +247,13 @@ def _compared(
     return CorankOne(method, reason, told, left, tuple(different))
 
 
-def _step(found: Derivation, title: str) -> Step:
+def _step(derivation: Derivation, title: str) -> Step:
     """The conditions of a method, its figures and its notes, in lines."""
-    words, whole = Words(found.chain.ring), Words(found.chain.ring, whole=True)
-    figures = ", ".join(f"{name}: {count:,}" for name, count in found.sizes.items())
-    shown = [words.conjunction(one) for one in found.conditions[:_SHOWN]]
-    every = [whole.conjunction(one) for one in found.conditions]
-    more = len(found.conditions) - _SHOWN
-    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *found.notes)
-    complete = (figures, *every, *found.notes)
+    words, whole = Words(derivation.chain.ring), Words(derivation.chain.ring, whole=True)
+    figures = ", ".join(f"{name}: {count:,}" for name, count in derivation.sizes.items())
+    shown = [words.conjunction(one) for one in derivation.conditions[:_SHOWN]]
+    every = [whole.conjunction(one) for one in derivation.conditions]
+    more = len(derivation.conditions) - _SHOWN
+    lines = (figures, *shown, *([f"… and {more} more"] if more > 0 else []), *derivation.notes)
+    complete = (figures, *every, *derivation.notes)
     return Step(title, lines, () if complete == lines else complete)

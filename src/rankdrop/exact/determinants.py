@@ -234,24 +234,24 @@ def _decoupled(chain: Chain, split: Decoupling) -> Determinants:
     return Determinants(f"det J = {sign}det J11 det J22", meaning, tuple(minors))
 
 
-def _minor_dict(one: Minor, shifts: tuple[float, ...]) -> dict[str, Any]:
+def _minor_dict(minor: Minor, shifts: tuple[float, ...]) -> dict[str, Any]:
     return {
-        "name": one.name,
-        "mark": one.mark,
-        "joints": list(one.joints),
-        "rows": list(one.rows),
-        "about": one.about,
-        "factored": one.factored,
-        "sign": one.value.sign,
-        "number": str(one.value.form.number),
+        "name": minor.name,
+        "mark": minor.mark,
+        "joints": list(minor.joints),
+        "rows": list(minor.rows),
+        "about": minor.about,
+        "factored": minor.factored,
+        "sign": minor.value.sign,
+        "number": str(minor.value.form.number),
         "factors": [
-            {"text": text, "latex": latex, "multiplicity": power} for text, latex, power in one.value.powers()
-        ] if one.factored else [],
-        "terms": one.value.terms,
-        "text": one.value.text(),
-        "latex": one.value.latex(),
-        "python": one.value.code(Python(shifts=shifts)),
-        "c": one.value.code(C(shifts=shifts)),
+            {"text": text, "latex": latex, "multiplicity": power} for text, latex, power in minor.value.powers()
+        ] if minor.factored else [],
+        "terms": minor.value.terms,
+        "text": minor.value.text(),
+        "latex": minor.value.latex(),
+        "python": minor.value.code(Python(shifts=shifts)),
+        "c": minor.value.code(C(shifts=shifts)),
     }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ where A = B = 0, whatever t is. A factor of a minor that vanishes on the set, an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -28,12 +28,14 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
-from rankdrop.family.naming import distinct_names
+from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
 from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
+from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import CONDITION_FAILS, DEFAULT, RANK_HIGHER, RANK_KEPT, REAL_STARTS, SMOOTH
+from rankdrop.units import out_of_units
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,6 +212,7 @@ def _candidates(
 _LONG = 40  # terms of a set's conditions beyond which they are not written out
 _SEPARATED = 3  # conditions added at most
 _CHECKED = 3  # random points modulo a prime at which the rank of each irreducible set is taken again
+_ROUND = 0.1  # free angles of a witness stand at multiples of this [rad]
 
 
 def real_sets(
@@ -305,11 +308,7 @@ def _thinner(chain: Chain, piece: ZeroSet, work: Work) -> list[Drop]:
 
 
 def families(
-    chain: Chain,
-    sets: Sequence[tuple[Drop, Reality]],
-    generic_rank: int,
-    work: Work,
-    describe: Callable[[int, Array, Pins, Sequence[int]], tuple[str, tuple[str, ...], tuple[float, ...]]],
+    chain: Chain, sets: Sequence[tuple[Drop, Reality]], generic_rank: int, work: Work
 ) -> list[ExactFamily]:
     """Merge sets that differ in the simple angle of a joint only, and describe each family.
 
@@ -318,8 +317,6 @@ def families(
         sets: from `real_sets`.
         generic_rank: of the task Jacobian.
         work: random points.
-        describe: (corank, points, pins, joints that other conditions bind) -> (name, sentences on lost motions,
-            witness).
 
     Returns:
         Families by corank, large ones first, with their numbers.
@@ -339,7 +336,7 @@ def families(
             realities = [seen[id(piece)] for piece in row.pieces]
             points = np.concatenate([one.points for one in realities])
             bound = tuple(sorted({j for f in row.equations for j in Condition(chain.ring, f).joints}))
-            told = describe(corank, points, row.pins, bound)
+            told = _described(chain, generic_rank, corank, points, row.pins, bound)
             check = rank_agreement(chain, (p for piece in row.pieces for p in piece.points(work.rng, _CHECKED)), rank)
             here.append(_family(chain, corank, row, realities[0].condition, told, check))
         here.sort(key=lambda family: family.place(chain.robot))
@@ -381,3 +378,45 @@ def _family(
         shifts=tuple(float(x) for x in chain.shifts),
         pieces=row.pieces,
     )
+
+
+def _described(
+    chain: Chain, generic_rank: int, corank: int, points: Array, pins: Pins, coupled: Sequence[int]
+) -> tuple[str, tuple[str, ...], tuple[float, ...]]:
+    """(name, sentences on the motions lost, witness) of a family, seen at real points of it.
+
+    Args:
+        chain: the arm.
+        generic_rank: of the task Jacobian.
+        corank: of the family.
+        points: (k, n) real configurations of `Chain.own` on it, of exactly this corank; k ≥ 1.
+        pins: its pinned joints.
+        coupled: joints that its other conditions bind.
+    """
+    robot, task = chain.own, chain.own_task
+    at = _witness(chain, generic_rank - corank, points, pins)
+    name = name_family(robot, task, points, sorted(pins), coupled=coupled)
+    _, sentences = lost_motions(Problem(robot, task, corank), at, points)
+    return name, sentences, tuple(float(x) for x in out_of_units(chain.robot, at))
+
+
+def _witness(chain: Chain, rank: int, points: Array, pins: Pins) -> Array:
+    """The point whose next singular value is largest, joints on which nothing depends set to 0, free ones rounded."""
+    q = wrapped(chain.own, points)
+    rounded = q.copy()
+    for joint in range(chain.n):
+        tried = rounded.copy()
+        tried[:, joint] = 0.0 if joint in (0, chain.n - 1) else np.round(tried[:, joint] / _ROUND) * _ROUND
+        if joint + 1 not in pins and _holds(chain, rank, tried):
+            rounded = tried
+    sigma = singular_values(chain.own, rounded, chain.own_task)
+    best = rounded[int(np.argmax(sigma[:, rank - 1] if rank else sigma[:, 0]))]
+    return np.asarray(np.where(np.abs(best) < 1e-15, 0.0, np.round(best, 15)))
+
+
+def _holds(chain: Chain, rank: int, q: Array) -> bool:
+    """Whether every configuration has exactly this rank."""
+    sigma = singular_values(chain.own, q, chain.own_task)
+    low = sigma[:, rank:].max(axis=1) if rank < sigma.shape[1] else np.zeros(len(q))
+    high = sigma[:, rank - 1] if rank else np.ones(len(q))
+    return bool((low <= DEFAULT.singular).all() and (high > RANK_KEPT).all())

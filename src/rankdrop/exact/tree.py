@@ -178,20 +178,20 @@ def rank_tree(chain: Chain, work: Work, *, lowest: int = 0) -> Tree:
     return tree
 
 
-def largest(found: Sequence[Drop]) -> list[Drop]:
+def largest(drops: Sequence[Drop]) -> list[Drop]:
     """The drops whose configurations do not satisfy the conditions of another one of the same rank.
 
     A set of higher rank lies in none of lower rank, even where it satisfies all conditions of one.
     """
     kept: list[Drop] = []
-    for one in sorted(found, key=lambda drop: (drop.rank, drop.piece.codimension)):
+    for one in sorted(drops, key=lambda drop: (drop.rank, drop.piece.codimension)):
         if not any(one.piece.satisfies(other.piece) for other in kept if other.rank == one.rank):
             kept.append(one)
     return sorted(kept, key=lambda drop: (-drop.rank, drop.piece.codimension, drop.piece.key))
 
 
 def _explore(
-    columns: list[list[Polynomial]], order: int, waiting: list[ZeroSet], found: list[Drop], tree: Tree, work: Work
+    columns: list[list[Polynomial]], order: int, waiting: list[ZeroSet], drops: list[Drop], tree: Tree, work: Work
 ) -> None:
     """Find the sets on which the rank is lower than `order`, and append them to `found`.
 
@@ -217,8 +217,8 @@ def _explore(
             here = rank_on(columns, part)
             if here < order:
                 drop = Drop(part, here)
-                if not any(part.inside(other.piece) for other in found if other.rank == here):
-                    found.append(drop)
+                if not any(part.inside(other.piece) for other in drops if other.rank == here):
+                    drops.append(drop)
             # the same set only: two sets might each leave their intersection to the other
             elif part.codimension < bound and not any(
                 part.codimension == other.codimension and part.inside(other) for other in seen

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from math import isinf
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 from rankdrop.certify.ball import settings_of
 from rankdrop.certify.setting import Setting
 from rankdrop.errors import OptionError
-from rankdrop.family.record import Family
 from rankdrop.frames import link_index
-from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task
+from rankdrop.robot.model import JointKind
+
+if TYPE_CHECKING:
+    from rankdrop.families.monitor import Monitor
 
 Value = int | float | str | list[int] | list[float] | list[str]
 
@@ -23,31 +24,7 @@ FORMAT = 2
 _LONG = 110  # characters of a line
 
 
-class Watched(Protocol):
-    """What is read of a monitor."""
-
-    robot: Robot
-    task: Task
-    generic_rank: int
-    start: float
-    stop: float
-    beyond: bool
-    rates: Array
-
-    @property
-    def watched(self) -> Sequence[Family]:
-        """The families with conditions, in the order in which they are preferred."""
-
-    @property
-    def tables(self) -> Mapping[str, Any]:
-        """Their conditions as lists by name."""
-
-    @property
-    def settings(self) -> Mapping[str, float]:
-        """Tolerances by the core's names."""
-
-
-def arm_header(monitor: Watched, *, mark: str | None = None) -> str:
+def arm_header(monitor: Monitor, *, mark: str | None = None) -> str:
     """The text of a header with one constant, `rankdrop_MARK_arm`, of type `rankdrop_arm`.
 
     It holds every number to the last digit, so that C++ sees what Python sees. Families without conditions are left
@@ -86,7 +63,7 @@ _TYPES = {
 }  # fmt: skip
 
 
-def _chain(monitor: Watched) -> dict[str, Value]:
+def _chain(monitor: Monitor) -> dict[str, Value]:
     robot = monitor.robot
     index = {joint.name: i for i, joint in enumerate(robot.variables)}
     frames = [[[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]]
@@ -104,7 +81,7 @@ def _chain(monitor: Watched) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _task(monitor: Watched) -> dict[str, Value]:
+def _task(monitor: Monitor) -> dict[str, Value]:
     task, joints = monitor.task, len(monitor.robot.joints)
     length = task.scale(monitor.robot)
     return {
@@ -114,7 +91,7 @@ def _task(monitor: Watched) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _families(monitor: Watched) -> dict[str, Value]:
+def _families(monitor: Monitor) -> dict[str, Value]:
     families, table = monitor.watched, monitor.tables
     return {
         "families": len(families), "angles": len(table["shift"]), "terms": len(table["angle"]),
@@ -128,7 +105,7 @@ def _families(monitor: Watched) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _settings(monitor: Watched) -> dict[str, Value]:
+def _settings(monitor: Monitor) -> dict[str, Value]:
     set_to = monitor.settings
     return {
         "generic_rank": monitor.generic_rank, "singular": set_to["singular"], "on": set_to["on"],
@@ -137,7 +114,7 @@ def _settings(monitor: Watched) -> dict[str, Value]:
     }  # fmt: skip
 
 
-def _bounds(monitor: Watched) -> dict[str, Value]:
+def _bounds(monitor: Monitor) -> dict[str, Value]:
     """What enclosures are made from, the same as `certify.ball` takes; none for a task that cannot be certified."""
     made: Sequence[Setting] = ()
     with suppress(OptionError):

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.solve import Linear, newton, trace

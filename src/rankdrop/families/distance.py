@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.family.record import Family, Pin, family_in_metres
 from rankdrop.family.system import REACHED
 from rankdrop.local.nearest import Nearest
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import CUT
@@ -200,11 +200,11 @@ def family_distances(
     return tuple(sorted(records, key=lambda record: record.distance))
 
 
-def _out_of_metres(found: FamilyDistance, family: Family, robot: Robot) -> FamilyDistance:
-    if not found.q:
-        return replace(found, family=family)
-    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
-    return replace(found, family=family, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
+def _out_of_metres(distance: FamilyDistance, family: Family, robot: Robot) -> FamilyDistance:
+    if not distance.q:
+        return replace(distance, family=family)
+    q, delta = out_of_metres(robot, distance.q), out_of_metres(robot, distance.delta)
+    return replace(distance, family=family, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 def agreement(distances: Sequence[FamilyDistance], nearest: Nearest | None) -> Agreement:

@@ -32,7 +32,16 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import SIMPLE, Linear, Values, boxes, canonical, grow
 from rankdrop.families.row import Row, verified
-from rankdrop.families.signature import APART, Covector, Inspection, Signature, candidates, independent, signatures_of
+from rankdrop.families.signature import (
+    APART,
+    Covector,
+    Inspection,
+    Signature,
+    candidates,
+    independent,
+    joined,
+    signatures_of,
+)
 from rankdrop.family.system import Mask
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import decompose
@@ -127,6 +136,7 @@ FAR = 1e-3  # a point that moves farther was not near such a family [rad, length
 CLEAR = 1e-3  # singular values of dS, or of the second derivative, above this are not zero [1/rad, 1/rad²]
 NONE = 1e-5  # … and below this are: points are 1e-6 off at most before Newton's method
 SETTLED = 1e-9  # the last step of Newton's method [rad, length scales]
+_ENTRIES = 20_000_000  # entries of the left vectors of dS that are held at once, 160 MB
 RESTED = 1e-7  # singular values of the second derivative below this are zero at the end
 
 
@@ -164,13 +174,22 @@ def inspect_doubled(problem: Problem, q: Array) -> tuple[Inspection, Mask]:
         the tangent space. And (N,) which of `q` have come to rest near where they were.
     """
     scale = problem.scale
+    entries = (problem.task.m - problem.rank) * (problem.n - problem.rank)
+    each = max(_ENTRIES // entries**2, 1)
+    if len(q) > each:  # of a long arm: so many points at once
+        parts = [inspect_doubled(problem, q[first : first + each]) for first in range(0, len(q), each)]
+        return joined([part for part, _ in parts]), np.concatenate([good for _, good in parts])
     at, step = np.array(q, dtype=np.float64), np.zeros(len(q))
-    for _ in range(ROUNDS if len(q) else 0):
-        local = _second(problem, at, scale)
+    moving = np.arange(len(q))  # a point whose step is no longer than `SETTLED` has arrived
+    for _ in range(ROUNDS):
+        if not len(moving):
+            break
+        local = _second(problem, at[moving], scale)
         slopes, values = _equations(local)
         delta = -(np.linalg.pinv(slopes, rcond=CLEAR) @ values[..., None])[..., 0]
-        step = np.linalg.norm(delta, axis=1)
-        at += delta * np.minimum(1.0, FAR / np.maximum(step, 1e-300))[:, None] * scale
+        step[moving] = np.linalg.norm(delta, axis=1)
+        at[moving] += delta * np.minimum(1.0, FAR / np.maximum(step[moving], 1e-300))[:, None] * scale
+        moving = moving[step[moving] >= SETTLED]
     sigma = problem.sigma(at)
     good = (step < SETTLED) & (np.linalg.norm((at - q) / scale, axis=1) < FAR)
     good &= sigma[:, problem.rank] <= problem.tolerances.singular

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, check_robot, configurations, task_view
+from rankdrop._handles import chain_of, check_robot, configurations, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.arm_header import arm_header
 from rankdrop.families.measured import Distances, Measure
 from rankdrop.family.equation import Equation, equation_tables
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -71,9 +70,9 @@ class Sighting:
         distance: to `nearest` [rad; metres divided by the length scale]: the way of the pinned joints to their nearest
             values, and of the coupled ones to the nearest point that Newton's method on the family's conditions comes
             to from there in eight steps. Where the conditions have more than 100 terms (15 with six joints), eight
-            walks onto the singular set by the kinematics, five looks each, from q and from points of it that lie near,
-            drawn once for the monitor in some tenths of a second; the least |q − x| + |D⁺F| of a place x that is near
-            enough, beside the family's conditions. To first order where there is none. Where some family has no
+            walks onto the singular set by the kinematics, five looks each, two from q and six from points of it that
+            lie near, drawn once for the monitor in about half a second; the least |q − x| + |D⁺F| of a place x that is
+            near enough, beside the family's conditions. To first order where there is none. Where some family has no
             conditions, or none is given, σ_r/‖∇σ_r‖ if that is smaller. `Monitor.distances` looks farther around, and
             takes longer. inf where there is nothing to go by.
         approach: share of the joint motion that leads towards the nearest family, −1 (away) to 1; 0 without a motion.

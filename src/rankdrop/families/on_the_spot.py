@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
 from rankdrop.families.irregular import recognised
@@ -27,7 +28,6 @@ from rankdrop.family.equation import Equation
 from rankdrop.family.naming import name_family, shortened
 from rankdrop.family.record import Condition, Family, Local, Pin, Relation, condition_words, family_from_metres
 from rankdrop.local.block import generic_rank
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

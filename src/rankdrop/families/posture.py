@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.families.walk import within_travel
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
 from rankdrop.local.posture import candidates, fault
@@ -42,11 +41,13 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
         >>> bool(fault(found.robot, [after.witness])[0] <= fault(found.robot, [before.witness])[0])
         True
     """
+    own = np.array(family.witness)
     if metre_exponent(robot):
         there = posed(in_metres(robot), task_in_metres(task, robot), family_in_metres(family, robot))
-        return family_from_metres(there, robot, metre_exponent(robot))
-    found = _members(robot, task, family)
-    own = np.array(family.witness)
+        moved = family_from_metres(there, robot, metre_exponent(robot))
+        return replace(moved, lost_words=there.lost_words)  # which are told in the arm's own unit already
+    least = fault(robot, own[None])[0] - _WORTH
+    found = _members(robot, task, family) if least >= 0.0 else np.empty((0, robot.n))
     if not len(found):
         return family
     problem = Problem(robot, task, family.corank)
@@ -56,7 +57,7 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
         return family
     faults = fault(robot, found)
     best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
-    if faults[best] > fault(robot, own[None])[0] - _WORTH:
+    if faults[best] > least:
         return family
     directions, words = lost_motions(problem, found[best], found[:_POINTS])
     return replace(family, witness=tuple(float(x) for x in found[best]), lost_directions=directions, lost_words=words)
@@ -70,9 +71,7 @@ def _members(robot: Robot, task: Task, family: Family) -> Array:
     starts = candidates(robot, task, _CANDIDATES, 0)
     points, solved = family.system.solve(starts, along=np.eye(robot.n)[:, sorted(set(bound))])
     points = wrapped(robot, points[solved])
-    problem = Problem(robot, task, family.corank)
-    points = points[problem.singular(points) & within_travel(problem, family, points)]
-    return into_limits(robot, points)
+    return into_limits(robot, points[Problem(robot, task, family.corank).singular(points)])
 
 
 def _turned(robot: Robot, q: Array) -> Array:

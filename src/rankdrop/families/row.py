@@ -1,13 +1,21 @@
 """A row under construction: linear conditions with their value sets, and the residual equations of coupled joints.
 
 A readable configuration on a family: zeros where nothing depends on a joint, round numbers elsewhere.
+
+What else solves a row's equations are parts of lower dimension, which no random start finds. Equations of coupled
+joints may all vanish where some joints stand at special values: A·cos θ4 + B·sin θ6 with A and B long, say, at θ4 =
+±π/2, θ6 = 0, whatever the others do. Newton's method from random starts ends on the family itself, almost surely. So
+some joints are held at right angles, or where other rows stand, and the equations are solved in the others. A solution
+there that is not singular belongs to no family: the row is not sound, though random starts say so.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
+from math import pi
 
 import numpy as np
 
@@ -172,6 +180,85 @@ def soundness(problem: Problem, system: System, codimension: int, rng: np.random
 
 TRIES = 64  # round configurations that are looked at
 ROUND = 0.1  # free angles stand at multiples of this [rad], free lengths at multiples of a power of ten [m]
+
+
+RIGHT = (0.0, pi, pi / 2, -pi / 2)
+SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
+EACH = 8  # random starts for each
+REGULAR = 1e-2
+"""σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
+
+
+def elsewhere(
+    problem: Problem,
+    linear: Linear,
+    combinations: Sequence[Values],
+    residual: tuple[Equation, ...],
+    marks: Mapping[int, Sequence[float]],
+    rng: np.random.Generator,
+) -> tuple[int, Array]:
+    """Solve a row's equations with some of their joints held at special values.
+
+    Args:
+        problem: the arm, and the corank.
+        linear, combinations, residual: the row; each start takes one combination of values by chance.
+        marks: further values to hold joints (from 0) at, beside right angles: those of other rows [rad or m].
+        rng: of joints, values and starts.
+
+    Returns:
+        How many solutions could be judged, and (S, n) those that are regular.
+    """
+    n = problem.n
+    none = np.zeros((0, n))
+    if not residual:
+        return 0, none
+    system = System(residual)
+    fixed = set(linear.pivots)
+    joints = [j - 1 for j in sorted({j for f in residual for j in f.joints}) if j - 1 not in fixed]
+    begun: dict[tuple[int, ...], list[Array]] = {}
+    values = np.array(combinations, dtype=np.float64).reshape(len(combinations), -1)
+    for held in _held(problem, joints, marks, rng):
+        numbers = list(held)
+        chosen = rng.integers(len(combinations), size=EACH)
+        q = problem.random(EACH, rng)
+        q[:, numbers] = list(held.values())
+        begun.setdefault(tuple(sorted(held)), []).append(linear.place(q, values[chosen], rng))
+    ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
+    for same, starts in begun.items():  # all starts that hold the same joints at once
+        along = _free(linear, list(same), n)
+        if not along.shape[1]:
+            continue
+        q, good = system.solve(np.concatenate(starts), along=along, iterations=60)
+        ends.append(q)
+        solved.append(good)
+    q = np.concatenate(ends)
+    q = q[np.concatenate(solved) & problem.allowed(q)]
+    sigma = problem.sigma(q)[:, problem.rank]
+    regular = sigma > REGULAR
+    return int((regular | (sigma <= problem.tolerances.singular)).sum()), q[regular]
+
+
+def _held(
+    problem: Problem, joints: list[int], marks: Mapping[int, Sequence[float]], rng: np.random.Generator
+) -> list[dict[int, float]]:
+    """Joints and the values they are held at: each alone, then several by chance."""
+    periodic = problem.robot.periodic
+    values = {j: list(dict.fromkeys([*(RIGHT if periodic[j] else (0.0,)), *marks.get(j, ())])) for j in joints}
+    single = [{j: v} for j in joints for v in values[j]]
+    if len(single) > SINGLE:
+        single = [single[i] for i in rng.choice(len(single), SINGLE, replace=False)]
+    several = []
+    for _ in range(SEVERAL if len(joints) > 1 else 0):
+        some = rng.choice(joints, size=int(rng.integers(2, len(joints) + 1)), replace=False)
+        several.append({int(j): values[int(j)][int(rng.integers(len(values[int(j)])))] for j in some})
+    return single + several
+
+
+def _free(linear: Linear, held: list[int], n: int) -> Array:
+    """(n, d) orthonormal basis of the motions that keep the linear values and the joints held."""
+    rows = np.concatenate([linear.covectors.astype(np.float64).reshape(-1, n), np.eye(n)[held]])
+    _, sigma, vt = np.linalg.svd(rows)
+    return np.asarray(vt[int((sigma > sigma[0] * max(rows.shape) * np.finfo(np.float64).eps).sum()) :].T)
 
 
 def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | None:

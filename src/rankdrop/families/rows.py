@@ -158,7 +158,8 @@ def find_rows(
         again = membership(problem, twice.q)
         rows += _fitted(problem, twice, grouped(twice), again, budget, (seed, problem.corank, DOUBLED), doubled=True)
     rest = inspection.q[inspection.exact & ~on_any(cover, rows, len(inspection.q))]
-    rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
+    if len(rest):
+        rows += recognised(problem, rest, np.random.default_rng([seed, problem.corank, len(groups)]))
     rng = np.random.default_rng([seed, problem.corank, len(groups) + 1])
     return merged(problem, without_contained(problem, rows, rng), rng)
 

@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from rankdrop import _core
+from rankdrop._handles import chain_of, task_view
 from rankdrop.local.minimax import brought_down
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
@@ -22,7 +24,9 @@ AM_THRESHOLD = 1e-6
 """AM's ε: the two descent methods stop a start here [1]."""
 MOST = 200
 """Iterations of block-LM for each start, unless told otherwise."""
-_LOWEST, _FINISHED = 32, 4  # near misses that σ itself is brought down from; to the end so many at a time
+LOWEST = 32
+"""Near misses that are looked at more closely: those of the smallest σ."""
+_FINISHED = 4  # so many at a time are brought down to the end
 _SAME = 4  # decimals to which all singular values of two near misses agree where they are one minimum
 _DIGITS = 9  # of what it comes down to: the rest depends on the library of linear algebra
 
@@ -115,21 +119,27 @@ class Search:
     def smallest_near_miss(self) -> float | None:
         """Smallest σ[rank] at a nonzero local minimum, or None where there was none.
 
-        Block-LM ends where the sum of squares of all that has to vanish is least. Where that is more than one singular
-        value, σ[rank] itself is brought down from there, across its creases; where starts converged, and all of these
-        go down to zero as well, there is none.
+        Block-LM ends near where the sum of squares of all that has to vanish is least, and goes on to there from the
+        lowest of them. Where that is more than one singular value, σ[rank] itself is brought down from there, across
+        its creases; where starts converged, and all of these go down to zero as well, there is none.
         """
         missed = np.flatnonzero(self.outcome == Outcome.NEAR_MISS)
         if not len(missed):
             return None
         lowest = missed[np.argsort(self.sigma[missed, self.rank], kind="stable")]
-        if self.method != "lm" or self.rank == self.sigma.shape[1] - 1:
+        if self.method != "lm":
             return float(self.sigma[lowest[0], self.rank])
-        lowest = lowest[:_LOWEST]
-        _, members = np.unique(np.round(self.sigma[lowest], _SAME), axis=0, return_index=True)
-        lowest = lowest[np.sort(members)]  # often all of them are one minimum, met again and again
         own = replace(self.problem, robot=in_units(self.robot), task=task_in_units(self.task, self.robot))
-        q = into_units(self.robot, self.q[lowest])
+        q, sigma = to_the_ground(own, into_units(self.robot, self.q[lowest[:LOWEST]]))
+        order = np.argsort(sigma[:, self.rank], kind="stable")
+        order = order[sigma[order, self.rank] > self.tolerances.singular]  # others were on a saddle on the way to zero
+        q, sigma = q[order], sigma[order]
+        if not len(q):
+            return None
+        if self.rank == sigma.shape[1] - 1:
+            return float(sigma[0, self.rank])
+        _, members = np.unique(np.round(sigma, _SAME), axis=0, return_index=True)
+        q = q[np.sort(members)]  # often all of them are one minimum, met again and again
         quick = brought_down(own, q, iterations=60, effort=3)
         best = quick.q[np.argsort(quick.value, kind="stable")]
         for first in range(0, len(best), _FINISHED):
@@ -158,6 +168,19 @@ class Search:
         if not len(found):
             return 0.0
         return float(self.problem.sigma(found)[:, self.rank].max())
+
+
+def to_the_ground(problem: Problem, q: Array) -> tuple[Array, Array]:
+    """Where the descents from (N, n) configurations end, known as well as `Tolerances.stationary` says, and σ there."""
+    told = problem.tolerances
+    settings = _core.SearchSettings(
+        method=0, rank=problem.rank, iterations=MOST, singular=told.singular, target=told.target,
+        stationary=told.stationary, seed=0, scale=problem.scale,
+        limits=None if problem.walls is None else np.stack(problem.walls), tie=TIE, kicks=0,
+    )  # fmt: skip
+    robot = problem.robot
+    found = _core.search(chain_of(robot), task_view(robot, problem.task), np.ascontiguousarray(q), settings, threads=1)
+    return found[0], found[1]
 
 
 def outcome_word(outcome: Outcome) -> str:

@@ -25,10 +25,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, check_robot, configurations, task_view
+from rankdrop._handles import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
-from rankdrop.families.search_record import AM_THRESHOLD, MOST, History, Outcome, Search
+from rankdrop.families.search_record import (
+    AM_THRESHOLD,
+    LOWEST,
+    MOST,
+    History,
+    Outcome,
+    Search,
+    to_the_ground,
+)
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import stays_up
 from rankdrop.problem import Problem
@@ -41,9 +49,15 @@ Progress = Callable[[int, int], None]
 """Called with (starts done, starts in all)."""
 
 METHODS = ("lm", "gradient", "almarkhi")
+_MET = 1e-3
+"""Share of F inside the range of D from which on a start has met a nonzero local minimum: its value is known to a
+millionth then, and further digits cost two to four steps each."""
+_PASSED = 1e-2
+"""The same of starts of a barren search: of 10,000 on the way to a singularity 8 stand so at some time (Canadarm2)."""
+_KICKS = 2  # starts from beside such a minimum
+_TRIED = 1000  # starts none of which converges before those after them start from nowhere else
 RECIPROCAL = "reciprocal"
 MOST_STARTS = 10_000_000  # some GB of results; more is a slip of the hand
-LARGEST_SEED = 2**63 - 1  # what the core takes
 MOST_THREADS = 1024
 _Part = tuple[Array, Array, NDArray[np.int8], NDArray[np.int32], Array | None, Array | None, bool]
 """What the core hands back: q, sigma, outcome, iterations, history, turning, whether Ctrl-C came."""
@@ -110,11 +124,11 @@ def search(
                               allowed="no iterations, step or history")  # fmt: skip
         return _drawn(robot, resolved, corank, starts, seed, limits, progress, tolerances)
     q0 = sample(in_units(robot), task_in_units(resolved, robot), starts, seed, limits=limits)
-    found = refine(
-        in_units(robot), q0, corank, task=task_in_units(resolved, robot), seed=seed, limits=limits, method=method,
+    found = _refined(
+        in_units(robot), q0, corank, task_in_units(resolved, robot), seed, limits=limits, method=method,
         iterations=iterations, step=step, tie=tie, history=history, threads=threads, progress=progress,
-        tolerances=tolerances,
-    )
+        tolerances=tolerances, first=0, sparing=True,
+    )  # fmt: skip
     return _out_of_units(found, robot, resolved)
 
 
@@ -140,7 +154,8 @@ def refine(
 
     Args:
         q0: (N, n) starts [rad or m]; outside the limits they are moved to the nearest limit if `limits`.
-        first: number of the first of them, from 0: as start `first` of a search it ends where it ended there.
+        first: number of the first of them, from 0: as start `first` of a search it ends where it ended there, except
+            that where none converged a search leaves the local minima that it meets sooner.
 
     Other arguments, result and errors as for `search`; and
         ConfigurationError: q0 has the wrong shape or is not finite.
@@ -148,37 +163,78 @@ def refine(
     check_robot(robot)
     _, seed, threads = check_numbers(1, seed, threads)
     resolved = resolve_task(task, robot)
-    _check(method, corank, generic_rank(robot, resolved))
-    most, step, tie = _check_steps(method, iterations, step, tie)
     rows, _ = configurations(robot, q0)
-    if not isinstance(robot, UnitRobot):
-        found = refine(
-            in_units(robot), into_units(robot, rows), corank, task=task_in_units(resolved, robot), seed=seed,
-            limits=limits, method=method, iterations=iterations, step=step, tie=tie, first=first, history=history,
-            threads=threads, progress=progress, tolerances=tolerances,
-        )
-        return _out_of_units(found, robot, resolved)
-    problem = Problem(robot, resolved, corank, tolerances, limits)
+    here = isinstance(robot, UnitRobot)
+    found = _refined(
+        in_units(robot), rows if here else into_units(robot, rows), corank, task_in_units(resolved, robot), seed,
+        limits=limits, method=method, iterations=iterations, step=step, tie=tie, history=history, threads=threads,
+        progress=progress, tolerances=tolerances, first=first, sparing=False,
+    )  # fmt: skip
+    return found if here else _out_of_units(found, robot, resolved)
+
+
+def _refined(
+    robot: Robot, q0: Array, corank: int, task: Task, seed: int, *, limits: bool, method: str, iterations: int | None,
+    step: float | None, tie: float, history: bool, threads: int, progress: Progress | None, tolerances: Tolerances,
+    first: int, sparing: bool,
+) -> Search:  # fmt: skip
+    """`refine` of an arm in its own unit of length.
+
+    With `sparing`, where none of the first starts converges, those after them end at the first local minimum they meet;
+    as soon as one of them does converge all of them are run as ever. Where none does, the lowest are followed on.
+    """
+    _check(method, corank, generic_rank(robot, task))
+    most, step, tie = _check_steps(method, iterations, step, tie)
+    problem = Problem(robot, task, corank, tolerances, limits)
     box = None if problem.walls is None else np.stack(problem.walls)
-    if box is not None:
-        rows = np.ascontiguousarray(np.clip(rows, box[0], box[1]))
+    rows = q0 if box is None else np.ascontiguousarray(np.clip(q0, box[0], box[1]))
     singular = tolerances.singular if method == "lm" else max(tolerances.singular, AM_THRESHOLD)
 
-    settings = _core.SearchSettings(
-        method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular, target=tolerances.target,
-        stationary=tolerances.stationary, seed=seed, scale=problem.scale, limits=box, tie=tie,
-        share=0.0 if step is None else step,
-    )  # fmt: skip
-
-    def run(part: Array, done: int) -> _Part:
-        return _core.search(
-            chain_of(robot), task_view(robot, resolved), part, settings, first=first + done, history=history,
-            threads=threads,
+    def run(begin: int, end: int, kicks: int = _KICKS, met: float = _MET) -> tuple[list[_Part], bool]:
+        settings = _core.SearchSettings(
+            method=METHODS.index(method), rank=problem.rank, iterations=most, singular=singular,
+            target=tolerances.target, stationary=max(tolerances.stationary, met), seed=seed, scale=problem.scale,
+            limits=box, tie=tie, share=0.0 if step is None else step, kicks=kicks,
         )  # fmt: skip
 
-    parts = _in_parts(run, rows, progress)
+        def one(part: Array, done: int) -> _Part:
+            return _core.search(
+                chain_of(robot), task_view(robot, task), part, settings, first=first + begin + done, history=history,
+                threads=threads,
+            )  # fmt: skip
+
+        report = None if progress is None else lambda done, total: progress(begin + done, len(rows))
+        return _in_parts(one, rows[begin:end], report)
+
+    count = len(rows)
+    first_part = min(count, _TRIED) if sparing and method == "lm" else count
+    parts, whole = run(0, first_part)
+    if whole and first_part < count:
+        barren = not _any_converged(parts)
+        rest, whole = run(first_part, count, 0, _PASSED) if barren else run(first_part, count)
+        if whole and barren and _any_converged(rest):
+            rest, _ = run(first_part, count)
+        parts += rest
+        if whole and not _any_converged(parts):
+            _followed(problem, parts)
     found = _assemble(problem, method, seed, rows, parts)
     return replace(_creases_told(found), step=step, tie=tie, most=most)
+
+
+def _any_converged(parts: list[_Part]) -> bool:
+    return any(bool((part[2] == Outcome.CONVERGED).any()) for part in parts)
+
+
+def _followed(problem: Problem, parts: list[_Part]) -> None:
+    """Where none converged: follow the lowest near misses on, and take those for converged that go down to zero."""
+    places = [(part, row) for part in parts for row in np.flatnonzero(part[2] == Outcome.NEAR_MISS)]
+    places = sorted(places, key=lambda place: float(place[0][1][place[1], problem.rank]))[:LOWEST]
+    if not places:
+        return
+    q, sigma = to_the_ground(problem, np.array([part[0][row] for part, row in places]))
+    for (part, row), at, values in zip(places, q, sigma, strict=True):
+        if values[problem.rank] <= problem.tolerances.singular:
+            part[0][row], part[1][row], part[2][row] = at, values, Outcome.CONVERGED
 
 
 def _drawn(
@@ -188,7 +244,7 @@ def _drawn(
     """Configurations drawn by reciprocal wrenches, as a search in which every start converged at once."""
     there, there_task = in_units(robot), task_in_units(task, robot)
     full = generic_rank(there, there_task)
-    corank = _whole("corank", corank, 1, max(full, 1))
+    corank = whole_number("corank", corank, 1, max(full, 1))
     rank = full - corank
     found = drawn(there, there_task, count, seed, corank=corank, limits=limits, progress=progress)
     size = len(found.q)
@@ -216,8 +272,9 @@ def _out_of_units(found: Search, robot: Robot, task: Task) -> Search:
     return replace(found, robot=robot, task=task, q=_frozen(out_of_units(robot, found.q)))
 
 
-def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> list[_Part]:
-    """Run parts of about a tenth of a second, so that progress moves; what is done when Ctrl-C comes is kept."""
+def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progress | None) -> tuple[list[_Part], bool]:
+    """Run parts of about a tenth of a second, so that progress moves; what is done when Ctrl-C comes is kept, and
+    whether none came."""
     parts: list[_Part] = []
     done, size = 0, 64
     try:
@@ -229,8 +286,8 @@ def _in_parts(run: Callable[[Array, int], _Part], rows: Array, progress: Progres
                 progress(done, len(rows))
             size = int(np.clip(size * 0.1 / max(time.perf_counter() - begun, 1e-4), 64, 16 * size))
     except KeyboardInterrupt:  # met between two parts, in `progress` say
-        pass
-    return parts
+        return parts, False
+    return parts, not (parts and parts[-1][6])
 
 
 def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
@@ -240,20 +297,9 @@ def check_numbers(starts: int, seed: int, threads: int) -> tuple[int, int, int]:
         OptionError: one of them is not a whole number, or outside what is allowed.
     """
     return (
-        _whole("starts", starts, 1, MOST_STARTS), _whole("seed", seed, 0, LARGEST_SEED),
-        _whole("threads", threads, 0, MOST_THREADS),
+        whole_number("starts", starts, 1, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED),
+        whole_number("threads", threads, 0, MOST_THREADS),
     )  # fmt: skip
-
-
-def _whole(name: str, value: object, least: int, most: int) -> int:
-    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
-    if number is None or not least <= number <= most:
-        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
-        raise OptionError(
-            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
-            got=shown, allowed=f"{least} … {most}",
-        )
-    return int(number)
 
 
 def _check(method: str, corank: int, full: int) -> None:
@@ -266,7 +312,7 @@ def _check(method: str, corank: int, full: int) -> None:
 def _check_steps(
     method: str, iterations: int | None, step: float | None, tie: float
 ) -> tuple[int, float | None, float]:
-    most = _ITERATIONS[method] if iterations is None else _whole("iterations", iterations, 1, MOST_ITERATIONS)
+    most = _ITERATIONS[method] if iterations is None else whole_number("iterations", iterations, 1, MOST_ITERATIONS)
     if step is not None:
         if method == "lm":
             raise OptionError(

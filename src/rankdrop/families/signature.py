@@ -33,6 +33,7 @@ _MANY = 10  # coupled joints beyond which whole-number relations are looked for 
 INTEGER = 1e-7  # a covector whose part outside C is shorter than this lies in C
 _NEARLY = 1e-12  # squares below this are looked at exactly: a hundred times what `INTEGER` and `DEPENDENT` leave
 _AT_ONCE = 512  # points whose relations are looked for together: of a long arm, with 10 joints coupled, 20 MB
+_ENTRIES = 4_000_000  # entries of D that are held at once: those of 10,000 points of a 10R's corank 1, 32 MB
 DEPENDENT = 1e-14  # smallest eigenvalue of the projector on ker D, restricted to dependent joints
 
 Covector = tuple[int, ...]
@@ -97,6 +98,10 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     if not count:
         empty = np.zeros(0, dtype=np.bool_)
         return Inspection(q, np.zeros((0, min(problem.task.m, n))), empty, empty, np.zeros(0), (), np.zeros((0, n, n)))
+    entries = (problem.task.m - rank) * (n - rank) * n  # of D
+    if count * entries > _ENTRIES and count > 1:
+        each = max(_ENTRIES // entries, 1)
+        return joined([inspect(problem, q[first : first + each]) for first in range(0, count, each)])
     local = problem.block(q)
     sigma = np.asarray(local.sigma)
     exact = sigma[:, rank - 1] > HIGHER if rank else np.ones(count, dtype=np.bool_)
@@ -113,6 +118,13 @@ def inspect(problem: Problem, q: Array) -> Inspection:
     return Inspection(q, sigma, exact, regular, smallest, signatures, tangent)
 
 
+def joined(parts: list[Inspection]) -> Inspection:
+    """One inspection of the points of several."""
+    names = ("q", "sigma", "exact", "regular", "condition", "tangent")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return Inspection(**arrays, signatures=tuple(one for part in parts for one in part.signatures))
+
+
 _WIDEST = 16  # narrow side of a matrix that the core takes apart
 
 
@@ -121,7 +133,7 @@ def _right(d: Array) -> tuple[Array, Array]:
     if min(d.shape[1:]) <= _WIDEST:
         _, s, v = _core.svd(np.ascontiguousarray(d))
         return s, v
-    _, s, vt = np.linalg.svd(d)
+    _, s, vt = np.linalg.svd(d, full_matrices=d.shape[1] < d.shape[2])
     return s, vt.swapaxes(1, 2)
 
 

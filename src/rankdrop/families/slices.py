@@ -274,15 +274,15 @@ def slice_through(
     return Slice(joints, np.array(q), family, x, y, plane.sigma(), tuple(traces), tuple(filled))
 
 
-def _out_of_metres(found: Slice, robot: Robot) -> Slice:
+def _out_of_metres(slice_: Slice, robot: Robot) -> Slice:
     """A slice of `in_metres(robot)` as one of the arm itself."""
-    units = out_of_metres(robot, np.ones(robot.n))[[number - 1 for number in found.joints]]
+    units = out_of_metres(robot, np.ones(robot.n))[[number - 1 for number in slice_.joints]]
     traces = tuple(
         replace(one, curves=tuple(curve * units for curve in one.curves), points=one.points * units)
-        for one in found.traces
+        for one in slice_.traces
     )
-    q = out_of_metres(robot, found.q)
-    return replace(found, q=q, x=found.x * units[0], y=found.y * units[1], traces=traces)
+    q = out_of_metres(robot, slice_.q)
+    return replace(slice_, q=q, x=slice_.x * units[0], y=slice_.y * units[1], traces=traces)
 
 
 def _values(problem: Problem, j: int, at: float, nodes: int) -> Array:

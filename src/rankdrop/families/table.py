@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from rankdrop.families.linear import polished
 from rankdrop.families.memory import Memory
-from rankdrop.families.residual import elsewhere
-from rankdrop.families.row import Row, soundness, witness
+from rankdrop.families.row import Row, elsewhere, soundness, witness
 from rankdrop.families.rows import Membership, find_rows, membership, on_any
 from rankdrop.families.search_record import Outcome, Search
 from rankdrop.families.searching import search
@@ -137,10 +136,10 @@ def families(
     return CorankFamilies(summary, _told_apart(numbered(found, cloud.corank)), checked.q[checked.exact])
 
 
-def _told_apart(found: Sequence[Family]) -> tuple[Family, ...]:
+def _told_apart(families: Sequence[Family]) -> tuple[Family, ...]:
     """Families with names of their own."""
-    names = distinct_names([one.name for one in found], [partial(_texts, one) for one in found])
-    return tuple(replace(one, name=name) for one, name in zip(found, names, strict=True))
+    names = distinct_names([one.name for one in families], [partial(_texts, one) for one in families])
+    return tuple(replace(one, name=name) for one, name in zip(families, names, strict=True))
 
 
 def _texts(family: Family) -> list[str]:
@@ -157,11 +156,11 @@ def _in_units(cloud: Search) -> Search:
     )
 
 
-def families_out_of_units(found: CorankFamilies, robot: Robot) -> CorankFamilies:
+def families_out_of_units(families: CorankFamilies, robot: Robot) -> CorankFamilies:
     """Families of `in_units(robot)` as those of the arm itself."""
     return replace(
-        found, families=tuple(family_out_of_units(family, robot) for family in found.families),
-        fresh=out_of_units(robot, found.fresh),
+        families, families=tuple(family_out_of_units(family, robot) for family in families.families),
+        fresh=out_of_units(robot, families.fresh),
     )  # fmt: skip
 
 

@@ -383,10 +383,10 @@ def slides_of(robot: Robot) -> tuple[int, ...]:
     return tuple(i for i, joint in enumerate(robot.variables) if joint.kind is JointKind.PRISMATIC)
 
 
-def _pinned(one: Pin, robot: Robot, power: int) -> Pin:
-    if robot.variables[one.number - 1].kind is not JointKind.PRISMATIC:
-        return one
-    return replace(one, values=tuple(shifted(value, power) for value in one.values))
+def _pinned(pin: Pin, robot: Robot, power: int) -> Pin:
+    if robot.variables[pin.number - 1].kind is not JointKind.PRISMATIC:
+        return pin
+    return replace(pin, values=tuple(shifted(value, power) for value in pin.values))
 
 
 def rescaled(equation: Equation, slides: Sequence[int], power: int) -> Equation:
@@ -434,10 +434,10 @@ def _symbol(robot: Robot, number: int) -> str:
     return f"q{number}" if slides else f"θ{number}"
 
 
-def _value(robot: Robot, one: Pin) -> str:
-    if robot.variables[one.number - 1].kind is JointKind.PRISMATIC:
-        return f"{one.values[0]:.4g} m".replace("-", "−")
-    return pretty_angle(one.values[0])
+def _value(robot: Robot, pin: Pin) -> str:
+    if robot.variables[pin.number - 1].kind is JointKind.PRISMATIC:
+        return f"{pin.values[0]:.4g} m".replace("-", "−")
+    return pretty_angle(pin.values[0])
 
 
 def _listed(numbers: Sequence[int]) -> str:

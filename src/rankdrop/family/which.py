@@ -1,4 +1,4 @@
-"""Which family: the families that a configuration lies on, or how far each of them is to first order."""
+"""Which family: the families that a configuration lies on."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.family.equation import Equation
 from rankdrop.family.record import Family, rescaled, slides_of
 from rankdrop.family.system import System
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
-from rankdrop.solve import shortest
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
@@ -31,8 +30,7 @@ class Incidence:
 
     Attributes:
         family: from an atlas, or found on the spot.
-        residual: distance to it [rad; metres divided by the length scale]: way walked to it by Gauss–Newton for
-            `families_at`, length of the first step of that for `families_near`.
+        residual: distance to it [rad; metres divided by the length scale]: the way walked to it by Gauss–Newton.
         source: where the family is from: "catalogue", "analysis" or "on the spot".
     """
 
@@ -95,26 +93,6 @@ def families_at(
     return tuple(sorted(met, key=lambda one: (-one.family.corank, one.family.dimension, one.residual)))
 
 
-def families_near(
-    families: Sequence[Family], robot: Robot, q: ArrayLike, task: Task, source: str = "analysis"
-) -> tuple[Incidence, ...]:
-    """Every family with its first-order distance ‖A⁺f‖ from q, nearest first; of equals the one of higher corank.
-
-    A is the Jacobian of the family's equations, joint motions divided by `joint_scale`. To first order only: exact for
-    pinned angles near q, a hint farther away, and too large where A vanishes (then √|f| is taken).
-
-    Args, Raises: as `families_at`.
-    """
-    configuration = one_configuration(robot, q)
-    at, scale = into_metres(robot, configuration), Problem(in_metres(robot), task_in_metres(task, robot)).scale
-    met = [
-        Incidence(family, _first_step(_system_of(family, robot), at, scale), source)
-        for family in families
-        if family.equations
-    ]
-    return tuple(sorted(met, key=lambda one: (round(one.residual, 9), -one.family.corank, one.family.dimension)))
-
-
 def on_one_of(
     families: Sequence[Sequence[Equation]], robot: Robot, q: Array, task: Task, tolerances: Tolerances
 ) -> bool:
@@ -135,14 +113,6 @@ def _system(equations: Sequence[Equation], robot: Robot) -> System:
     """The equations of a family as they are of `in_metres(robot)`."""
     power = -metre_exponent(robot)
     return System(tuple(rescaled(one, slides_of(robot), power) if power else one for one in equations))
-
-
-def _first_step(system: System, q: Array, scale: Array) -> float:
-    """Length of the shortest step that solves the linearised equations; √|f| where they have no slope."""
-    f, a = system.linear(q[None])
-    step = float(np.linalg.norm(shortest(a * scale, f)))
-    flat = np.linalg.norm(a[0] * scale, axis=1) < np.sqrt(np.abs(f[0]))
-    return max(step, float(np.sqrt(np.abs(f[0][flat])).max(initial=0.0)))
 
 
 def _way(problem: Problem, system: System, q: Array) -> float:

@@ -40,10 +40,12 @@ class Engine:
     Attributes:
         workers: local processes; 0 for one of every processor.
         scheduler: address of a Dask scheduler ("tcp://10.0.0.1:8786"), or of none.
+        here: in this process, one after another: what takes less time than processes take to begin.
     """
 
     workers: int = 0
     scheduler: str | None = None
+    here: bool = False
 
 
 def check_engine(engine: Engine) -> None:
@@ -61,7 +63,12 @@ def check_engine(engine: Engine) -> None:
 
 
 def finish(
-    job: Job, engine: Engine | None = None, *, folder: str | Path | None = None, report: Report | None = None
+    job: Job,
+    engine: Engine | None = None,
+    *,
+    folder: str | Path | None = None,
+    report: Report | None = None,
+    each: Callable[[int, bytes], None] | None = None,
 ) -> Iterator[Made]:
     """Make every chunk that is not there yet, and give all of them in order.
 
@@ -70,6 +77,8 @@ def finish(
         engine: local processes by default.
         folder: finished chunks are kept there, and taken from there; None: in memory.
         report: called with (chunks done, chunks).
+        each: called with the number and the bytes of every chunk, of those that were there first, then as they are
+            finished, in any order; what it raises ends the job.
 
     Raises:
         RankdropError: as the work of a chunk raises it; OptionError of the engine; ResultFileError of the folder.
@@ -82,6 +91,9 @@ def finish(
     done = kept.finished() if kept is not None else set()
     memory: dict[int, bytes] = {}
     count = len(done)
+    if kept is not None and each is not None:
+        for chunk in sorted(done):
+            each(chunk, kept.read(chunk))
     tell(count, job.chunks)
     left = [chunk for chunk in range(job.chunks) if chunk not in done]
     if left:
@@ -91,6 +103,8 @@ def finish(
                     kept.keep(chunk, content)
                 else:
                     memory[chunk] = content
+                if each is not None:
+                    each(chunk, content)
                 count += 1
                 tell(count, job.chunks)
     for chunk in range(job.chunks):  # one at a time: a job larger than the memory is kept in a folder
@@ -101,6 +115,8 @@ def _made(job: Job, chunks: list[int], engine: Engine) -> Generator[Made, None, 
     """The chunks as they are finished, in any order."""
     if engine.scheduler is not None:
         return _on_cluster(job, chunks, engine.scheduler)
+    if engine.here:
+        return ((chunk, perform(job.work, job.plan, chunk)) for chunk in chunks)
     return _on_processes(job, chunks, min(engine.workers or os.cpu_count() or 1, len(chunks)))
 
 

@@ -184,7 +184,12 @@ def row_scale(robot: Robot, task: Task) -> Array:
 def structural_sample(robot: Robot, task: Task, count: int) -> Array:
     """(count, n) random configurations, always the same ones, that stand for almost all: what holds there is structure.
     """
-    return sample(robot, task, count, STRUCTURE_SEED)
+    samples = handles_of(robot).samples
+    key = (count, task.scale(robot))
+    if key not in samples:
+        samples[key] = sample(robot, task, count, STRUCTURE_SEED)
+        samples[key].flags.writeable = False
+    return samples[key]
 
 
 def generic_rank(robot: Robot, task: Task) -> int:

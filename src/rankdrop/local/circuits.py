@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.lines import Scene
 from rankdrop.local.relations import describe
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import DEPENDENT
@@ -115,14 +115,14 @@ def blame(robot: Robot, q: ArrayLike, task: Task, tolerance: float = DEPENDENT) 
     return _smallest_of(found, robot.n, corank)
 
 
-def make_all(found: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
+def make_all(circuits: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, ...]:
     """The smallest circuits, special to this configuration, from which all its dependencies follow.
 
     For an arm without redundancy these are the ones of `blame`. A redundant one has n − r dependencies everywhere, and
     a single further set of dependent joints need not cost it any rank: only all of them together tell of the loss.
 
     Args:
-        found: all circuits, from `circuits_at`.
+        circuits: all circuits, from `circuits_at`.
         n: number of joints.
         nullity: independent dependencies, n − rank.
 
@@ -134,13 +134,13 @@ def make_all(found: Sequence[Circuit], n: int, nullity: int) -> tuple[Circuit, .
         >>> [circuit.numbers for circuit in make_all(found, 7, 4)]  # rank 3
         [(1, 3), (1, 5), (1, 7), (2, 4, 6)]
     """
-    return _smallest_of(found, n, nullity)
+    return _smallest_of(circuits, n, nullity)
 
 
-def _smallest_of(found: Sequence[Circuit], n: int, count: int) -> tuple[Circuit, ...]:
+def _smallest_of(circuits: Sequence[Circuit], n: int, count: int) -> tuple[Circuit, ...]:
     """The first special circuits, at most `count`, that bring new dependencies."""
-    known = [_vector(circuit, n) for circuit in found if circuit.generic]
-    special = [circuit for circuit in found if not circuit.generic]
+    known = [_vector(circuit, n) for circuit in circuits if circuit.generic]
+    special = [circuit for circuit in circuits if not circuit.generic]
     return tuple(special[i] for i in _independent(known, [_vector(circuit, n) for circuit in special], count))
 
 

@@ -272,9 +272,14 @@ def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
 def scores(place: Place, motions: Array) -> Array:
     """(..., 2) what motions (..., n) reach: rank, and the singular value that holds it."""
     sigma = singular_values(place.robot, place.q + motions * place.scale, place.task)[..., : place.generic]
+    out = np.empty((*sigma.shape[:-1], 2))
+    if (sigma[..., -1] > place.floor).all():  # most often
+        out[..., 0], out[..., 1] = place.generic, sigma[..., -1]
+        return out
     ranks = (sigma > place.floor).sum(axis=-1)
-    held = np.take_along_axis(sigma, np.maximum(ranks - 1, 0)[..., None], axis=-1)[..., 0]
-    return np.stack([ranks, held], axis=-1)
+    out[..., 0] = ranks
+    out[..., 1] = np.take_along_axis(sigma, np.maximum(ranks - 1, 0)[..., None], axis=-1)[..., 0]
+    return out
 
 
 def _order(place: Place, motions: Array) -> _Indices:

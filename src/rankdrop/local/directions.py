@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.frames import BASE, TIP, Frame, link_index
 from rankdrop.kinematics import link_poses, task_jacobian
 from rankdrop.local.block import decompose, generic_rank
 from rankdrop.local.screws import rewrite_wrench
-from rankdrop.local.verdict import one_configuration
 from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, six_rows

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.minimax import Evaluate, Model
 from rankdrop.local.screws import words
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
@@ -122,10 +122,11 @@ def failures_at(
     null = np.linalg.svd(whole)[2][full:]
     shares = np.linalg.norm(null, axis=0) if regular else np.zeros(robot.n)
     single = []
+    remaining = np.zeros((robot.n, 0))
+    if robot.n > 1:
+        remaining = _core.svd(np.ascontiguousarray(_without_each(whole[None])[0]), False)
     for j, joint in enumerate(robot.variables):
-        left = np.zeros(0)
-        if robot.n > 1:
-            left = _core.svd(np.ascontiguousarray(np.delete(whole, j, axis=1))[None], False)[0]
+        left = remaining[j]
         rank = min(full, int((left > tolerances.singular).sum()))
         rows, told = _lost(robot, configuration, resolved, full - rank, j)
         least = float(left[full - 1]) if len(left) >= full else 0.0

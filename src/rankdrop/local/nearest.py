@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, task_view
+from rankdrop._handles import chain_of, configurations, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.notebook import nearest_html
-from rankdrop.local.verdict import one_configuration
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
@@ -39,6 +38,9 @@ _RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
 _WIDER = 1.25  # the balls after that, as a multiple of the best distance so far
 _LM_ITERATIONS = 60
 _EVALUATIONS = 200
+_NEARLY = 1e-5  # share of the way that lies along the set at which all walks end: distances are off by its square
+_STILL = 1e-9  # of the nearest
+_FINEST = 8  # the nearest of them go on to the last digit
 _MOST_CONDITIONS = 16  # what the core's singular value decomposition takes on its narrow side
 
 
@@ -133,11 +135,11 @@ def nearest_singularity(
     first = max(1, starts // 4)
     early = walk.run(np.concatenate([given, walk.around(rng, first)]))
     late = walk.run(walk.within(rng, starts - first, early[1].min(initial=np.inf)))
-    q_found, distances, stationarity = (np.concatenate(both) for both in zip(early, late, strict=True))
-    if not len(q_found):
+    ends, distances = (np.concatenate(both) for both in zip(early, late, strict=True))
+    if not len(ends):
         return None
-    number = int(distances.argmin())
-    best = walk.without_idle_motion(q_found[number])
+    finest, stationarity = walk.finest(ends[distances.argsort(kind="stable")[:_FINEST]])
+    best = walk.without_idle_motion(finest)
     distance = walk.distance(best)
     sigma, rank = problem.sigma(best), problem.rank
     inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
@@ -147,17 +149,17 @@ def nearest_singularity(
         delta=tuple((best - centre).tolist()),
         corank=rank + corank - int((sigma > tolerances.singular).sum()),
         sigma=float(sigma[rank]),
-        stationarity=float(stationarity[number]),
+        stationarity=stationarity,
         starts=len(given) + starts,
         agreeing=int((distances <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
 
 
-def _out_of_metres(found: Nearest, robot: Robot) -> Nearest:
+def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     """A configuration of `in_metres(robot)` as one of the arm itself."""
-    q, delta = out_of_metres(robot, found.q), out_of_metres(robot, found.delta)
-    return replace(found, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
+    q, delta = out_of_metres(robot, nearest.q), out_of_metres(robot, nearest.delta)
+    return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,11 +195,11 @@ class _Walk:
         x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(moves.sum()))) / length
         return np.asarray(self.centre + x * self.problem.scale)
 
-    def run(self, starts: Array) -> tuple[Array, Array, Array]:
-        """Onto the singular set, then along it to the nearest point; what is not singular in the end is dropped.
+    def run(self, starts: Array) -> tuple[Array, Array]:
+        """Onto the singular set, then along it to the nearest point, to half the digits; without what is not singular.
 
         Returns:
-            (C, n) where starts ended, (C,) their distances, (C,) their stationarity.
+            (C, n) where starts ended, (C,) their distances.
         """
         problem = self.problem
         rows, _ = configurations(problem.robot, starts)
@@ -209,15 +211,28 @@ class _Walk:
             method=0, rank=rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
             stationary=problem.tolerances.stationary, seed=0, scale=scale, limits=self.box, tie=TIE,
         )  # fmt: skip
-        along = _core.NearestSettings(
-            rank=rank, evaluations=_EVALUATIONS, singular=limit, target=problem.tolerances.target, centre=self.centre,
-            scale=scale, limits=self.box,
-        )  # fmt: skip
         q, _, outcome, *_ = _core.search(chain, view, rows, onto, threads=1)
         near = self._brought_near(q[outcome == 0])
-        q, distance, stationarity, _ = _core.nearest(chain, view, near, along, threads=1)
+        q, distance, _, _ = _core.nearest(chain, view, near, self._along(_NEARLY, polish=False), threads=1)
         kept = problem.singular(q) & np.isfinite(distance)
-        return q[kept], problem.length(q[kept] - self.centre), stationarity[kept]
+        return q[kept], problem.length(q[kept] - self.centre)
+
+    def finest(self, ends: Array) -> tuple[Array, float]:
+        """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""
+        problem = self.problem
+        chain, view = chain_of(problem.robot), task_view(problem.robot, problem.task)
+        q, distance, stationarity, _ = _core.nearest(chain, view, ends, self._along(), threads=1)
+        distance = np.where(problem.singular(q) & np.isfinite(distance), problem.length(q - self.centre), np.inf)
+        number = int(distance.argmin())
+        return q[number], float(stationarity[number])
+
+    def _along(self, still: float = _STILL, *, polish: bool = True) -> _core.NearestSettings:
+        problem = self.problem
+        return _core.NearestSettings(
+            rank=problem.rank, evaluations=_EVALUATIONS, singular=problem.tolerances.singular,
+            target=problem.tolerances.target, centre=self.centre, scale=problem.scale, limits=self.box,
+            still=still, polish=polish,
+        )  # fmt: skip
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""

@@ -12,12 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.local.inverse import task_sigma
 from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.place import Place, place_at
 from rankdrop.local.second_order import FLAT, definite, distinct, forms, null_basis, vanishing
-from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.local.verdict import rank_at
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

@@ -14,6 +14,7 @@ A screw is (s; s_o): direction, and moment about a point O.
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -22,12 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError, RobotError
 from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import structural_sample
 from rankdrop.local.bracket import hat
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, read_screw_list
@@ -195,7 +196,7 @@ class OrderedScrewSet:
 
     def subsets(self) -> tuple[OrderedSubset, ...]:
         """Every run with a loss, short ones first: the search that GR leave to the user's intuition."""
-        return _runs([self])
+        return _runs(self)
 
     def subspace(self, first: int, last: int) -> Products:
         """Which Lie products of a run stay in its span, and the actuators that GR read off it.
@@ -277,24 +278,41 @@ def ordered_subsets(robot: Robot, q: ArrayLike, task: Task) -> tuple[OrderedSubs
         >>> [(run.first, run.last) for run in found if run.minimal]
         [(1, 5), (3, 7)]
     """
-    poses = [one_configuration(robot, q), *structural_sample(robot, task, _SAMPLES)]
-    return _runs([OrderedScrewSet(np.roll(jacobian(robot, c, SPACE).T, 3, axis=1)) for c in poses])
+    return _runs(_at(robot, one_configuration(robot, q)), _elsewhere(robot, task))
 
 
-def _runs(sets: list[OrderedScrewSet]) -> tuple[OrderedSubset, ...]:
-    """Runs of the first set with a loss; generic where the other sets all have the same loss."""
-    n, found, losing = len(sets[0]), [], set()
-    rows = np.stack([oss._rows(oss.screws) for oss in sets])
+def _at(robot: Robot, q: Array) -> OrderedScrewSet:
+    return OrderedScrewSet(np.roll(jacobian(robot, q, SPACE).T, 3, axis=1))
+
+
+_samples: dict[tuple[int, float], Array] = {}  # by id and length scale, as long as the arm is there
+
+
+def _elsewhere(robot: Robot, task: Task) -> Array:
+    """(s, n, 6) unit rows at random configurations, always the same ones."""
+    key = (id(robot), task.scale(robot))
+    if key not in _samples:
+        sets = [_at(robot, q) for q in structural_sample(robot, task, _SAMPLES)]
+        _samples[key] = np.stack([one._rows(one.screws) for one in sets])
+        weakref.finalize(robot, _samples.pop, key, None)
+    return _samples[key]
+
+
+def _runs(here: OrderedScrewSet, elsewhere: Array | None = None) -> tuple[OrderedSubset, ...]:
+    """Runs with a loss; generic where the rows of other sets (s, n, 6), if any are given, all have the same loss."""
+    n, found, losing = len(here), [], set()
+    rows = here._rows(here.screws)
     for size in range(1, n + 1):
         firsts = range(n - size + 1)
-        runs = np.concatenate([rows[:, i : i + size] for i in firsts])
-        ranks = _ranks(runs, sets[0].tolerance).reshape(-1, len(sets))
+        ranks = _ranks(np.stack([rows[i : i + size] for i in firsts]), here.tolerance)
         for i in firsts:
-            dimension = int(ranks[i, 0])
+            dimension = int(ranks[i])
             if dimension < size:
                 inside = (i, size - 1) in losing or (i + 1, size - 1) in losing
                 losing.add((i, size))
-                generic = len(sets) > 1 and bool((ranks[i] == dimension).all())
+                generic = elsewhere is not None and bool(
+                    (_ranks(elsewhere[:, i : i + size], here.tolerance) == dimension).all()
+                )
                 loss = size - dimension
                 found.append(OrderedSubset(i + 1, i + size, dimension, loss, loss == 1, not inside, generic))
     return tuple(found)

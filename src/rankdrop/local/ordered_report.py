@@ -94,11 +94,11 @@ def session(screws: OrderedScrewSet, instructions: Sequence[Instruction] = PRINT
     return tuple(steps)
 
 
-def _msos_lines(found: OrderedSubset) -> tuple[str, ...]:
-    if found.last - found.first > GREATEST_RUN:  # the guard as printed: 6 < j − i
+def _msos_lines(subset: OrderedSubset) -> tuple[str, ...]:
+    if subset.last - subset.first > GREATEST_RUN:  # the guard as printed: 6 < j − i
         return ("more than seven screws: take a shorter run",)
-    end = "a minimal singular ordered subset" if found.msos else "not a minimal singular ordered subset"
-    return (f"dimension = {found.dimension}", f"lost freedoms = {found.loss}", end)
+    end = "a minimal singular ordered subset" if subset.msos else "not a minimal singular ordered subset"
+    return (f"dimension = {subset.dimension}", f"lost freedoms = {subset.loss}", end)
 
 
 def _row(screw: Array) -> str:

@@ -341,7 +341,14 @@ class Displacement:
         return now.reshape(q.shape), arrived.reshape(q.shape[:-1])
 
     def _turn(self, now: Array) -> Array:
-        return orientation_coordinates(now[..., :3, :3] @ self._home[:3, :3].T, "rotvec")
+        turn = now[..., :3, :3] @ self._home[:3, :3].T
+        cosine = 0.5 * (turn[..., 0, 0] + turn[..., 1, 1] + turn[..., 2, 2] - 1.0)
+        if not (cosine > 0.5).all():
+            return orientation_coordinates(turn, "rotvec")
+        axial = 0.5 * (turn[..., (2, 0, 1), (1, 2, 0)] - turn[..., (1, 2, 0), (2, 0, 1)])  # sin θ along the axis
+        sine = np.sqrt((axial * axial).sum(axis=-1))
+        share = np.arctan2(sine, cosine) / np.where(sine > 0.0, sine, 1.0) + (sine == 0.0)
+        return np.asarray(axial * share[..., None])
 
     def _error(self, now: Array, turn: Array) -> Array:
         shift = (now - self._home)[..., :3, :] @ self._point
@@ -350,9 +357,19 @@ class Displacement:
 
     def _derivative(self, q: Array, turn: Array) -> Array:
         columns = jacobian(self.robot, q, self._frame) * self.joints
-        turning = np.linalg.solve(rate_matrix(turn, "rotvec"), columns[..., 3:, :])
+        turning = self._rates(turn, columns[..., 3:, :])
         both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
         return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])
+
+    @staticmethod
+    def _rates(turn: Array, omega: Array) -> Array:
+        """E⁻¹ω (..., 3, n) of the rotation vector φ: ω − ½ φ × ω + κ φ × (φ × ω), κ = (1 − ½θ cot ½θ)/θ²."""
+        square = (turn * turn).sum(axis=-1)[..., None, None]
+        if not (square < 1e-2).all():
+            return np.asarray(np.linalg.solve(rate_matrix(turn, "rotvec"), omega))
+        once = hat(turn) @ omega
+        share = 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
+        return np.asarray(omega - 0.5 * once + share * (hat(turn) @ once))
 
 
 def _split(slopes: Array) -> tuple[Array, Array, Array]:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.local.block import decompose, joint_scale, singular_values
-from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances

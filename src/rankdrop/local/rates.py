@@ -28,10 +28,11 @@ from math import comb, inf
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.inverse import Factored, factor, task_sigma
-from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

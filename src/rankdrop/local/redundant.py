@@ -23,14 +23,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import configurations
+from rankdrop._handles import configurations, one_configuration
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.directions import readable_basis
 from rankdrop.local.inverse import Factored, factor
 from rankdrop.local.notebook import redundancy_html
-from rankdrop.local.verdict import Rank, one_configuration, rank_at
+from rankdrop.local.verdict import Rank, rank_at
 from rankdrop.problem import whole_turns
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task, six_rows

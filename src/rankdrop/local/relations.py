@@ -16,10 +16,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import structural_sample
 from rankdrop.local.lines import Lines, Scene
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task, resolve_task, six_rows
 from rankdrop.tolerances import ALIGNED

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.orientation import (
@@ -29,7 +30,7 @@ from rankdrop.local.orientation import (
     rate_determinant,
     rate_matrix,
 )
-from rankdrop.local.verdict import Rank, one_configuration, rank_at
+from rankdrop.local.verdict import Rank, rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances

@@ -23,10 +23,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop import _core
 from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import row_scale
-from rankdrop.local.bracket import bracket
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 
@@ -82,19 +82,6 @@ def taylor(robot: Robot, q: ArrayLike, task: Task, directions: ArrayLike, order:
     axes, origin = (link_index(link, joints, "frame") for link in (task.frame.axes, task.frame.origin))
     rates = np.asarray(directions, dtype=np.float64) @ share.T  # (d, N)
     screws = jacobian(chain, values, task.frame).T  # (N, 6)
-    terms = [np.broadcast_to(screws, (*rates.shape, 6))]
-    carriers = [_carrier(terms[0], rates, axes, origin)]
-    for power in range(order):
-        total = sum(bracket(carriers[a], terms[power - a]) for a in range(power + 1))
-        terms.append(np.asarray(total) / (power + 1))
-        carriers.append(_carrier(terms[-1], rates, axes, origin))
-    columns = np.stack(terms)[..., list(task.rows)]  # (P + 1, d, N, m)
+    terms = _core.series(np.ascontiguousarray(screws), np.ascontiguousarray(rates), axes, origin, order)
+    columns = terms[..., list(task.rows)]  # (P + 1, d, N, m)
     return np.asarray(np.swapaxes(columns * row_scale(robot, task), -1, -2) @ share)
-
-
-def _carrier(term: Array, rates: Array, axes: int, origin: int) -> Array:
-    """(d, N, 6) Ŵ_i − V̂ of one power of t."""
-    moved = rates[..., None] * term
-    before = np.cumsum(moved, axis=-2) - moved
-    frame = np.concatenate([moved[:, :origin, :3].sum(axis=-2), moved[:, :axes, 3:].sum(axis=-2)], axis=-1)
-    return np.asarray(before - frame[:, None, :])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.errors import ConfigurationError
+from rankdrop._handles import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -76,26 +76,3 @@ def rank_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances = DEF
         always_singular=generic < min(task.m, robot.n),
         tolerance=tolerances.singular,
     )
-
-
-def one_configuration(robot: Robot, q: ArrayLike) -> Array:
-    """q as one finite configuration (n,).
-
-    Raises:
-        ConfigurationError: another shape, or a value that is no number or not finite.
-    """
-    try:
-        configuration = np.array(q, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ConfigurationError(
-            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
-            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
-        ) from error  # fmt: skip
-    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
-        names = ", ".join(joint.name for joint in robot.variables)
-        raise ConfigurationError(
-            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
-            got=configuration.shape if configuration.shape != (robot.n,) else configuration.tolist(),
-            allowed=f"one number per joint: {names}",
-        )  # fmt: skip
-    return configuration

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian
 from rankdrop.local import departure as finite_motions
@@ -24,7 +25,6 @@ from rankdrop.local.notebook import escape_html
 from rankdrop.local.place import LEAST, Place, place_at, room
 from rankdrop.local.second_order import LostMotion, Stillness, boundary, find_still, lost_motions, null_basis
 from rankdrop.local.taylor import taylor, unlocked
-from rankdrop.local.verdict import one_configuration
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, ENTRY, Tolerances
@@ -222,23 +222,23 @@ def escape(
     )
 
 
-def _out_of_metres(found: Escape, robot: Robot) -> Escape:
+def _out_of_metres(escape: Escape, robot: Robot) -> Escape:
     """Motions of `in_metres(robot)` as those of the arm itself."""
     unit = out_of_metres(robot, np.ones(robot.n))  # of slides
 
     def several(one: Direction | None) -> Direction | None:
         return None if one is None else replace(one, delta=tuple((unit * one.delta).tolist()))
 
-    def alone(one: JointEscape) -> JointEscape:
-        own = float(unit[one.number - 1])
-        first = tuple(value / own for value in one.first_order)
-        return replace(one, rate=one.rate / own ** (one.order or 0), first_order=first, step=one.step * own)
+    def alone(joint: JointEscape) -> JointEscape:
+        own = float(unit[joint.number - 1])
+        first = tuple(value / own for value in joint.first_order)
+        return replace(joint, rate=joint.rate / own ** (joint.order or 0), first_order=first, step=joint.step * own)
 
-    best = several(found.best_direction)
+    best = several(escape.best_direction)
     assert best is not None
     return replace(
-        found, single=tuple(alone(one) for one in found.single), best_pair=several(found.best_pair),
-        best_direction=best, still=several(found.still),
+        escape, single=tuple(alone(one) for one in escape.single), best_pair=several(escape.best_pair),
+        best_direction=best, still=several(escape.still),
     )  # fmt: skip
 
 

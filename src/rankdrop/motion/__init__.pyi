@@ -9,7 +9,6 @@ from .data import FREE as FREE
 from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
-from .data import PathData as PathData
 from .data import Place as Place
 from .data import ToolMotion as ToolMotion
 from .many import Judged as Judged
@@ -18,6 +17,7 @@ from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .mend import mend_path as mend_path
 from .mending import Mending as Mending
+from .mending import Remedy as Remedy
 from .pose_file import Poses as Poses
 from .pose_file import holds_poses as holds_poses
 from .pose_file import length_hint as length_hint
@@ -30,7 +30,6 @@ from .postures.search import aspects_of as aspects_of
 from .read import ENDINGS as ENDINGS
 from .read import read_trajectory as read_trajectory
 from .read import trajectories_in as trajectories_in
-from .remedy import Remedy as Remedy
 from .result import PathCheck as PathCheck
 from .rows import FORMATS as FORMATS
 from .rows import PathRows as PathRows

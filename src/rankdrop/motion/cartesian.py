@@ -227,10 +227,10 @@ def _places(parts: Array) -> Array:
     return np.concatenate([*ways, [float(len(parts))]])
 
 
-def _why(robot: Robot, poses: Array, task: Task, found: Followed, place: float) -> str:
+def _why(robot: Robot, poses: Array, task: Task, followed: Followed, place: float) -> str:
     """Why the branch ends, poses counted as they were given; and whether the next pose is reached in another way."""
     at = place + 1.0
-    words = re.sub(r"at pose [\d.]+", f"at pose {at:.5g}", found.words)
+    words = re.sub(r"at pose [\d.]+", f"at pose {at:.5g}", followed.words)
     ahead = min(ceil(place + 1e-9), len(poses) - 1)
     if len(within_limits(robot, poses[ahead], task)):
         return f"{words}; pose {ahead + 1} is within reach, by other configurations"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.certify.ball import settings_of
-from rankdrop.certify.displaced import ModelTolerance, displaced_columns
+from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian
 from rankdrop.certify.proof.reading import PATH, Record
 from rankdrop.certify.proof.regions import CLEAR, CROSSING, OPEN
 from rankdrop.certify.proof.writing import record_of
@@ -14,38 +16,41 @@ from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.motion.bound import ROUNDED
 from rankdrop.motion.curve import boxes, halves
 from rankdrop.motion.data import CROSSING as CROSSES
-from rankdrop.motion.data import FREE, PathData, Place, Stretch
+from rankdrop.motion.data import FREE, Place, Stretch
 from rankdrop.motion.prove import box_tree, chosen
 from rankdrop.robot.model import Array, Robot
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 EVALUATIONS = 500_000
 """Enclosures that the proof for near arms may cost."""
 _SHORTEST = 1e-5  # pieces that are narrower are given up: the tolerance decides there, not their length [rad]
 
 
-def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -> Record:
+def path_certificate(check: PathCheck, tolerance: ModelTolerance | None = None) -> Record:
     """What is proven of a path, with the numbers of the arm and the control points of the path.
 
     Spans that touch the singular set or are undecided are open: nothing is claimed of them. Crossings are claimed where
     the Jacobian is square; else they are open too. A distance that is proven to be kept (`min_distance`) is claimed.
 
     Args:
-        found: a judged path.
+        check: a judged path.
         tolerance: the free spans are free for every arm so near to this one; found by the checker, not here.
 
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
-    setting = chosen(found.robot, settings_of(found.robot, found.task), found.curve)
+    setting = chosen(check.robot, settings_of(check.robot, check.task), check.curve)
     if tolerance is not None:
-        displaced_columns(found.robot, setting, tolerance, found.task.rows)  # refuses what it is not for
-    control = found.curve.control
+        displaced_jacobian(check.robot, setting, tolerance, check.task.rows)  # refuses what it is not for
+    control = check.curve.control
     points = np.concatenate([control[:, :-1].reshape(-1, control.shape[2]), control[-1:, -1]])
-    square = found.robot.n == setting.rank == len(setting.rows)
+    square = check.robot.n == setting.rank == len(setting.rows)
     last = len(control)
     spans: list[Record] = []
     at = [0, 0.0]
-    met = [one for one in found.stretches if one.verdict != FREE]
+    met = [one for one in check.stretches if one.verdict != FREE]
     for one in sorted(met, key=lambda one: (one.start.row, one.start.share)):
         start, end = _place(one.start, last), _place(one.end, last)
         if at != start:
@@ -55,32 +60,32 @@ def path_certificate(found: PathData, tolerance: ModelTolerance | None = None) -
     if at != [last - 1, 1.0]:
         spans.append({"from": at, "to": [last - 1, 1.0], "kind": CLEAR})
     claim = {
-        "verdict": CLEAR if not met else "met", "degree": found.curve.degree, "points": points.tolist(), "spans": spans,
+        "verdict": CLEAR if not met else "met", "degree": check.curve.degree, "points": points.tolist(), "spans": spans,
     }  # fmt: skip
-    if found.margin == "kept":
-        claim |= {"min_distance": found.settings.min_distance, "scale": setting.scale.tolist()}
-    return record_of(found.robot, found.task, PATH, setting, claim, {}, tolerance)
+    if check.margin == "kept":
+        claim |= {"min_distance": check.settings.min_distance, "scale": setting.scale.tolist()}
+    return record_of(check.robot, check.task, PATH, setting, claim, {}, tolerance)
 
 
-def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:
+def proven_for_near_arms(check: PathCheck, tolerance: ModelTolerance, *, evaluations: int = EVALUATIONS) -> bool:
     """Is a path proven free for every arm within a tolerance of this one?
 
     Boxes around runs of stretches, then around parts of one, are enclosed and halved; what arms within the tolerance
     add to the bound is that of `rankdrop.certify.displaced`. False is no proof that some arm is singular.
 
     Args:
-        found: a judged path.
+        check: a judged path.
         tolerance: how far the arm may be from its numbers.
         evaluations: enclosures to be spent at most.
 
     Raises:
         OptionError: the task cannot be certified, or the tolerance is not for this arm or task.
     """
-    robot = found.robot
-    setting = chosen(robot, settings_of(robot, found.task), found.curve)
-    rows = found.task.rows
-    displaced_columns(robot, setting, tolerance, rows)  # refuses what it is not for
-    tree = box_tree(found.curve)
+    robot = check.robot
+    setting = chosen(robot, settings_of(robot, check.task), check.curve)
+    rows = check.task.rows
+    displaced_jacobian(robot, setting, tolerance, rows)  # refuses what it is not for
+    tree = box_tree(check.curve)
     nodes = np.zeros(1, dtype=np.int64)
     spent = 0
     for level in range(len(tree) - 1, 0, -1):
@@ -91,7 +96,7 @@ def proven_for_near_arms(found: PathData, tolerance: ModelTolerance, *, evaluati
         nodes = nodes[~_kept(robot, setting, tolerance, rows, low[nodes], high[nodes])]
         nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
         nodes = nodes[nodes < len(tree[level - 1][0])]
-    control = found.curve.control[nodes]
+    control = check.curve.control[nodes]
     while len(control):
         low, high = boxes(control)
         spent += len(control)
@@ -111,15 +116,15 @@ def _kept(
     centre = np.ascontiguousarray((low + high) / 2)
     half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
     found = enclose(robot, setting, centre, half)
-    drift = displaced_columns(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
+    drift = displaced_jacobian(robot, setting, tolerance, rows, np.maximum(np.abs(low), np.abs(high)))
     extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
     return regular(found[3], found[2] + extra[:, None, :])
 
 
-def _met(one: Stretch, square: bool, last: int) -> Record:
-    start, end = _place(one.start, last), _place(one.end, last)
-    low, high = (_place(place, last) for place in one.bracket)
-    if one.verdict == CROSSES and square and not one.lies and start <= low < high <= end:
+def _met(stretch: Stretch, square: bool, last: int) -> Record:
+    start, end = _place(stretch.start, last), _place(stretch.end, last)
+    low, high = (_place(place, last) for place in stretch.bracket)
+    if stretch.verdict == CROSSES and square and not stretch.lies and start <= low < high <= end:
         return {"from": start, "to": end, "kind": CROSSING, "bracket": [low, high]}
     return {"from": start, "to": end, "kind": OPEN}
 

@@ -202,16 +202,16 @@ class _Shares:
         self.free = 1.0 - self.undecided - sum(self._long(one) for one in singular) / total
         self.time = None if path.times is None else float(sum(self._lasts(one, path.times) for one in open_))
 
-    def _long(self, one: Meeting) -> float:
-        return self._at(one.end) - self._at(one.start)
+    def _long(self, meeting: Meeting) -> float:
+        return self._at(meeting.end) - self._at(meeting.start)
 
     def _at(self, place: tuple[int, float]) -> float:
         stretch, share = place
         return float(self._until[stretch] + share * (self._until[stretch + 1] - self._until[stretch]))
 
     @staticmethod
-    def _lasts(one: Meeting, times: Array) -> float:
-        ends = [times[k] + share * (times[k + 1] - times[k]) for k, share in (one.start, one.end)]
+    def _lasts(meeting: Meeting, times: Array) -> float:
+        ends = [times[k] + share * (times[k + 1] - times[k]) for k, share in (meeting.start, meeting.end)]
         return float(ends[1] - ends[0])
 
 
@@ -252,8 +252,8 @@ def _first(met: list[Stretch]) -> str:
     return f"{one.name or 'an unnamed family'}, {_when(one)}"
 
 
-def _when(one: Stretch) -> str:
-    place = one.closest.place
+def _when(stretch: Stretch) -> str:
+    place = stretch.closest.place
     near = min(place.share, 1.0 - place.share) < _AT_ROW
     at = f"row {round(place.row + place.share)}" if near else f"between rows {place.row} and {place.row + 1}"
     return at if place.time is None else f"{at} at {place.time:.4g} s"
@@ -283,9 +283,9 @@ def _hints(robot: Robot, path: Curve, rates: Array | None, interpolate: str) -> 
     return tuple(notes)
 
 
-def _out_of_metres(one: Stretch, robot: Robot) -> Stretch:
-    closest = one.closest
+def _out_of_metres(stretch: Stretch, robot: Robot) -> Stretch:
+    closest = stretch.closest
     foot = out_of_metres(robot, closest.foot) if len(closest.foot) else closest.foot
-    rates = out_of_metres(robot, one.rates) if len(one.rates) else one.rates
-    return replace(one, closest=replace(closest, q=out_of_metres(robot, closest.q), foot=foot), rates=rates)
+    rates = out_of_metres(robot, stretch.rates) if len(stretch.rates) else stretch.rates
+    return replace(stretch, closest=replace(closest, q=out_of_metres(robot, closest.q), foot=foot), rates=rates)
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rankdrop.motion.curve import Curve, Index
-from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.motion.curve import Index
+from rankdrop.robot.model import Array
 from rankdrop.tolerances import Tolerances
 
 FREE, CROSSING, TOUCHING, TOO_NEAR, UNDECIDED = "free", "crossing", "touching", "too near", "undecided"
@@ -172,67 +171,3 @@ class ToolMotion:
     def pose_at(self, place: Place) -> float:
         """Number of the pose at a place of the path, with the share of the way to the next."""
         return float(np.interp(place.row - 1 + place.share, np.arange(len(self.place)), self.place))
-
-
-@dataclass(frozen=True, eq=False)
-class PathData:
-    """A path judged.
-
-    Attributes:
-        robot, task: the arm and its task, its length scale worked out.
-        curve: the path.
-        rows: number of samples.
-        settings: what was asked.
-        verdict: "free", "crossing", "touching", "too near" or "undecided".
-        sentence: the verdict for people.
-        stretches: all parts, worst first.
-        free_share: of the length in joint space, proven free.
-        undecided_share, undecided_length, undecided_time: what is undecided: share of the length, length [rad], and
-            time [s; None without times].
-        margin: what is known of `min_distance`: "kept" (proven), "violated" (a nearer singular configuration was
-            found), "not proven"; None where none was asked for.
-        evaluations: enclosures spent.
-        source: where the families are from: "catalogue", "analysis" or "on the spot".
-        notes: what a reader should know, limits that are left for one.
-        complete: False where it was interrupted.
-        profile: for drawings.
-        tool: how joint values were found, where poses of the tip were given; else None.
-    """
-
-    robot: Robot
-    task: Task
-    curve: Curve
-    rows: int
-    settings: PathSettings
-    verdict: str
-    sentence: str
-    stretches: tuple[Stretch, ...]
-    free_share: float
-    undecided_share: float
-    undecided_length: float
-    undecided_time: float | None
-    margin: str | None
-    evaluations: int
-    source: str
-    notes: tuple[str, ...]
-    complete: bool
-    profile: Profile
-    tool: ToolMotion | None = None
-
-    @property
-    def holds(self) -> bool:
-        """Proven free, and the distance asked for proven to be kept."""
-        return self.verdict == FREE and self.complete
-
-    @property
-    def free_words(self) -> str:
-        """The share that is proven free in per cent, never rounded up to the whole: a crossing is a point of it."""
-        text = f"{100 * self.free_share:.6g}"
-        all_of_it = self.free_share == 1.0 and not self.crossings
-        return "more than 99.9999 %" if text == "100" and not all_of_it else f"{text} %"
-
-    @property
-    def crossings(self) -> tuple[Stretch, ...]:
-        """Where it meets singularities, crossing or touching, in order along the path."""
-        met = [one for one in self.stretches if one.verdict in (CROSSING, TOUCHING)]
-        return tuple(sorted(met, key=lambda one: (one.start.row, one.start.share)))

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
+from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import orientation_coordinates
-from rankdrop.local.verdict import one_configuration
 from rankdrop.motion.inverse import Aim, rotation
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

@@ -17,9 +17,8 @@ from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import curve
 from rankdrop.motion.data import FREE, UNDECIDED, Stretch
 from rankdrop.motion.follow import follow
-from rankdrop.motion.mending import Mending
+from rankdrop.motion.mending import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Mending, Parameter, Remedy
 from rankdrop.motion.others import Ranking, branches, null_spaces, shifts, tilts
-from rankdrop.motion.remedy import BLEND, FLIP, KINDS, NULL, RETIME, SHIFT, TILT, Gain, Parameter, Remedy
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.retime import Usage, retimed, usage
 from rankdrop.motion.tool_path import ToolPath, tool_path
@@ -46,7 +45,7 @@ def mend_path(
 ) -> Mending:
     """Remedies of a judged path: computed, and judged again as `check_path` judged the path itself.
 
-    null-space    the same tool path by other joint motion of a redundant arm
+    null-space    the same tool path by other joint motion of a redundant arm, from the same start where there is one
     flip          the same tool path on another branch of the inverse kinematics
     blend         a corner cut, where the path meets the singularity around it, within `blend`
     tool tilt     the tool held tilted, within `tool_tilt`
@@ -168,7 +167,7 @@ class _Work:
     def _first(self, kind: str, ranking: Ranking, what: str) -> None:
         """The widest candidate that is proven free."""
         for other in ranking.found[:_JUDGED]:
-            tool, followed = other.tool.refined(other.start, other.pull)
+            tool, followed = other.tool.refined(other.run)
             if not followed.complete:
                 continue
             plain = tool.trajectory(followed.q, self.interpolate)

@@ -13,12 +13,13 @@ from itertools import product
 import numpy as np
 
 from rankdrop.errors import RankdropError
-from rankdrop.local.block import block, generic_rank, joint_scale, sampling_box, singular_values
+from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.local.null_motion import CLOSED, self_motion
 from rankdrop.motion.follow import Followed, Pull
 from rankdrop.motion.inverse import Aim, distinct
-from rankdrop.motion.remedy import Parameter
-from rankdrop.motion.tool_path import ToolPath, room, start_moved
+from rankdrop.motion.mending import Parameter
+from rankdrop.motion.planned import along, planned
+from rankdrop.motion.tool_path import Run, ToolPath, rising, room, start_moved
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import about_axis, translation
 from rankdrop.task import Task
@@ -31,6 +32,7 @@ _ALONG = 9  # points of a self-motion that paths begin at
 _PULLS = (0.0, 1.0, 3.0)  # null-space motion per joint motion that the tool needs, where σ is small
 _PULLED = 0.3  # σ_r at which the pull has its full size
 _SHARES = (1.0, 0.5)  # of a bound
+_ENOUGH = 0.05  # first-order distance at which a path that keeps its start goes before wider ones that do not [rad]
 
 Told = Callable[[int, int], None]
 """told(done, all)."""
@@ -42,19 +44,19 @@ class Other:
 
     Attributes:
         tool: the tool's path, moved or not.
-        start: (n,) at its beginning.
-        pull: in the null space.
+        run: the joint path at the places of such a tool path.
         words: what is done.
         parameters: what with.
         room: the least first-order distance from a singularity on the places looked at [rad].
+        kept: it begins where the path does.
     """
 
     tool: ToolPath
-    start: Array
-    pull: Pull | None
+    run: Run
     words: str
     parameters: tuple[Parameter, ...]
     room: float
+    kept: bool = False
 
 
 @dataclass(eq=False)
@@ -70,7 +72,8 @@ class Ranking:
         if not self.tried:
             return f"there is no {what}"
         reasons = {"singular": "end at a singularity", "limit": "end at a joint limit", "stuck": "cannot be followed",
-                   "start": "do not reach the first pose"}  # fmt: skip
+                   "start": "do not reach the first pose",
+                   "plan": "found no way when planned over all self-motions"}  # fmt: skip
         if list(self.ended.values()) == [self.tried] and self.tried > 1 and not self.found:
             return f"all {self.tried} that were tried {reasons[next(iter(self.ended))]}"
         parts = [f"{count} {reasons[reason]}" for reason, count in sorted(self.ended.items())]
@@ -102,11 +105,31 @@ def ranked(candidates: Iterator[tuple[ToolPath, Array | None, Pull | None, str, 
             ranking.ended[reason] = ranking.ended.get(reason, 0) + 1
             continue
         ranking.found.append(
-            Other(tool, start, pull, words, parameters, float(room(tool.robot, tool.task, found.q, rank).min()))
-        )
+            Other(tool, _following(start, pull), words, parameters,
+                  float(room(tool.robot, tool.task, found.q, rank).min()), bool((start == tool.q[0]).all()))
+        )  # fmt: skip
     ranking.found.sort(key=lambda one: -one.room)
     told(count, count)
     return ranking
+
+
+def _following(start: Array, pull: Pull | None) -> Run:
+    return lambda tool: tool.followed(start, pull)
+
+
+def _plan(ranking: Ranking, tool: ToolPath, starts: Sequence[Array], told: Told, *, around: bool) -> bool:
+    """One more for a ranking, planned over all self-motions; whether there is one."""
+    ranking.tried += 1
+    place, plan, free = planned(tool, np.array(starts), told, around=around)
+    if not len(plan):
+        ranking.ended["plan"] = ranking.ended.get("plan", 0) + 1
+        return False
+    words = "from another start" if around else "from the same start"
+    ranking.found.append(
+        Other(tool, along(place, plan), f"the same tool path {words}, planned over the self-motions of every pose",
+              (Parameter("start", tuple(plan[0].tolist()), "rad, m"),), free, not around)
+    )  # fmt: skip
+    return True
 
 
 def _turned(tool: ToolPath, start: Array, pull: Pull | None, found: Followed) -> tuple[Followed, Array]:
@@ -137,7 +160,10 @@ def branches(tool: ToolPath, told: Told) -> Ranking:
                 Parameter("start", tuple(start.tolist()), "rad, m"),
             )  # fmt: skip
 
-    return ranked(candidates(), len(starts), told)
+    ranking = ranked(candidates(), len(starts), told)
+    if starts and not ranking.found and robot.n > generic_rank(robot, task):
+        _plan(ranking, tool, starts, told, around=True)
+    return ranking
 
 
 def _branches(tool: ToolPath) -> list[Array]:
@@ -189,7 +215,8 @@ def _self_motion(tool: ToolPath) -> Array | None:
 
 def _null(robot: Robot, task: Task, q: Array) -> Array:
     """(n,) the first null motion [rad, m]."""
-    return np.asarray(block(robot, q, task, generic_rank(robot, task) - 1).v2[:, 1])
+    aim = Aim(robot, task)
+    return np.asarray(aim.joints * np.linalg.svd(aim.jacobian(q[None])[0])[2][aim.rank])
 
 
 def _pull(robot: Robot, task: Task, strength: float) -> Pull | None:
@@ -199,17 +226,18 @@ def _pull(robot: Robot, task: Task, strength: float) -> Pull | None:
     rank, scale = generic_rank(robot, task), joint_scale(robot, task)
 
     def pull(q: Array) -> Array:
-        parts = block(robot, q, task, rank - 1)
-        slope = parts.d[0, 0] * scale
-        size = float(np.linalg.norm(slope))
-        weak = min(1.0, (_PULLED / max(float(parts.sigma[rank - 1]), 1e-12)) ** 2)
+        sigma, slopes = rising(robot, task, q[None], rank)
+        slope, size = slopes[0], float(np.linalg.norm(slopes[0]))
+        weak = min(1.0, (_PULLED / max(float(sigma[0]), 1e-12)) ** 2)
         return np.asarray(strength * weak * scale * slope / max(size, 1e-12))
 
     return pull
 
 
 def null_spaces(tool: ToolPath, told: Told) -> Ranking:
-    """The same tool path with other null-space motion: begun elsewhere on the self-motion, pulled to larger σ."""
+    """The same tool path with other null-space motion: from the same start, planned over the self-motions; pulled to
+    larger σ; begun elsewhere on the self-motion.
+    """
     robot, task = tool.robot, tool.task
     if robot.n <= generic_rank(robot, task):
         return Ranking(0, [], {})
@@ -227,7 +255,11 @@ def null_spaces(tool: ToolPath, told: Told) -> Ranking:
                     Parameter("pull to larger σ", strength, ""),
                 )  # fmt: skip
 
-    return ranked(candidates(), len(starts) * len(_PULLS), told)
+    ranking = ranked(candidates(), len(starts) * len(_PULLS), told)
+    if not _plan(ranking, tool, [tool.q[0]], told, around=False) and not ranking.found:
+        _plan(ranking, tool, [tool.q[0]], told, around=True)
+    ranking.found.sort(key=lambda one: (not (one.kept and one.room >= _ENOUGH), -one.room))
+    return ranking
 
 
 def shifts(tool: ToolPath, most: float, told: Told) -> Ranking:

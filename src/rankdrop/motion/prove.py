@@ -244,11 +244,11 @@ def _undecided(along: Along, pieces: Pieces, work: _Work, singular: float) -> tu
     return pieces[~free & ~stuck], pieces[stuck & ~free]
 
 
-def _stuck(along: Along, pieces: Pieces, found: Enclosed, length: Array, singular: float) -> NDArray[np.bool_]:
+def _stuck(along: Along, pieces: Pieces, enclosed: Enclosed, length: Array, singular: float) -> NDArray[np.bool_]:
     """Pieces that halving does not help: narrow ones, and those singular to rounding wherever one looks."""
     stuck = length <= NARROW
-    hopeless = ~found.free & ~stuck & ~regular(found.sigma, _HOPELESS * found.floor)
-    hopeless |= ~found.free & ~stuck & (found.sigma[:, -1] <= singular)
+    hopeless = ~enclosed.free & ~stuck & ~regular(enclosed.sigma, _HOPELESS * enclosed.floor)
+    hopeless |= ~enclosed.free & ~stuck & (enclosed.sigma[:, -1] <= singular)
     rows = np.flatnonzero(hopeless)
     if len(rows):
         quarters = np.array([0.0, 0.25, 0.75, 1.0])

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,11 +17,14 @@ from rankdrop.families.anywhere import QUICK
 from rankdrop.families.measured import Ruler, at_least
 from rankdrop.family.record import family_in_metres
 from rankdrop.local.block import generic_rank, singular_values
-from rankdrop.motion.data import VERDICTS, PathData
+from rankdrop.motion.data import VERDICTS
 from rankdrop.motion.stretches import outer
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.parts import known_families
 from rankdrop.units import heading, in_metres, into_metres, task_in_metres
+
+if TYPE_CHECKING:
+    from rankdrop.motion.result import PathCheck
 
 SCHEMA = "rankdrop/path-rows/1"
 FORMATS = (".parquet", ".json", ".csv")
@@ -54,34 +57,34 @@ class PathRows:
         }  # fmt: skip
 
 
-def path_rows(found: PathData, analysis: Analysis | None = None) -> PathRows:
+def path_rows(check: PathCheck, analysis: Analysis | None = None) -> PathRows:
     """Joint values, verdict, nearest family, distances, σ and rates at every row.
 
     The verdict of a row is the worst of the way from it to the next row: what lies between two rows is lost in neither.
     Distances are measured at every row, about 1 ms each where families are of coupled joints.
 
     Args:
-        found: from `check_path` or `check_poses`.
+        check: from `check_path` or `check_poses`.
         analysis: the families that it was judged with; else from the catalogue.
     """
-    robot, task, curve = found.robot, found.task, found.curve
-    count = found.rows
+    robot, task, curve = check.robot, check.task, check.curve
+    count = check.rows
     q = np.concatenate([curve.control[:, 0], curve.control[-1:, -1]])[:count]
     times = None if curve.times is None else curve.times[:count]
-    families, _ = known_families(robot, task, analysis, found.settings.tolerances)
+    families, _ = known_families(robot, task, analysis, check.settings.tolerances)
     there, there_task, moved = in_metres(robot), task_in_metres(task, robot), into_metres(robot, q)
     known = families if there is robot else [family_in_metres(one, robot) for one in families]
-    near = outer(known, there, there_task, found.settings.tolerances)
-    ruler = Ruler(near, there, there_task, limits=found.settings.limits, starts=QUICK)
+    near = outer(known, there, there_task, check.settings.tolerances)
+    ruler = Ruler(near, there, there_task, limits=check.settings.limits, starts=QUICK)
     which, far = ruler.measure(moved, along=True).nearest()
     rank = generic_rank(there, there_task)
     sigma = singular_values(there, moved, there_task)[:, rank - 1] if rank else np.zeros(count)
-    verdict, factor = _of_stretches(found, count)
+    verdict, factor = _of_stretches(check, count)
     parts: list[tuple[str, Any, str]] = [("row", np.arange(1, count + 1), "number of the sample, from 1")]
     if times is not None:
         parts.append(("time_s", times, "of the sample"))
-    if found.tool is not None:
-        parts.append(("pose", found.tool.place[:count], "number of the pose, from 1, with the share of the way on"))
+    if check.tool is not None:
+        parts.append(("pose", check.tool.place[:count], "number of the pose, from 1, with the share of the way on"))
     for j, joint in enumerate(robot.variables):
         parts.append((f"q_{joint.name}_{joint.unit}", q[:, j], f"value of {joint.name}"))
     parts += [
@@ -90,19 +93,19 @@ def path_rows(found: PathData, analysis: Analysis | None = None) -> PathRows:
         ("family_name", [near[k].name if k >= 0 else None for k in which.tolist()], "its name"),
         ("distance_rad", far, "to the nearest singular configuration known or found; slides by the length scale"),
         ("at_least_rad", at_least(there, moved, there_task), "no singular configuration is nearer: proven"),
-        ("sigma", sigma, f"σ{rank}, translation divided by {found.settings.length_scale:.6g} m"),
+        ("sigma", sigma, f"σ{rank}, translation divided by {check.settings.length_scale:.6g} m"),
     ]
     if times is not None:
         parts.append(("speed_factor", factor, "largest, at most 1, that keeps the velocity limits on its stretch"))
     return PathRows({name: values for name, values, _ in parts}, {name: words for name, _, words in parts},
-                    robot.name, found.verdict, found.settings.version)  # fmt: skip
+                    robot.name, check.verdict, check.settings.version)  # fmt: skip
 
 
-def _of_stretches(found: PathData, count: int) -> tuple[list[str], Any]:
+def _of_stretches(check: PathCheck, count: int) -> tuple[list[str], Any]:
     """Worst verdict, and least speed factor, between each row and the next."""
     worst = np.full(count, len(VERDICTS))
     factor = np.full(count, np.nan)
-    for one in found.stretches:
+    for one in check.stretches:
         first = one.start.row - 1
         last = one.end.row - 1 if one.end.share > 0.0 or one.end.row == one.start.row else one.end.row - 2
         if one.end.row >= count:

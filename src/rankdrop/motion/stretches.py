@@ -35,11 +35,11 @@ _SPOTS = 12  # families that are named, and nearest points that are searched, wi
 _TOLD = 40  # meetings whose lost motions are told
 
 
-def _badness(one: Stretch) -> tuple[object, ...]:
+def _badness(stretch: Stretch) -> tuple[object, ...]:
     """Worst first; free stretches that lead to a meeting say least and come last."""
     order = {"crossing": 0, "touching": 1, "undecided": 2, FREE: 3}
-    leads = one.verdict == FREE and one.closest.distance < LEADS
-    return order[one.verdict], leads, one.closest.distance, one.start.row, one.start.share
+    leads = stretch.verdict == FREE and stretch.closest.distance < LEADS
+    return order[stretch.verdict], leads, stretch.closest.distance, stretch.start.row, stretch.start.share
 
 
 def outer(families: Sequence[Family], robot: Robot, task: Task, tolerances: Tolerances) -> tuple[Family, ...]:
@@ -237,27 +237,30 @@ class Survey:
         number, name = self._named(foot, nearest.corank)
         return number, name, foot, nearest.distance
 
-    def _met(self, one: Meeting, *, told: bool) -> Stretch:
+    def _met(self, meeting: Meeting, *, told: bool) -> Stretch:
         """A crossing, a touch, or a part that is undecided."""
         name, number, null = "", "", np.nan
         lost: tuple[str, ...] = ()
-        if one.corank:
-            number, name = self._named(one.q, one.corank)
-            null = self._null_share(one)
+        if meeting.corank:
+            number, name = self._named(meeting.q, meeting.corank)
+            null = self._null_share(meeting)
             if told:
-                framed = lost_seen_from(self.robot, one.q, self.task, one.corank, self.settings.frame)
+                framed = lost_seen_from(self.robot, meeting.q, self.task, meeting.corank, self.settings.frame)
                 lost = tuple(words(row, framed.name, counted_length(self.asked)) for row in framed.directions)
-        distance, foot = 0.0, one.q
-        if one.kind == UNDECIDED:
-            family, far, feet = self._nearest(one.q[None])
+        distance, foot = 0.0, meeting.q
+        if meeting.kind == UNDECIDED:
+            family, far, feet = self._nearest(meeting.q[None])
             distance, foot = np.inf, np.zeros(0)
             if family[0] >= 0:
                 distance, foot = float(far[0]), feet[0]
                 number, name = self._near[family[0]].id, self._near[family[0]].name
-        closest = Closest(self._told(one.at), one.q, distance, foot, self._sigma(one.q), self._weak(one.at, one.q))
+        closest = Closest(
+            self._told(meeting.at), meeting.q, distance, foot, self._sigma(meeting.q), self._weak(meeting.at, meeting.q)
+        )
         return self._stretch(
-            one.start, one.end, one.kind, number, name, closest, one.corank, one.how, lies=one.lies, lost=lost,
-            null_share=null, bracket=(self._told(one.bracket[0]), self._told(one.bracket[1])),
+            meeting.start, meeting.end, meeting.kind, number, name, closest, meeting.corank, meeting.how,
+            lies=meeting.lies, lost=lost, null_share=null,
+            bracket=(self._told(meeting.bracket[0]), self._told(meeting.bracket[1])),
         )  # fmt: skip
 
     def _stretch(
@@ -324,10 +327,10 @@ class Survey:
             return np.nan
         return float(abs(decompose(self.robot, q, self.task).u[:, self._rank - 1] @ travel) / size)
 
-    def _null_share(self, one: Meeting) -> float:
-        motion = self._travel(one.at)
+    def _null_share(self, meeting: Meeting) -> float:
+        motion = self._travel(meeting.at)
         size = float(np.linalg.norm(motion))
         if size == 0.0:
             return np.nan
-        still = decompose(self.robot, one.q, self.task).v[:, self._rank - one.corank : self._rank]
+        still = decompose(self.robot, meeting.q, self.task).v[:, self._rank - meeting.corank : self._rank]
         return float(np.linalg.norm(still.T @ motion) / size)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +16,9 @@ from rankdrop.motion.inverse import Aim
 from rankdrop.motion.trajectory import ROW_SECONDS, Trajectory
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+
+Run = Callable[["ToolPath"], Followed]
+"""A joint path at the places of a tool path, however many."""
 
 _FINE = 0.01  # joint motion between two places of a new joint path [rad; slides divided by the length scale]
 _RESOLVED = 0.5  # … and in shares of the way to the nearest singularity, to first order
@@ -52,9 +56,18 @@ class ToolPath:
         """Some places, evenly along the length of the joint path, the ends among them."""
         if len(self.place) <= _COARSE:
             return self
-        until = np.concatenate([[0.0], np.cumsum(self._steps(self.q))]) + 1e-9 * np.arange(len(self.q))
+        until = self.lengths
         rows = np.unique(np.searchsorted(until, np.linspace(0.0, until[-1], _COARSE)).clip(0, len(until) - 1))
         return self._with(self.place[rows])
+
+    def spread(self, count: int) -> ToolPath:
+        """So many places, evenly along the length of the joint path, samples or not."""
+        return self._with(np.interp(np.linspace(0.0, self.lengths[-1], count), self.lengths, self.place))
+
+    @property
+    def lengths(self) -> Array:
+        """(K,) of the joint path up to each place, increasing [rad; slides divided by the length scale]."""
+        return np.concatenate([[0.0], np.cumsum(self._steps(self.q) + 1e-9)])
 
     def shifted(self, left: Array, right: Array) -> ToolPath:
         """The tool's path left · T · right: the base moved by left⁻¹, or the tool held in another way."""
@@ -70,13 +83,13 @@ class ToolPath:
         """The joint path on the branch of a start."""
         return follow(self.robot, self.poses, start, self.task, limits=self.limits, pull=pull)
 
-    def refined(self, start: Array, pull: Pull | None = None) -> tuple[ToolPath, Followed]:
-        """The same with more places where the new joint path moves far between two, or far for how near it is to a
+    def refined(self, run: Run) -> tuple[ToolPath, Followed]:
+        """A joint path at more places where it moves far between two, or far for how near it is to a
         singularity: a path that bounces off one comes nearer with every place, and is not complete.
         """
         tool, rank = self, generic_rank(self.robot, self.task)
         for _ in range(_ROUNDS):
-            found = tool.followed(start, pull)
+            found = run(tool)
             if not found.complete:
                 break
             far = room(self.robot, self.task, found.q, rank)
@@ -161,9 +174,21 @@ def room(robot: Robot, task: Task, q: Array, rank: int) -> Array:
         q: (N, n) configurations.
         rank: r, the generic rank.
     """
+    sigma, slope = rising(robot, task, q, rank)
+    return np.asarray(sigma / np.maximum(np.linalg.norm(slope, axis=1), 1e-2))
+
+
+def rising(robot: Robot, task: Task, q: Array, rank: int) -> tuple[Array, Array]:
+    """(N,) σ_r and (N, n) its gradient by scaled joint variables, aᵀ D b with F = a σ_r bᵀ + …: the bases of the block
+    of a redundant arm are no singular vectors.
+
+    Args:
+        robot, task, q, rank: as in `room`.
+    """
     parts = block(robot, q, task, rank - 1)
-    slope = np.linalg.norm(parts.d[:, 0, 0] * joint_scale(robot, task), axis=1)
-    return np.asarray(parts.sigma[:, rank - 1] / np.maximum(slope, 1e-2))
+    a, _, b = np.linalg.svd(parts.f, full_matrices=False)
+    slope = np.einsum("np,npsk,ns->nk", a[:, :, 0], parts.d, b[:, 0])
+    return parts.sigma[:, rank - 1], slope * joint_scale(robot, task)
 
 
 def joints_at(path: Curve, place: Array) -> Array:

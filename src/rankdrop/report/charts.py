@@ -45,17 +45,17 @@ def slice_chart(robot: Robot, plane: Slice, colours: dict[str, int]) -> str:
     return chart.svg(parts, f"Slice of joint space, {labels[0]} across and {labels[1]} up: curves or dots of {seen}")
 
 
-def projections(robot: Robot, one: Solid, index: int) -> list[str]:
+def projections(robot: Robot, solid: Solid, index: int) -> list[str]:
     """Curves in the cube of three joints seen along each axis (AM Figure 5a)."""
-    names = [names_of(robot)[number - 1] for number in one.joints]
+    names = [names_of(robot)[number - 1] for number in solid.joints]
     found = []
     for a, b in ((0, 1), (1, 2), (0, 2)):
         ends = (-pi * 1.04, pi * 1.04)
         chart = Chart(ends, ends, width=250, height=250)
-        lines = [piece[:, [a, b]] for line in one.curves for piece in pieces(line)]
+        lines = [piece[:, [a, b]] for line in solid.curves for piece in pieces(line)]
         parts = [chart.axes((f"{names[a]} [rad]", f"{names[b]} [rad]"), (angle_ticks(*ends), angle_ticks(*ends)))]
         parts.append(chart.path(lines, "curve", colour(index)))
-        seen = f"{one.family}: the curves seen along the third joint, {names[a]} across and {names[b]} up"
+        seen = f"{solid.family}: the curves seen along the third joint, {names[a]} across and {names[b]} up"
         found.append(chart.svg(parts, seen))
     return found
 

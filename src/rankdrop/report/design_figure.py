@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 _ROW = 3  # maps beside each other
 
 
-def axes_of(found: Designs, names: tuple[str, ...]) -> tuple[int, int]:
+def axes_of(designs: Designs, names: tuple[str, ...]) -> tuple[int, int]:
     """The two parameters of a map, from 0: those named, else the first two; the same one twice where there is one.
 
     Raises:
         OptionError: no such parameter, or not two of them.
     """
-    known = [one.name for one in found.parameters]
+    known = [one.name for one in designs.parameters]
     for name in names:
         if name not in known:
             raise OptionError("there is no such parameter", where="over", got=name, allowed=", ".join(known))
@@ -44,27 +44,27 @@ def label(parameter: Parameter) -> str:
     return f"{parameter.name} [{'°' if parameter.measure == 'angle' else 'm'}]"
 
 
-def maps_of(found: Designs) -> list[tuple[str, Array]]:
+def maps_of(designs: Designs) -> list[tuple[str, Array]]:
     """(name, (V,) values) of what is drawn: the measures that differ, and the number of the set of families."""
     maps = []
-    for name in found.measures:
-        values = np.array([np.nan if x is None else float(x) for x in found.values(name)])
+    for name in designs.measures:
+        values = np.array([np.nan if x is None else float(x) for x in designs.values(name)])
         if np.isfinite(values).any():
             percent = UNITS[name] == "share"
             maps.append((f"{name} [%]", 100 * values) if percent else (name, values))
-    if len(found.structures) > 1:
-        sets = np.full(len(found.records), np.nan)
-        for number, one in enumerate(found.structures, 1):
+    if len(designs.structures) > 1:
+        sets = np.full(len(designs.records), np.nan)
+        for number, one in enumerate(designs.structures, 1):
             sets[list(one.variants)] = number
         maps.append(("set of families", sets))
     return maps
 
 
-def design_figure(found: Designs, over: tuple[str, ...] = ()) -> Figure:
+def design_figure(designs: Designs, over: tuple[str, ...] = ()) -> Figure:
     """One map for each measure over two parameters; variants that no other one beats are ringed.
 
     Args:
-        found: the sweep.
+        designs: the sweep.
         over: names of two parameters; () for the first two. Of further parameters all values are drawn in one place.
 
     Raises:
@@ -75,26 +75,26 @@ def design_figure(found: Designs, over: tuple[str, ...] = ()) -> Figure:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtraError("matplotlib", None, "a figure of a sweep") from error
-    first, second = axes_of(found, over)
-    x, y = (in_shown_units(found.parameters[k], np.array([one["values"][k] for one in found.records]))
+    first, second = axes_of(designs, over)
+    x, y = (in_shown_units(designs.parameters[k], np.array([one["values"][k] for one in designs.records]))
             for k in (first, second))  # fmt: skip
-    maps = maps_of(found)
+    maps = maps_of(designs)
     rows = max(1, ceil(len(maps) / _ROW))
     drawn = Figure(figsize=(3.4 * min(_ROW, max(1, len(maps))), 2.9 * rows + 0.3))
     for place, (name, values) in enumerate(maps, 1):
         axes: Any = drawn.add_subplot(rows, min(_ROW, len(maps)), place)
         single = first == second
         high = values if single else y
-        mark = "s" if found.kind == "grid" else "o"
+        mark = "s" if designs.kind == "grid" else "o"
         dots = axes.scatter(x, high, c=values, s=_size(len(x)), marker=mark, cmap="viridis")
-        best = [i for i in found.pareto if np.isfinite(values[i])]
+        best = [i for i in designs.pareto if np.isfinite(values[i])]
         axes.scatter(x[best], high[best], s=1.8 * _size(len(x)), facecolors="none", edgecolors="#D55E00", lw=1.0)
         drawn.colorbar(dots, ax=axes).ax.tick_params(labelsize=6)
         axes.set_title(name, fontsize=8)
-        axes.set_xlabel(label(found.parameters[first]), fontsize=7)
-        axes.set_ylabel(name if single else label(found.parameters[second]), fontsize=7)
+        axes.set_xlabel(label(designs.parameters[first]), fontsize=7)
+        axes.set_ylabel(name if single else label(designs.parameters[second]), fontsize=7)
         axes.tick_params(labelsize=6)
-    drawn.suptitle(f"{found.robot}: {len(found.records):,} variants", fontsize=9)
+    drawn.suptitle(f"{designs.robot}: {len(designs.records):,} variants", fontsize=9)
     drawn.tight_layout()
     return drawn
 

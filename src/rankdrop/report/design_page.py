@@ -20,58 +20,58 @@ _DRAWN = 20_000  # variants on one map
 _LISTED = 5_000  # variants in the table
 
 
-def design_page(found: Designs, over: tuple[str, ...] = ()) -> str:
+def design_page(designs: Designs, over: tuple[str, ...] = ()) -> str:
     """The whole page as text: it stands alone.
 
     Args:
-        found: the sweep.
+        designs: the sweep.
         over: names of the two parameters of the maps; () for the first two.
 
     Raises:
         OptionError: no such parameter.
     """
-    css = "good" if found.holds else "bad"
+    css = "good" if designs.holds else "bad"
     facts = [
-        ("variants", f"{len(found.records):,} ({found.kind})"),
-        ("parameters", ", ".join(one.name for one in found.parameters)),
-        ("task", f"{found.task}, σ with lengths divided by {found.length_scale:.4g} m"),
-        ("better", ", ".join(f"{want} {name}" for name, want in found.goals.items()) or "nothing was said"),
+        ("variants", f"{len(designs.records):,} ({designs.kind})"),
+        ("parameters", ", ".join(one.name for one in designs.parameters)),
+        ("task", f"{designs.task}, σ with lengths divided by {designs.length_scale:.4g} m"),
+        ("better", ", ".join(f"{want} {name}" for name, want in designs.goals.items()) or "nothing was said"),
     ]
     cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     header = (
-        f'<header><h1>{escape(found.robot)}: designs</h1><p class="{css}">{escape(found.sentence)}</p>'
+        f'<header><h1>{escape(designs.robot)}: designs</h1><p class="{css}">{escape(designs.sentence)}</p>'
         f'<dl class="facts">{cells}</dl></header>'
     )
-    sections = list(found.sections())
+    sections = list(designs.sections())
     body = (
-        f'{header}<main><section id="maps"><h2>Maps</h2>{_maps(found, over)}</section>'
+        f'{header}<main><section id="maps"><h2>Maps</h2>{_maps(designs, over)}</section>'
         f'<section id="words"><h2>In words</h2><div class="scroll">{html(sections[1:-1])}</div></section>'
-        f'<section id="variants"><h2>Every variant</h2><div class="scroll">{_table(found)}</div></section></main>'
+        f'<section id="variants"><h2>Every variant</h2><div class="scroll">{_table(designs)}</div></section></main>'
     )
-    return whole_page(f"{found.robot}: designs", body, {}, (), version=VERSION)
+    return whole_page(f"{designs.robot}: designs", body, {}, (), version=VERSION)
 
 
-def _maps(found: Designs, over: tuple[str, ...]) -> str:
-    first, second = axes_of(found, over)
-    values = np.array([one["values"] for one in found.records], dtype=np.float64)
+def _maps(designs: Designs, over: tuple[str, ...]) -> str:
+    first, second = axes_of(designs, over)
+    values = np.array([one["values"] for one in designs.records], dtype=np.float64)
     charts = []
-    for name, numbers in maps_of(found):
-        x = in_shown_units(found.parameters[first], values[:, first])
-        y = numbers if first == second else in_shown_units(found.parameters[second], values[:, second])
-        names = (label(found.parameters[first]), name if first == second else label(found.parameters[second]))
-        charts.append(f"<figure><figcaption>{escape(name)}</figcaption>{_map(found, x, y, numbers, names)}</figure>")
+    for name, numbers in maps_of(designs):
+        x = in_shown_units(designs.parameters[first], values[:, first])
+        y = numbers if first == second else in_shown_units(designs.parameters[second], values[:, second])
+        names = (label(designs.parameters[first]), name if first == second else label(designs.parameters[second]))
+        charts.append(f"<figure><figcaption>{escape(name)}</figcaption>{_map(designs, x, y, numbers, names)}</figure>")
     told = '<p class="small">Every dot is a variant; ringed are those that no other one beats.</p>'
     return f'<div class="cards">{"".join(charts)}</div>{told}' if charts else "<p>Nothing was measured.</p>"
 
 
-def _map(found: Designs, x: Array, y: Array, numbers: Array, names: tuple[str, str]) -> str:
+def _map(designs: Designs, x: Array, y: Array, numbers: Array, names: tuple[str, str]) -> str:
     there = np.flatnonzero(np.isfinite(numbers) & np.isfinite(y))[:_DRAWN]
     ends = tuple(_padded(values[there]) for values in (x, y))
     chart = Chart(ends[0], ends[1])
     low, high = float(numbers[there].min()), float(numbers[there].max())
     radius = float(np.clip(260.0 / max(len(there), 1) ** 0.5 / 2, 1.5, 14.0))
     parts = [chart.axes(names, (plain_ticks(*ends[0]), plain_ticks(*ends[1])))]
-    best = set(found.pareto)
+    best = set(designs.pareto)
     for i, (across, down) in zip(there.tolist(), chart.place(np.stack([x[there], y[there]], axis=1)), strict=True):
         ring = ' stroke="#D55E00" stroke-width="2"' if i in best else ""
         tone = _tone((numbers[i] - low) / (high - low) if high > low else 0.5)
@@ -98,18 +98,18 @@ def _swatch(share: float) -> str:
     return f'<i class="dot" style="background:{_tone(share)}"></i>'
 
 
-def _table(found: Designs) -> str:
-    names = found.measures
-    heads = ["variant", *(one.name for one in found.parameters), *names, ""]
+def _table(designs: Designs) -> str:
+    names = designs.measures
+    heads = ["variant", *(one.name for one in designs.parameters), *names, ""]
     rows = []
-    best = set(found.pareto)
-    for record in found.records[:_LISTED]:
-        values = [shown(x, one) for x, one in zip(record["values"], found.parameters, strict=True)]
+    best = set(designs.pareto)
+    for record in designs.records[:_LISTED]:
+        values = [shown(x, one) for x, one in zip(record["values"], designs.parameters, strict=True)]
         told = [measure_text(name, record["measures"].get(name)) for name in names]
         note = record["error"] or ("none beats it" if record["number"] in best else "")
         cells = [str(record["number"] + 1), *values, *told, note]
         rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
-    left = len(found.records) - _LISTED
+    left = len(designs.records) - _LISTED
     more = f"<p>and {left:,} more, in the JSON and the Parquet files</p>" if left > 0 else ""
     head = "".join(f"<th>{escape(name)}</th>" for name in heads)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>{more}"

@@ -36,7 +36,10 @@ def exact_section(content: Content) -> str:
         escape(f"Lengths: {numbers}." if numbers else ""),
         escape(f"Offsets: {', '.join(shifts)}." if shifts else ""),
     ]
-    if found.families:
+    if not found.families:
+        same = f"No family: the rank is {found.generic_rank} at every configuration."
+        words.append(same if found.verified else "No family was derived.")
+    else:
         words.append(
             f"The rank was checked modulo a prime at random points of every family, and {found.explained.agree:,} of "
             f"{found.explained.tested:,} singular configurations found numerically lie on one (seed "
@@ -55,16 +58,17 @@ def exact_section(content: Content) -> str:
     return f'{head}{told}<div class="exacts">{"".join(map(_exact_family, found.families))}</div>{left}</section>'
 
 
-def _joined(found: Comparison) -> str:
+def _joined(comparison: Comparison) -> str:
     """Those that the analysis holds, derived with it and held against its families."""
-    letters = letters_text(found.letters)
+    letters = letters_text(comparison.letters)
     told = (
-        f"Derived exactly and held against the families found: {found.status}. {found.numeric.agree:,} of "
-        f"{found.numeric.tested:,} points of the families lie on an exact one, {found.exact.agree:,} of "
-        f"{found.exact.tested:,} points of the exact ones on a family.{' Lengths: ' + letters + '.' if letters else ''}"
+        f"Derived exactly and held against the families found: {comparison.status}. {comparison.numeric.agree:,} of "
+        f"{comparison.numeric.tested:,} points of the families lie on an exact one, {comparison.exact.agree:,} of "
+        f"{comparison.exact.tested:,} points of the exact ones on a family."
+        f"{' Lengths: ' + letters + '.' if letters else ''}"
     )
-    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in found.disagreements)
-    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, found.families))}</div>{wrong}'
+    wrong = "".join(f'<p class="bad">Disagreement: {_cut(one)}</p>' for one in comparison.disagreements)
+    return f'<p>{escape(told)}</p><div class="exacts">{"".join(map(_exact_family, comparison.families))}</div>{wrong}'
 
 
 def _cut(text: str) -> str:

@@ -37,12 +37,14 @@ def page(content: Content) -> str:
     """The whole page as text. It asks for nothing from anywhere: its own policy forbids it."""
     analysis = content.analysis
     title = f"{analysis.robot.name}: singularities"
-    links = "".join(f'<a href="#{target}">{name}</a>' for target, name in _NAVIGATION)
     sections = (
         _arm(content), _tables(content), exact_section(content), _beside(content), slice_section(content),
         solid_section(content), workspace_section(content), line_section(content), verification_section(content),
     )  # fmt: skip
-    body = f'{_header(content)}<nav aria-label="sections"><div>{links}</div></nav><main>{"".join(sections)}</main>'
+    whole = "".join(sections)
+    there = [(target, name) for target, name in _NAVIGATION if f'<section id="{target}"' in whole]
+    links = "".join(f'<a href="#{target}">{name}</a>' for target, name in there)
+    body = f'{_header(content)}<nav aria-label="sections"><div>{links}</div></nav><main>{whole}</main>'
     return whole_page(title, body, page_data(content), SCRIPTS, version=analysis.settings.version)
 
 
@@ -129,7 +131,8 @@ def _arm(content: Content) -> str:
         '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" role="group" tabindex="0" '
         f'aria-label="families">{buttons}<button id="home">start posture</button></div><div class="stage">'
         '<canvas id="arm" role="img" tabindex="0" aria-label="The arm"></canvas>'
-        '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Orange: axes to blame.'
+        '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Both in one '
+        "colour: one lost direction that mixes them. Orange: axes to blame."
         '<span class="screen"> Drag or use the arrow keys to turn, double click to turn back.</span></div></div>'
         '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="told"></div>'
         f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}{_meshes_box(content)}'
@@ -192,9 +195,9 @@ def _tables(content: Content) -> str:
             f"</canvas><h4>{family.id}&ensp;{escape(family.name)}</h4>{lost}{blame}"
             f'<button data-go="{family.id}" data-far>show above</button></div>'
         )
+    shown = f'<h3>The arm at each witness</h3><div class="cards">{"".join(cards)}</div>' if cards else ""
     return (
         '<section id="tables"><h2>Families of singularities</h2><p>Every row is a set of configurations at which the '
         "arm loses freedoms, with the conditions on its joints. Corank is the number of freedoms lost.</p>"
-        f"{corank_tables(content.analysis, content.exact)}<h3>The arm at each witness</h3>"
-        f'<div class="cards">{"".join(cards)}</div></section>'
+        f"{corank_tables(content.analysis, content.exact)}{shown}</section>"
     )

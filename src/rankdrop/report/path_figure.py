@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError
-from rankdrop.motion import CROSSING, FREE, TOUCHING, UNDECIDED, PathData, Place
+from rankdrop.motion import CROSSING, FREE, TOUCHING, UNDECIDED, PathCheck, Place
 from rankdrop.robot import Array
 
 if TYPE_CHECKING:
@@ -18,11 +18,11 @@ TONES = {FREE: "#009E73", CROSSING: "#D55E00", TOUCHING: "#CC79A7", UNDECIDED: "
 _MARKS = {CROSSING: "X", TOUCHING: "v", UNDECIDED: "s"}
 
 
-def path_figure(found: PathData) -> Figure:
+def path_figure(check: PathCheck) -> Figure:
     """Distance to the nearest known family, σ_r, and the share of the velocity limits, over time or rows.
 
     Args:
-        found: from `check_path`.
+        check: from `check_path`.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
@@ -31,7 +31,7 @@ def path_figure(found: PathData) -> Figure:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise MissingExtraError("matplotlib", None, "a figure of a path") from error
-    profile = found.profile
+    profile = check.profile
     x = profile.position if profile.time is None else profile.time
     panels: list[tuple[str, Array]] = [("distance [rad]", profile.distance), ("σ", profile.sigma)]
     if np.isfinite(profile.rates).any():
@@ -40,10 +40,10 @@ def path_figure(found: PathData) -> Figure:
     drawn = Figure(figsize=(6.4, 0.6 + 1.3 * len(panels)))
     for k, (name, values) in enumerate(panels):
         axes = drawn.add_subplot(len(panels), 1, k + 1)
-        _colour(axes, found, legend=k == 0)
+        _colour(axes, check, legend=k == 0)
         axes.plot(x, values, color="black", lw=1.0)
-        if name == "distance [rad]" and found.settings.min_distance > 0.0:
-            axes.axhline(found.settings.min_distance, color="black", lw=0.7, ls=":")
+        if name == "distance [rad]" and check.settings.min_distance > 0.0:
+            axes.axhline(check.settings.min_distance, color="black", lw=0.7, ls=":")
         if name == "rate / limit":
             axes.axhline(1.0, color="black", lw=0.7, ls=":")
         axes.set_ylabel(name, fontsize=8)
@@ -54,15 +54,15 @@ def path_figure(found: PathData) -> Figure:
             axes.set_xticklabels([])
     if panels:
         axes.set_xlabel("row" if profile.time is None else "time [s]", fontsize=8)
-    drawn.suptitle(f"{found.robot.name}: {found.verdict}", fontsize=9)
+    drawn.suptitle(f"{check.robot.name}: {check.verdict}", fontsize=9)
     drawn.tight_layout()
     return drawn
 
 
-def _colour(axes: Any, found: PathData, *, legend: bool) -> None:
+def _colour(axes: Any, check: PathCheck, *, legend: bool) -> None:
     """Bands of the stretches; marks on the axis where one is too short to be seen."""
     named: set[str] = set()
-    for one in found.stretches:
+    for one in check.stretches:
         low, high = _at(one.start), _at(one.end)
         axes.axvspan(low, high, color=TONES[one.verdict], alpha=0.18, lw=0)
         mark = _MARKS.get(one.verdict)

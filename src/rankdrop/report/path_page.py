@@ -22,47 +22,47 @@ _LISTED = 60  # stretches that have a button
 _DIGITS = 7  # of joint values and numbers
 
 
-def path_page(found: PathCheck) -> str:
+def path_page(check: PathCheck) -> str:
     """The whole page as text: it stands alone.
 
     Args:
-        found: from `check_path` or `check_poses`.
+        check: from `check_path` or `check_poses`.
     """
-    robot = found.robot
-    css = "good" if found.holds else "bad"
+    robot = check.robot
+    css = "good" if check.holds else "bad"
     facts = [
-        ("rows", f"{found.rows:,}, {found.settings.interpolate} between them"),
-        ("proven free", f"{found.free_words} of its length"),
-        ("task", f"{found.task.name}, σ with lengths divided by {found.settings.length_scale:.4g} m"),
+        ("rows", f"{check.rows:,}, {check.settings.interpolate} between them"),
+        ("proven free", f"{check.free_words} of its length"),
+        ("task", f"{check.task.name}, σ with lengths divided by {check.settings.length_scale:.4g} m"),
     ]
-    if found.curve.times is not None:
-        facts.insert(1, ("lasts", f"{found.curve.times[-1] - found.curve.times[0]:.6g} s"))
+    if check.curve.times is not None:
+        facts.insert(1, ("lasts", f"{check.curve.times[-1] - check.curve.times[0]:.6g} s"))
     cells = "".join(f"<div><dt>{name}</dt><dd>{escape(text)}</dd></div>" for name, text in facts)
     header = (
-        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{escape(found.verdict)}</span></h1>'
-        f'<p class="{css}">{escape(found.sentence)}</p><dl class="facts">{cells}</dl></header>'
+        f'<header><h1>{escape(robot.name)} <span class="badge {css}">{escape(check.verdict)}</span></h1>'
+        f'<p class="{css}">{escape(check.sentence)}</p><dl class="facts">{cells}</dl></header>'
     )
-    body = f'{header}<main>{_stage(found)}<section id="words"><h2>In words</h2>'
-    body += f'<div class="scroll words">{html(found.sections()[1:-1])}</div></section></main>'
+    body = f'{header}<main>{_stage(check)}<section id="words"><h2>In words</h2>'
+    body += f'<div class="scroll words">{html(check.sections()[1:-1])}</div></section></main>'
     return whole_page(
-        f"{robot.name}: a path", body, _data(found), SCRIPTS, ("page.css", "player.css"),
-        version=found.settings.version,
+        f"{robot.name}: a path", body, _data(check), SCRIPTS, ("page.css", "player.css"),
+        version=check.settings.version,
     )  # fmt: skip
 
 
-def _stage(found: PathCheck) -> str:
+def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
         f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
-        f'<span class="small">{escape(_when(found, one.start))} – {escape(_when(found, one.end))}</span></button>'
-        for i, one in enumerate(found.stretches[:_LISTED])
+        f'<span class="small">{escape(_when(check, one.start))} – {escape(_when(check, one.end))}</span></button>'
+        for i, one in enumerate(check.stretches[:_LISTED])
     )
-    left = len(found.stretches) - _LISTED
+    left = len(check.stretches) - _LISTED
     more = f'<span class="small">and {left} more</span>' if left > 0 else ""
     legend = "".join(
         f'<span><i class="dot" style="background:var({INKS[kind]})"></i>{escape(kind)}</span>'
         for kind in (FREE, CROSSING, TOUCHING, UNDECIDED)
-        if any(one.verdict == kind for one in found.stretches)
+        if any(one.verdict == kind for one in check.stretches)
     )
     return (
         '<section id="see"><h2>The arm on its path</h2><div class="see"><div class="go" aria-label="stretches">'
@@ -77,25 +77,25 @@ def _stage(found: PathCheck) -> str:
     )
 
 
-def _when(found: PathCheck, place: Place) -> str:
-    return f"row {place.row + place.share:.6g}" if found.curve.times is None else f"{place.time:.4g} s"
+def _when(check: PathCheck, place: Place) -> str:
+    return f"row {place.row + place.share:.6g}" if check.curve.times is None else f"{place.time:.4g} s"
 
 
-def _data(found: PathCheck) -> dict[str, Any]:
-    robot, profile, timed = found.robot, found.profile, found.curve.times is not None
-    extra = [one.closest.place for one in found.stretches if one.verdict != FREE or one.closest.distance < np.inf]
+def _data(check: PathCheck) -> dict[str, Any]:
+    robot, profile, timed = check.robot, check.profile, check.curve.times is not None
+    extra = [one.closest.place for one in check.stretches if one.verdict != FREE or one.closest.distance < np.inf]
     position = np.unique([*profile.position.tolist(), *(one.row + one.share for one in extra)])
-    stretch = np.clip(np.floor(position - 1.0), 0, len(found.curve.control) - 1).astype(np.int64)
+    stretch = np.clip(np.floor(position - 1.0), 0, len(check.curve.control) - 1).astype(np.int64)
     share = position - 1.0 - stretch
-    q = found.curve.at(stretch, share)
-    time = found.curve.time(stretch, share)
+    q = check.curve.at(stretch, share)
+    time = check.curve.time(stretch, share)
     x = position if time is None else time
-    at, family, series = _series(found)
-    tool = found.tool
+    at, family, series = _series(check)
+    tool = check.tool
     return {
-        "robot": robot_data(robot, found.task),
+        "robot": robot_data(robot, check.task),
         "view": first_view(robot),
-        "generic_rank": generic_rank(robot, found.task),
+        "generic_rank": generic_rank(robot, check.task),
         "live_tolerance": LIVE,
         "timed": timed,
         "x": _listed(x),
@@ -105,7 +105,7 @@ def _data(found: PathCheck) -> dict[str, Any]:
         "tip": [_listed(one) for one in np.atleast_3d(pose(robot, q))[:, :3, 3]],
         "at": _listed(at),
         "family": family,
-        "min_distance": found.settings.min_distance,
+        "min_distance": check.settings.min_distance,
         "series": [
             {"name": name, "unit": unit, "values": _listed(values)}
             for name, unit, values in series if np.isfinite(values).any()
@@ -115,16 +115,16 @@ def _data(found: PathCheck) -> dict[str, Any]:
                 "start": _x(one.start), "end": _x(one.end), "closest": _x(one.closest.place), "verdict": one.verdict,
                 "ink": INKS[one.verdict], "name": one.name, "family": one.family, "free": one.verdict == FREE,
             }
-            for one in found.stretches
+            for one in check.stretches
         ],
     }  # fmt: skip
 
 
-def _series(found: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, str, Array]]]:
+def _series(check: PathCheck) -> tuple[Array, list[str | None], list[tuple[str, str, Array]]]:
     """Places of the plots, the nearest family at each, and what is drawn: the profile, and every closest approach."""
-    profile = found.profile
+    profile = check.profile
     at = profile.position if profile.time is None else profile.time
-    known = [one for one in found.stretches if np.isfinite(one.closest.distance)]
+    known = [one for one in check.stretches if np.isfinite(one.closest.distance)]
     place = np.array([_x(one.closest.place) for one in known])
     order = np.argsort(np.concatenate([at, place]), kind="stable")
     ids = [None if i < 0 else profile.ids[i] for i in profile.family.tolist()]

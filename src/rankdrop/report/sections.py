@@ -1,8 +1,11 @@
-"""The lower sections of the page: joint space, workspace, σ along lines, verification."""
+"""The lower sections of the page: joint space, workspace, σ along lines, verification.
+
+How the numbers were checked is told in sentences with counts, seeds and tolerances.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from math import degrees
 
@@ -17,9 +20,9 @@ from rankdrop.report.charts import (
     sweep_chart,
     workspace_chart,
 )
-from rankdrop.report.checked import checks
 from rankdrop.report.content import Content
 from rankdrop.report.tables import scrolled
+from rankdrop.results import sampled, unseen
 from rankdrop.robot import Robot
 
 _WIDE = 0.5  # a family whose tips are in more than this share of the workspace fills it
@@ -34,7 +37,8 @@ def slice_section(content: Content) -> str:
         for plane in content.slices
     )
     if not figures:
-        return '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+        told = '<section id="slices"><h2>Joint space</h2><p>No family with conditions to draw.</p></section>'
+        return told if content.analysis.families else ""
     rank = content.analysis.generic_rank
     return (
         f'<section id="slices"><h2>Joint space</h2><p>Two joints move, the others are held. Shade: σ<sub>{rank}</sub>, '
@@ -119,6 +123,8 @@ def workspace_section(content: Content) -> str:
             f"<figure>{image_chart(section, points, content.colours[family])}<figcaption>{_key(content, family)} "
             f"{escape(names[family])}: {words} ({len(points):,} members).</figcaption></figure>"
         )
+    if not figures:
+        return ""
     about = "in its plane" if section.section.planar else "in section: distance from axis 1, and height along it"
     return (
         f'<section id="workspace"><h2>Workspace</h2><p>The tip {about}. Limits of turning joints are ignored, as they '
@@ -130,6 +136,8 @@ def line_section(content: Content) -> str:
     """Each joint swept through each witness."""
     analysis = content.analysis
     rank = analysis.generic_rank
+    if not analysis.families:
+        return ""
     parts = []
     for family, swept in zip(analysis.families, content.sweeps, strict=True):
         charts = "".join(sweep_chart(analysis.robot, one, family.corank) for one in swept)
@@ -156,3 +164,46 @@ def verification_section(content: Content) -> str:
         f"<p class='{'good' if content.verdict.holds else 'bad'}'>{escape(content.verdict.sentence)}</p>"
         "</section>"
     )
+
+
+def checks(content: Content) -> Iterator[str]:
+    """One sentence for each check; the residuals are evaluated anew while the report is made."""
+    analysis = content.analysis
+    settings, again = analysis.settings, analysis.residual()
+    where = "within the joint limits" if settings.limits else "in the whole joint space, joint limits ignored"
+    yield f"Search: {settings.starts:,} random starts for each corank {where}; seed {settings.seed}."
+    if analysis.families:
+        yield sampled(analysis)
+        yield (
+            f"Evaluated again for this report: at the witnesses the equations leave {again.equation:.1e} at most, the "
+            f"singular values that have to vanish {again.sigma:.1e} at most."
+        )
+    if missed := unseen(analysis):
+        yield missed
+    last = analysis.coranks[-1] if analysis.coranks else None
+    if last is not None and not last.converged:
+        met = "" if last.smallest_near_miss is None else f"; the smallest σ met was {last.smallest_near_miss:.4g}"
+        yield f"Corank {last.corank}: none found of {last.starts:,} starts{met}. That is no proof of absence."
+    yield from _drawn(content)
+    yield f"Singular values have no unit: translations are divided by {settings.length_scale:.4g} m."
+
+
+def _drawn(content: Content) -> Iterator[str]:
+    curves = sum(len(line) for plane in content.slices for trace in plane.traces for line in trace.curves)
+    points = sum(len(trace.points) for plane in content.slices for trace in plane.traces)
+    solid = sum(len(one.vertices) + sum(map(len, one.curves)) for one in content.solids)
+    images = sum(len(points) for _, points in content.workspace.images)
+    singular = content.analysis.settings.tolerances.singular
+    yield (
+        f"Drawn: {curves + points:,} points of slices, {solid:,} of sets in three joints and {images:,} members of "
+        f"families in the workspace, each with σ ≤ {singular:g} in the Jacobian (seed {content.workspace.seed})."
+    )
+    if content.exact is not None and content.exact.families:
+        ranks = [family.rank_check for family in content.exact.families]
+        agree, tested = sum(one.agree for one in ranks), sum(one.tested for one in ranks)
+        word = "nothing was left unfinished" if content.exact.complete else "not finished within its time limit"
+        yield (
+            f"Exact conditions: the rank modulo a prime is as claimed at {agree:,} of {tested:,} random points, and "
+            f"{content.exact.explained.agree:,} of {content.exact.explained.tested:,} singular configurations lie on a "
+            f"family; {word}."
+        )

@@ -49,8 +49,8 @@ def ways_out(robot: Robot, task: Task, family: Family) -> tuple[Way, ...]:
     return (*_direction(q, found.best_direction, rank), *ways[:_SINGLE])
 
 
-def _direction(q: Array, one: Direction, rank: str) -> tuple[Way, ...]:
-    if one.step == 0 or not one.restores or not one.within_limits:
+def _direction(q: Array, direction: Direction, rank: str) -> tuple[Way, ...]:
+    if direction.step == 0 or not direction.restores or not direction.within_limits:
         return ()
-    target = q + one.step * np.array(one.delta)
-    return (Way("best direction", f"{rank} = {short(one.sigma_after, 2)}", tuple(target.tolist())),)
+    target = q + direction.step * np.array(direction.delta)
+    return (Way("best direction", f"{rank} = {short(direction.sigma_after, 2)}", tuple(target.tolist())),)

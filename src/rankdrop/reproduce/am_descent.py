@@ -158,10 +158,10 @@ def paired(corank: int) -> Pairs:
     )  # fmt: skip
 
 
-def _tied(found: Search, values: int = 2, gap: float = TIED, above: float = 1e-3) -> NDArray[np.bool_]:
+def _tied(search: Search, values: int = 2, gap: float = TIED, above: float = 1e-3) -> NDArray[np.bool_]:
     """(N,) whether starts came to a tie of so many values while the driven one was above a bound."""
-    assert found.history is not None
-    sigma = found.history.sigma[:, :, found.rank :]
+    assert search.history is not None
+    sigma = search.history.sigma[:, :, search.rank :]
     near = (sigma[..., 0] - sigma[..., values - 1] < gap * sigma[..., 0]) & (sigma[..., 0] > above)
     return np.asarray(near.any(axis=1))
 

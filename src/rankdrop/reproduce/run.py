@@ -145,18 +145,18 @@ configurations and compared with what the package computes there.
 """
 
 
-def markdown(found: Reproduction) -> str:
+def markdown(reproduction: Reproduction) -> str:
     """docs/reproduced.md."""
     parts = [_HEAD, "| document | " + " | ".join(str(verdict) for verdict in Verdict) + " |"]
     parts.append("|---" * (len(Verdict) + 1) + "|")
     parts += [
-        f"| [{name}](#{name.lower()}) | " + " | ".join(str(count) for _, count in found.counts(name)) + " |"
-        for name in found.documents
+        f"| [{name}](#{name.lower()}) | " + " | ".join(str(count) for _, count in reproduction.counts(name)) + " |"
+        for name in reproduction.documents
     ]
-    for name in found.documents:
-        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}: {count_words(found.counts(name))}.", ""]
+    for name in reproduction.documents:
+        parts += ["", f"## {name}", "", f"{DOCUMENTS[name]}: {count_words(reproduction.counts(name))}.", ""]
         parts += ["| item | what | printed | ours | verdict |", "|---|---|---|---|---|"]
-        parts += [_row(item) for item in found.of(name)]
+        parts += [_row(item) for item in reproduction.of(name)]
     return "\n".join(parts) + "\n"
 
 

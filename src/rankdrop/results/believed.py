@@ -7,14 +7,12 @@ directions at the witness. What cannot be computed again without searching (shar
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from rankdrop.compare.comparison import Comparison
 from rankdrop.errors import RankdropError, ResultFileError
-from rankdrop.families.share import Near
-from rankdrop.family.record import CorankSummary, Family, Pin
+from rankdrop.family.record import Family, Pin
 from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
@@ -25,7 +23,9 @@ from rankdrop.robot.transform import rigid
 from rankdrop.schema import load_schema
 from rankdrop.schema.violations import first_violation
 from rankdrop.task import Task, resolve_task
-from rankdrop.tolerances import Tolerances
+
+if TYPE_CHECKING:
+    from rankdrop.results.analysis import Analysis
 
 T = TypeVar("T")
 _LOOSEST = 0.1  # of any tolerance; of `singular` 1e-3, as for `explain`
@@ -33,46 +33,6 @@ _LOOSEST_SINGULAR = 1e-3
 _SAME = 1e-9  # lengths of axes, entries of rotations: what decimals of a file leave
 _HIGHEST = 64  # power or harmonic of a term; those found have at most 10
 _LOST = 1e-6  # |u · J| of a direction u that is lost, with J in metres of the reach
-
-
-class _Settings(Protocol):
-    @property
-    def tolerances(self) -> Tolerances: ...
-
-
-class _Evaluated(Protocol):
-    @property
-    def equation(self) -> float: ...
-    @property
-    def sigma(self) -> float: ...
-    @property
-    def kept(self) -> float: ...
-
-
-class _Read(Protocol):
-    """What is looked at of an analysis."""
-
-    @property
-    def robot(self) -> Robot: ...
-    @property
-    def task(self) -> Task: ...
-    @property
-    def generic_rank(self) -> int: ...
-    @property
-    def settings(self) -> _Settings: ...
-    @property
-    def coranks(self) -> Sequence[CorankSummary]: ...
-    @property
-    def families(self) -> Sequence[Family]: ...
-    @property
-    def complete(self) -> bool: ...
-    @property
-    def unfinished(self) -> int | None: ...
-    @property
-    def exact(self) -> Comparison | None: ...
-    @property
-    def near(self) -> Near | None: ...
-    def residual_of(self, family: Family) -> _Evaluated: ...
 
 
 def check_record(record: Any) -> None:
@@ -108,7 +68,7 @@ def at(where: str, make: Callable[[], T]) -> T:
         raise damaged(f"{type(error).__name__}: {error}", where) from error
 
 
-def check_analysis(analysis: _Read, record: dict[str, Any]) -> None:
+def check_analysis(analysis: Analysis, record: dict[str, Any]) -> None:
     """Hold an analysis that was read against its own arm.
 
     Args:
@@ -136,7 +96,7 @@ def check_analysis(analysis: _Read, record: dict[str, Any]) -> None:
     _check_exact(analysis, ids)
 
 
-def _check_tolerances(analysis: _Read) -> None:
+def _check_tolerances(analysis: Analysis) -> None:
     for name, value in analysis.settings.tolerances.to_dict().items():
         most = _LOOSEST_SINGULAR if name == "singular" else _LOOSEST
         if value > most:
@@ -193,7 +153,7 @@ def _check_task(task: Task, robot: Robot) -> None:
         raise damaged("the point is too far away", "$.robot.frame.point", allowed=allowed_range("length"))
 
 
-def _check_coranks(analysis: _Read) -> None:
+def _check_coranks(analysis: Analysis) -> None:
     for i, row in enumerate(analysis.coranks):
         where = f"$.coranks[{i}]"
         if row.corank != i + 1 or row.rank != analysis.generic_rank - row.corank:
@@ -213,7 +173,7 @@ def _check_coranks(analysis: _Read) -> None:
         raise damaged("the unfinished corank is not the next one", "$.unfinished", analysis.unfinished)
 
 
-def _check_family(analysis: _Read, family: Family, where: str) -> None:
+def _check_family(analysis: Analysis, family: Family, where: str) -> None:
     """The family against the arm: first that its numbers fit, then the rank, the equations and what is lost."""
     robot, n = analysis.robot, analysis.robot.n
     if family.corank > len(analysis.coranks):
@@ -257,7 +217,7 @@ def _check_equations(family: Family, n: int, where: str) -> None:
                       f"{fewest} … {most}")  # fmt: skip
 
 
-def _check_rank(analysis: _Read, family: Family, where: str) -> None:
+def _check_rank(analysis: Analysis, family: Family, where: str) -> None:
     tolerances = analysis.settings.tolerances
     found = analysis.residual_of(family)
     if not found.equation <= tolerances.explained:
@@ -295,7 +255,7 @@ def _check_pin(robot: Robot, family: Family, pin: Pin, where: str, tolerance: fl
             raise damaged("the value does not satisfy the equations", f"{where}.values", value)
 
 
-def _check_near(analysis: _Read, ids: Sequence[str]) -> None:
+def _check_near(analysis: Analysis, ids: Sequence[str]) -> None:
     if analysis.near is None:
         return
     if [one.id for one in analysis.near.families] != list(ids):
@@ -305,7 +265,7 @@ def _check_near(analysis: _Read, ids: Sequence[str]) -> None:
             raise damaged("more configurations are near than there are", "$.near", row.near, f"up to {row.samples}")
 
 
-def _check_exact(analysis: _Read, ids: Sequence[str]) -> None:
+def _check_exact(analysis: Analysis, ids: Sequence[str]) -> None:
     exact, n = analysis.exact, analysis.robot.n
     if exact is None:
         return

@@ -90,10 +90,18 @@ def plain(value: Any) -> Any:
     """A record as plain data for JSON: its fields become an object, an equation its text, arrays and tuples lists,
     infinities null.
     """
+    kind = type(value)
+    if kind in _AS_IT_IS:
+        return value
+    if kind is float:
+        return number_or_null(value)
+    if kind is tuple or kind is list:
+        return [plain(one) for one in value]
+    names = _fields_of(kind)
+    if names is not None:
+        return {name: plain(getattr(value, name)) for name in names}
     if isinstance(value, Equation):
         return value.text()
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value) if field.name[0] != "_"}
     if isinstance(value, np.ndarray):
         return plain(value.tolist())
     if isinstance(value, np.generic):
@@ -107,6 +115,20 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return number_or_null(value)
     return value
+
+
+_AS_IT_IS = frozenset((str, int, bool, NoneType))
+
+
+_FIELDS: dict[type[Any], tuple[str, ...] | None] = {}
+
+
+def _fields_of(kind: type[Any]) -> tuple[str, ...] | None:
+    """The fields of a record that files hold; None for what is no record, and for an equation, which is its text."""
+    if kind not in _FIELDS:
+        record = is_dataclass(kind) and not issubclass(kind, Equation)
+        _FIELDS[kind] = tuple(one.name for one in fields(kind) if one.name[0] != "_") if record else None
+    return _FIELDS[kind]
 
 
 def restored(kind: Any, data: Any) -> Any:
@@ -267,6 +289,6 @@ def near_to_dict(near: Near) -> Record:
     return {**plain(near), "families": [_near_row(one) for one in near.families], "any": _near_row(near.any)}
 
 
-def _near_row(one: NearShare) -> Record:
-    low, high = one.interval
-    return {**plain(one), "share": one.share, "error": one.error, "low": low, "high": high}
+def _near_row(share: NearShare) -> Record:
+    low, high = share.interval
+    return {**plain(share), "share": share.share, "error": share.error, "low": low, "high": high}

@@ -14,7 +14,7 @@ from rankdrop.compare.covered import Spot
 from rankdrop.family.record import Family
 from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section, html, text
+from rankdrop.sections import Section, count, html, text
 from rankdrop.task import Task
 from rankdrop.units import heading
 
@@ -102,7 +102,7 @@ class Covered:
         boxes = sum(one.boxes for one in self.account.spots)
         proven = sum(one.proven for one in self.account.spots)
         return (
-            f"Not all is explained: known families leave {boxes:,} boxes in {_count(len(self.account.spots), 'place')} "
+            f"Not all is explained: known families leave {boxes:,} boxes in {count(len(self.account.spots), 'place')} "
             f"to look at, {proven:,} of them proven to hold a singularity."
         )
 
@@ -197,7 +197,8 @@ def _account_sections(account: Account, joints: tuple[int, ...], *, deg: bool) -
     ]  # fmt: skip
     if account.freed:
         rows.append(("", "no family, but proven free on a closer look", f"{account.freed:,}"))
-    notes = ("a box counts for the first family that has a point within half a diagonal of its centre",)
+    notes = ("a box counts for the first family that has a point within half a diagonal of its centre; one that is "
+             "halved on, for one from which no place that is left of it is farther than a diagonal",)
     made = [
         Section("Explained", f"by families from: {account.source}", columns=("family", "", "boxes"), rows=tuple(rows),
                 texts=(0, 1), notes=notes)
@@ -220,7 +221,3 @@ def _places(spots: tuple[Spot, ...], joints: tuple[int, ...], *, deg: bool) -> S
         "Places to look at", "no known family explains these boxes",
         columns=("boxes", "proven", "", "σ", f"joints {names} [{unit}]"), rows=rows, texts=(2, 4), after=more,
     )  # fmt: skip
-
-
-def _count(number: int, one: str) -> str:
-    return f"{number:,} {one}{'' if number == 1 else 's'}"

@@ -16,69 +16,72 @@ from rankdrop.version import VERSION
 SCHEMA = "rankdrop/find/1"
 
 
-def find_to_dict(found: Search) -> Record:
+def find_to_dict(search: Search) -> Record:
     """A search as plain data, starts that were not run left out: see docs/json.md and schema/find.schema.json."""
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(found.robot, found.task, found.rank + found.corank),
+        "robot": robot_to_dict(search.robot, search.task, search.rank + search.corank),
         "settings": {
-            "corank": found.corank,
-            "rank": found.rank,
-            "method": found.method,
-            "seed": found.seed,
-            "starts": len(found.q),
-            "limits": found.limits,
-            "step": found.step,
-            "tie": found.tie,
-            "iterations": found.most,
-            "length_scale": float(found.task.scale(found.robot)),
-            "tolerances": found.tolerances.to_dict(),
+            "corank": search.corank,
+            "rank": search.rank,
+            "method": search.method,
+            "seed": search.seed,
+            "starts": len(search.q),
+            "limits": search.limits,
+            "step": search.step,
+            "tie": search.tie,
+            "iterations": search.most,
+            "length_scale": float(search.task.scale(search.robot)),
+            "tolerances": search.tolerances.to_dict(),
             "version": VERSION,
         },
-        **({} if found.stratum is None else {"strata": _strata(found)}),
-        "counts": {outcome.name.lower(): found.count(outcome) for outcome in Outcome},
-        "complete": found.complete,
+        **({} if search.stratum is None else {"strata": _strata(search)}),
+        "counts": {outcome.name.lower(): search.count(outcome) for outcome in Outcome},
+        "complete": search.complete,
         "configurations": [
             {
                 "start": int(index) + 1,
-                "outcome": Outcome(found.outcome[index]).name.lower(),
-                "iterations": int(found.iterations[index]),
-                "q": found.q[index].tolist(),
-                "sigma": found.sigma[index].tolist(),
+                "outcome": Outcome(search.outcome[index]).name.lower(),
+                "iterations": int(search.iterations[index]),
+                "q": search.q[index].tolist(),
+                "sigma": search.sigma[index].tolist(),
             }
-            for index in _run(found)
+            for index in _run(search)
         ],
     }
 
 
-def _strata(found: Search) -> list[Record]:
+def _strata(search: Search) -> list[Record]:
     """How many configurations are from each stratum, and the largest σ_r/σ_1 of them."""
-    ratio = found.sigma[:, found.rank] / found.sigma[:, 0]
-    which = np.zeros(0, np.int32) if found.stratum is None else found.stratum
+    ratio = search.sigma[:, search.rank] / search.sigma[:, 0]
+    which = np.zeros(0, np.int32) if search.stratum is None else search.stratum
     rows = []
-    for k, name in enumerate(found.strata):
+    for k, name in enumerate(search.strata):
         mine = which == k
         rows.append({"name": name, "count": int(mine.sum()), "residual": float(ratio[mine].max(initial=0.0))})
     return rows
 
 
-def find_to_csv(found: Search) -> str:
+def find_to_csv(search: Search) -> str:
     """One line per start: start, outcome, iterations, q1 … qn, sigma1 … ."""
-    n, values = found.q.shape[1], found.sigma.shape[1]
+    n, values = search.q.shape[1], search.sigma.shape[1]
     header = ["start", "outcome", "iterations", *_numbered("q", n), *_numbered("sigma", values)]
     lines = (
-        [int(index) + 1, Outcome(found.outcome[index]).name.lower(), int(found.iterations[index]),
-         *found.q[index].tolist(), *found.sigma[index].tolist()]
-        for index in _run(found)
+        [int(index) + 1, Outcome(search.outcome[index]).name.lower(), int(search.iterations[index]),
+         *search.q[index].tolist(), *search.sigma[index].tolist()]
+        for index in _run(search)
     )  # fmt: skip
     return _csv(header, lines)
 
 
-def find_to_npz(found: Search) -> bytes:
+def find_to_npz(search: Search) -> bytes:
     """A NumPy archive: q, sigma, outcome, iterations, and start, counted from 1."""
-    index = _run(found)
+    index = _run(search)
     return _npz(
-        q=found.q[index], sigma=found.sigma[index], outcome=found.outcome[index], iterations=found.iterations[index],
+        q=search.q[index],
+        sigma=search.sigma[index],
+        outcome=search.outcome[index],
+        iterations=search.iterations[index],
         start=index + 1,
     )
 
@@ -99,8 +102,8 @@ def history_to_npz(history: History) -> bytes:
     return _npz(sigma=history.sigma, turning=history.turning)
 
 
-def _run(found: Search) -> np.ndarray[Any, np.dtype[np.intp]]:
-    return np.flatnonzero(found.outcome != Outcome.NOT_RUN)
+def _run(search: Search) -> np.ndarray[Any, np.dtype[np.intp]]:
+    return np.flatnonzero(search.outcome != Outcome.NOT_RUN)
 
 
 def _numbered(letter: str, count: int) -> list[str]:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from rankdrop.compare.comparison import AGREES, DIFFERS, NOT_DERIVED, Comparison
 from rankdrop.exact.family import ExactFamily
-from rankdrop.family.record import Check, CorankSummary, Family
+from rankdrop.family.record import Check
 from rankdrop.robot.model import Robot
+
+if TYPE_CHECKING:
+    from rankdrop.results.analysis import Analysis
 
 VERIFIED, UNCHECKED, CONTRADICTED, UNSOUND, INCOMPLETE, INEXACT, INTERRUPTED = (
     "verified", "unchecked", "contradicted", "unsound", "incomplete", "not exact", "interrupted",
@@ -50,23 +52,6 @@ class Verdict:
         return {"verdict": self.word, "claims": list(self.claims), "sentence": self.sentence}
 
 
-class _Sampled(Protocol):
-    """What is read of an analysis, which holds its verdict."""
-
-    @property
-    def families(self) -> Sequence[Family]: ...
-    @property
-    def coranks(self) -> Sequence[CorankSummary]: ...
-    @property
-    def exact(self) -> Comparison | None: ...
-    @property
-    def sound_and_complete(self) -> bool: ...
-    @property
-    def complete(self) -> bool: ...
-    @property
-    def unfinished(self) -> int | None: ...
-
-
 class _Derived(Protocol):
     """What is read of an exact derivation."""
 
@@ -101,7 +86,7 @@ class _Explained(Protocol):
     def disagreements(self) -> Sequence[str]: ...
 
 
-def of_analysis(analysis: _Sampled, derived: _Derived | None = None) -> Verdict:
+def of_analysis(analysis: Analysis, derived: _Derived | None = None) -> Verdict:
     """The verdict on an analysis.
 
     Args:
@@ -117,35 +102,35 @@ def of_analysis(analysis: _Sampled, derived: _Derived | None = None) -> Verdict:
     return _failed(wrong, claims) or Verdict(VERIFIED, claims, sentence)
 
 
-def of_conditions(found: _Derived, tested: str = "exact") -> Verdict:
+def of_conditions(derived: _Derived, tested: str = "exact") -> Verdict:
     """The verdict on an exact derivation.
 
     Args:
-        found: the derivation.
+        derived: exactly.
         tested: what was found of a condition that was held against it: "exact", "too small", … "not tested".
     """
-    ranks = sum(family.rank_check.tested for family in found.families)
-    claims = ((EXACT,) if found.complete else ()) + ((SAMPLED,) if found.explained.tested and _met(found) else ())
-    if found.interrupted:
+    ranks = sum(family.rank_check.tested for family in derived.families)
+    claims = ((EXACT,) if derived.complete else ()) + ((SAMPLED,) if derived.explained.tested and _met(derived) else ())
+    if derived.interrupted:
         return Verdict(INTERRUPTED, claims, "Interrupted: what was derived by then is shown, and what is left is told.")
-    wrong = [(CONTRADICTED, text) for text in found.disagreements]
-    if not _met(found) and not wrong and found.complete:
-        left = found.explained.tested - found.explained.agree
+    wrong = [(CONTRADICTED, text) for text in derived.disagreements]
+    if not _met(derived) and not wrong and derived.complete:
+        left = derived.explained.tested - derived.explained.agree
         wrong.append((CONTRADICTED, f"{left:,} configurations found numerically lie on no family"))
-    wrong += [(INCOMPLETE, f"no rank was tried on {row.id}") for row in found.families if not row.rank_check.tested]
-    if not found.complete:
-        wrong.append((INCOMPLETE, _left(found)))
+    wrong += [(INCOMPLETE, f"no rank was tried on {row.id}") for row in derived.families if not row.rank_check.tested]
+    if not derived.complete:
+        wrong.append((INCOMPLETE, _left(derived)))
     if tested != "exact":
         how = f"is {_BOTH if tested == 'both' else tested}"
         wrong.append((INEXACT, f"the condition asked about {how}"))
     failed = _failed(wrong, claims)
     if failed is not None:
         return failed
-    count = _families(len(found.families))
+    count = _families(len(derived.families))
     tail = "not tried on configurations found numerically"
-    asked = f"; coranks above {found.generic_rank - found.lowest} were not asked for" if found.lowest else ""
-    if found.explained.tested:
-        on = f"{found.explained.tested:,} of {found.explained.tested:,} singular configurations found numerically"
+    asked = f"; coranks above {derived.generic_rank - derived.lowest} were not asked for" if derived.lowest else ""
+    if derived.explained.tested:
+        on = f"{derived.explained.tested:,} of {derived.explained.tested:,} singular configurations found numerically"
         return Verdict(VERIFIED, claims, f"Verified, derived exactly and sampled: {on} lie on {_the(count)}{asked}.")
     if ranks:
         on = f"the rank is as claimed at {ranks:,} random points of {_the(count)}"
@@ -153,10 +138,10 @@ def of_conditions(found: _Derived, tested: str = "exact") -> Verdict:
     return Verdict(UNCHECKED, claims, f"Derived exactly: {count}; {tail}{asked}.")
 
 
-def of_explanation(found: _Explained) -> str:
+def of_explanation(explanation: _Explained) -> str:
     """The sentence of one configuration; its word is `Explanation.verdict`."""
-    differ = "; two methods differ on a detail, told at the end" if found.disagreements else ""
-    return f"{found.robot.name}: {found.verdict.upper()}, {found.reason}{differ}."
+    differ = "; two methods differ on a detail, told at the end" if explanation.disagreements else ""
+    return f"{explanation.robot.name}: {explanation.verdict.upper()}, {explanation.reason}{differ}."
 
 
 def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | None:
@@ -172,14 +157,14 @@ def _failed(wrong: list[tuple[str, str]], claims: tuple[str, ...]) -> Verdict | 
     return Verdict(word, claims, f"{_SAID[word]}: {'; '.join(texts)}.")
 
 
-def _agrees(analysis: _Sampled, derived: _Derived | None = None) -> bool:
-    beside = analysis.exact is not None and analysis.exact.status == AGREES
+def _agrees(analysis: Analysis, derived: _Derived | None = None) -> bool:
+    beside = analysis.exact is not None and analysis.exact.agrees
     return beside or (derived is not None and of_conditions(derived).holds)
 
 
-def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
+def _wrong(analysis: Analysis) -> Iterator[tuple[str, str]]:
     comparison = analysis.exact
-    if comparison is not None and comparison.status == DIFFERS:
+    if comparison is not None and comparison.derived and not comparison.agrees:
         for text in comparison.disagreements:
             yield CONTRADICTED, f"the exact derivation and the search differ, {text}"
     for row in analysis.families:
@@ -194,11 +179,11 @@ def _wrong(analysis: _Sampled) -> Iterator[tuple[str, str]]:
     for row in analysis.families:
         if not row.named:
             yield INCOMPLETE, f"no conditions were found for {row.id}"
-    if comparison is not None and comparison.status == NOT_DERIVED and not comparison.holds:
+    if comparison is not None and not comparison.derived and not comparison.holds:
         yield INCOMPLETE, f"exact conditions were asked for and not derived, {comparison.reason}"
 
 
-def _all(analysis: _Sampled, derived: _Derived | None) -> str:
+def _all(analysis: Analysis, derived: _Derived | None) -> str:
     """What an analysis found, everything in it being as it should be."""
     comparison = analysis.exact
     if _agrees(analysis):
@@ -223,12 +208,13 @@ def _disagreements(derived: _Derived | None) -> Sequence[str]:
     return () if derived is None or not derived.complete else derived.disagreements
 
 
-def _met(found: _Derived) -> bool:
-    return found.explained.tested == found.explained.agree
+def _met(derived: _Derived) -> bool:
+    return derived.explained.tested == derived.explained.agree
 
 
-def _left(found: _Derived) -> str:
-    return found.left[0] if len(found.left) == 1 else f"{len(found.left)} things were left unfinished, told at the end"
+def _left(derived: _Derived) -> str:
+    left = derived.left
+    return left[0] if len(left) == 1 else f"{len(left)} things were left unfinished, told at the end"
 
 
 def _families(count: int) -> str:

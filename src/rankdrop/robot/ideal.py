@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
@@ -134,11 +135,22 @@ def ideal(
     return squared(robot, angle=SQUARE if angle is None else angle, length=length)
 
 
+_near: dict[int, Near | None] = {}  # by id, as long as the arm is there
+
+
 def near_ideal(robot: Robot) -> Near | None:
-    """The ideal arm within `NEAR`, where it has structure that the arm misses; else None.
+    """The ideal arm within `NEAR`, where it has structure that the arm misses; else None. Found once for an arm.
 
     Its tolerance is the smallest of two digits that finds all of it.
     """
+    key = id(robot)
+    if key not in _near:
+        _near[key] = _ideal(robot)
+        weakref.finalize(robot, _near.pop, key, None)
+    return _near[key]
+
+
+def _ideal(robot: Robot) -> Near | None:
     found, changes = squared(robot, angle=NEAR, length=NEAR * extent(robot))
     gained = structure_words(found, robot)
     if not gained:

@@ -31,6 +31,7 @@ from rankdrop.robot.numbers import (
 )
 from rankdrop.robot.quantities import Angles
 from rankdrop.robot.transform import cos_sin, rotation, translation
+from rankdrop.sections import count
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
 STEP = pi / 12
@@ -262,9 +263,9 @@ def _cancelled(made: Sequence[Numbers], slides: Sequence[bool], length: float) -
     return found
 
 
-def _same(one: Robot, two: Robot) -> bool:
-    pairs = [(one.home, two.home)]
-    for mine, other in zip(one.joints, two.joints, strict=True):
+def _same(first: Robot, two: Robot) -> bool:
+    pairs = [(first.home, two.home)]
+    for mine, other in zip(first.joints, two.joints, strict=True):
         pairs += [(mine.screw, other.screw), (mine.frame, other.frame)]
     return all(float(np.abs(x - y).max()) <= _SAME * max(1.0, float(np.abs(x).max())) for x, y in pairs)
 
@@ -292,15 +293,9 @@ def _note(angles: Sequence[float], changes: Sequence[Change]) -> str:
     turned = [change.by for change in changes if change.turns]
     moved = [change.by for change in changes if not change.turns]
     if changes:
-        what = [count(len(x), name) for x, name in ((turned, "axis"), (moved, "length")) if x]
+        what = [count(len(turned), "axis", "axes")] if turned else []
+        what += [count(len(moved), "length")] if moved else []
         most = [f"{max(turned):.2g} rad"] if turned else []
         most += [f"{max(moved) * 1e6:.2g} µm"] if moved else []
         parts.append(f"{' and '.join(what)} squared, at most {', '.join(most)}")
     return "; ".join([*parts, "--as-written keeps the file's numbers"]) if parts else ""
-
-
-def count(number: int, one: str) -> str:
-    """ "1 axis", "3 axes", "2 lengths"."""
-    if number == 1:
-        return f"1 {one}"
-    return f"{number} {one[:-2]}es" if one.endswith("is") else f"{number} {one}s"

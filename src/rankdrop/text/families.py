@@ -13,12 +13,13 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.compare.comparison import AGREES, NOT_DERIVED, Comparison, ExactRow
+from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import Check, CorankSummary, Family
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section
+from rankdrop.robot.quantities import degrees_text
+from rankdrop.sections import Section, count
 from rankdrop.text.cells import (
     COUPLED,
     MET,
@@ -53,12 +54,12 @@ def nothing_found(summary: CorankSummary) -> str:
     """What is said where a corank has no row."""
     smallest = summary.smallest_near_miss
     met = "" if smallest is None else f", smallest σ{summary.rank + 1} met {smallest:.4g}"
-    return f"none found of {_count(summary.starts, 'start')}{met}; absence of a find is not a proof"
+    return f"none found of {count(summary.starts, 'start')}{met}; absence of a find is not a proof"
 
 
 def number_of(rows: Sequence[Family]) -> str:
     """ "1 family", "4 families"."""
-    return _count(len(rows), "family", "families")
+    return count(len(rows), "family", "families")
 
 
 def explained(share: Check) -> str:
@@ -68,15 +69,11 @@ def explained(share: Check) -> str:
 
 def starts(summary: CorankSummary) -> str:
     """What came of the random starts of a corank."""
-    near = _count(summary.near_misses, "near miss", "near misses")
-    line = f"Of {_count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
+    near = count(summary.near_misses, "near miss", "near misses")
+    line = f"Of {count(summary.starts, 'start')}: {summary.converged:,} converged, {near}, {summary.slow:,} slow."
     if summary.converged and summary.smallest_near_miss is not None:
         line += f" Smallest near miss: σ{summary.rank + 1} = {summary.smallest_near_miss:.4g}, not singular."
     return line
-
-
-def _count(number: int, one: str, many: str = "") -> str:
-    return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 def symbols(robot: Robot) -> tuple[str, ...]:
@@ -239,13 +236,13 @@ def agreement(
     """
     if comparison is None:
         return
-    if comparison.status == NOT_DERIVED:
+    if not comparison.derived:
         yield f"Exact conditions: not derived; {comparison.reason}.", False
         return
     if comparison.disagreements:
         yield "The exact derivation and the numeric search DIFFER; at least one of them is wrong:", True
         yield from ((f"  {text}", True) for text in comparison.disagreements)
-    verdict = "agree with every row" if comparison.status == AGREES else "do not agree with the rows"
+    verdict = "agree with every row" if comparison.agrees else "do not agree with the rows"
     numeric, exact = comparison.numeric, comparison.exact
     points = (
         f"{numeric.agree:,} of {numeric.tested:,} points of the rows lie on exact families, "
@@ -305,6 +302,7 @@ def overview(
             for row, outside in shown
             for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
         ]
+        under += [f"{row.id} witness q = {degrees_text(row.witness, robot.units)}" for row in rows if at_witness(row)]
         heads = columns(robot, summary.corank)
         yield Section(
             title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}", columns=heads,
@@ -335,10 +333,10 @@ def near_overview(near: Near, families: Sequence[Family]) -> Section:
     )  # fmt: skip
 
 
-def _percent(one: NearShare) -> str:
-    return f"{AT_LEAST if one.bound else ''} {100 * one.share:.3g} %".strip()
+def _percent(share: NearShare) -> str:
+    return f"{AT_LEAST if share.bound else ''} {100 * share.share:.3g} %".strip()
 
 
-def _between(one: NearShare) -> str:
-    low, high = (100 * end for end in one.interval)
+def _between(share: NearShare) -> str:
+    low, high = (100 * end for end in share.interval)
     return f"{low:.2g} … {high:.2g} %"

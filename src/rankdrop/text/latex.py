@@ -13,8 +13,9 @@ from collections.abc import Iterator, Sequence
 from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import JointKind, Robot
+from rankdrop.robot.quantities import degrees_text
 from rankdrop.text.cells import COUPLED, FREE, share_text
-from rankdrop.text.families import columns, joint_cells, row_cells, within
+from rankdrop.text.families import at_witness, columns, joint_cells, row_cells, within
 
 _PLAIN = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",
@@ -88,6 +89,8 @@ def _table(
         inside, _ = within(family, robot, limits=limits)
         lines.append(" & ".join(_cells(robot, number, inside)) + r" \tabularnewline")
         told = list(_conditions(family, exact))
+        if at_witness(family):
+            told.append(as_text(f"witness q = {degrees_text(family.witness, robot.units)}"))
         if told:
             notes.append(f"\\noindent Row {number}: {'; '.join(told)}.\\par")
     lines += [r"\hline", r"\end{tabular}"]

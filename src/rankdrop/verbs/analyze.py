@@ -19,6 +19,7 @@ from rankdrop.compare.comparison import (
 from rankdrop.compare.match import Match, match
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
+from rankdrop.families.posture import posed
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families
@@ -256,7 +257,9 @@ def analyze(
             robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
-    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
+    rows = tuple(
+        posed(robot, resolved, family_out_of_units(family, robot)) for one in found for family in one.families
+    )
     if unfinished is None and within is not None:
         near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip

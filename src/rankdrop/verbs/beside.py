@@ -20,13 +20,12 @@ from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
 from rankdrop.results.codec import Record, plain, robot_to_dict
-from rankdrop.results.explanation.data import ExplanationData
+from rankdrop.results.explanation.explanation import Explanation
 from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
-from rankdrop.robot.meant import count
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import Change
-from rankdrop.sections import Section
+from rankdrop.sections import Section, count
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres
@@ -215,20 +214,20 @@ def _spread(values: ArrayLike) -> Spread:
     return Spread(float(x.min()), float(np.median(x)), float(x.max()))
 
 
-def here(arm: Idealised, found: ExplanationData) -> Here:
+def here(arm: Idealised, explanation: Explanation) -> Here:
     """The arm itself at the configuration explained, and where the ideal arm is singular next to it.
 
     Args:
         arm: from `idealised`.
-        found: the explanation of `arm.ideal`.
+        explanation: the explanation of `arm.ideal`.
     """
-    r, task = found.rank.generic_rank, task_in_metres(found.task, arm.ideal)
-    corank, q, distance = found.rank.corank, found.q, 0.0
-    if not corank and found.far.nearest is not None:
-        nearest = found.far.nearest
+    r, task = explanation.rank.generic_rank, task_in_metres(explanation.task, arm.ideal)
+    corank, q, distance = explanation.rank.corank, explanation.q, 0.0
+    if not corank and explanation.far.nearest is not None:
+        nearest = explanation.far.nearest
         corank, q, distance = nearest.corank, np.array(nearest.q), nearest.distance
     number = max(r - max(corank, 1) + 1, 1)
-    rows = into_metres(arm.real, np.stack([found.q, q]))
+    rows = into_metres(arm.real, np.stack([explanation.q, q]))
     sigma = singular_values(in_metres(arm.real), rows, task)[:, number - 1]
     if not corank:
         return Here(number, float(sigma[0]), None, None, None)
@@ -283,10 +282,10 @@ def _moved(change: Change) -> tuple[str, str, str]:
     return before, after, f"{np.degrees(change.by):.3g}°" if change.turns else f"{change.by * 1e3:.3g} mm"
 
 
-def _away(one: Nearby) -> tuple[str, str]:
-    if one.distance is None:
+def _away(nearby: Nearby) -> tuple[str, str]:
+    if nearby.distance is None:
         return "none found", ""
-    return f"{_degrees(one.distance.least)}", f"{_degrees(one.distance.median)}"
+    return f"{_degrees(nearby.distance.least)}", f"{_degrees(nearby.distance.median)}"
 
 
 def _degrees(distance: float) -> str:

@@ -2,20 +2,47 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop._handles import check_robot
 from rankdrop.certify.bittree import Cells
-from rankdrop.certify.coverfile import load, write_covering
-from rankdrop.certify.covering import BUDGET, Covering, covering, looked_into, plan_of
+from rankdrop.certify.coverfile import (
+    Batch,
+    Plan,
+    batch_from_bytes,
+    batch_to_bytes,
+    load,
+    plan_from_entries,
+    write_covering,
+)
+from rankdrop.certify.covering import (
+    BUDGET,
+    SPENT,
+    SPLIT,
+    Covering,
+    check_budget,
+    chunk_of,
+    chunks_of,
+    looked_into,
+    plan_of,
+    put_together,
+)
+from rankdrop.certify.enclosed import BudgetSpent
 from rankdrop.compare.covered import Explainer, spots
+from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
+from rankdrop.jobs import Engine, Job, check_engine, finish
 from rankdrop.local.block import joint_scale
 from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.covered import Account, Covered
 from rankdrop.results.explanation.parts import known_families
 from rankdrop.robot.model import Robot
@@ -27,6 +54,10 @@ Report = Callable[[str, int, int], None]
 """report(label, done, total)"""
 
 _STARTS = 1_000  # of an analysis that is made here, for each corank
+_LABEL = "parts covered"
+_QUICK, _QUICK_BY_ENCLOSURES = 1 << 22, 1 << 16  # leaves below which processes take longer to begin than the work
+
+Record = dict[str, Any]
 
 
 def cover(
@@ -41,6 +72,7 @@ def cover(
     out: str | Path | None = None,
     budget: int = BUDGET,
     threads: int = 0,
+    scheduler: str | None = None,
     report: Report | None = None,
 ) -> Covered:
     """Boxes that hold every singular configuration, and whether known families explain all of them.
@@ -56,16 +88,21 @@ def cover(
         limits: within the joint limits only.
         explain: hold the boxes against families.
         analysis: these families; None: those shipped with the package, else an analysis made here.
-        out: file the covering is kept in, with `out`.journal beside it while it is made: after an interruption, of any
-            kind, the same call goes on where it was. A file that holds this covering already is read.
-        budget: enclosures, at most (about 1.5 µs each); arms of six turning joints need none.
-        threads: 0 for all cores; the result does not depend on it.
+        out: file the covering is kept in, with the folder `out`.parts beside it while it is made (`rankdrop.jobs`):
+            after an interruption, of any kind, the same call goes on where it was. A file that holds this covering
+            already is read.
+        budget: enclosures (about 1.5 µs each), after which no further part is begun; arms of six turning joints need
+            none.
+        threads: local processes, and threads where boxes are explained; 0 for all cores. The result does not depend on
+            it.
+        scheduler: address of a Dask scheduler, whose workers make the parts.
         report: report(label, done, total) of progress.
 
     Raises:
         OptionError: a corank, width or budget outside what is allowed, an arm or task that cannot be covered,
             an analysis of another arm.
-        ResultFileError: `out` cannot be written, is no covering, or its journal is that of another one.
+        MissingExtraError: a scheduler, and Dask's distributed is not installed.
+        ResultFileError: `out` cannot be written, is no covering, or its parts are those of another one.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -74,10 +111,14 @@ def cover(
         (2, True)
     """
     check_robot(robot)
+    check_budget(budget)
+    engine = Engine(threads, scheduler)
+    check_engine(engine)
     resolved = resolve_task(task, robot)
     families, source = known_families(robot, resolved, analysis, DEFAULT)
     tell = report if report is not None else _silent
-    found = _made(robot, resolved, width, corank, limits, out, budget, threads, tell)
+    plan = plan_of(robot, width, resolved, corank=corank, limits=limits)
+    found = _made(robot, resolved, plan, None if out is None else Path(out), int(budget), engine, tell)
     if not found.complete or not explain:
         return Covered(robot, resolved, found, None)
     if source == "on the spot":
@@ -92,31 +133,85 @@ def _silent(label: str, done: int, total: int) -> None:
 
 
 def _made(
-    robot: Robot, task: Task, width: float, corank: int, limits: bool, out: str | Path | None, budget: int,
-    threads: int, tell: Report,
-) -> Covering:  # fmt: skip
-    def progress(done: int, total: int) -> None:
-        tell("parts covered", done, total)
-
-    if out is None:
-        return covering(
-            robot, width, task, corank=corank, limits=limits, budget=budget, threads=threads, progress=progress
-        )
-    path = Path(out)
-    journal = path.with_name(f"{path.name}.journal")
-    plan = plan_of(robot, width, task, corank=corank, limits=limits)
-    if path.is_file() and path.stat().st_size:
-        there = Covering(*load(path))
+    robot: Robot, task: Task, plan: Plan, out: Path | None, budget: int, engine: Engine, tell: Report
+) -> Covering:
+    """The covering from its file, or made, chunk by chunk, in a folder beside it."""
+    if out is not None and out.is_file() and out.stat().st_size:
+        there = Covering(*load(out))
         if there.plan.line() == plan.line():
             return there
-    found = covering(
-        robot, width, task, corank=corank, limits=limits, budget=budget, journal=journal, threads=threads,
-        progress=progress,
-    )
-    if found.complete:
-        write_covering(path, found.plan, found.tree, found.tested, found.freed)
-        journal.unlink(missing_ok=True)
+    folder = None if out is None else out.with_name(f"{out.name}.parts")
+    if plan.shape.leaves <= (_QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES) and engine.scheduler is None:
+        engine = Engine(here=True)
+    found = _by_chunks(robot, task, plan, folder, budget, engine, tell)
+    if found.complete and out is not None and folder is not None:
+        write_covering(out, found.plan, found.tree, found.tested, found.freed)
+        shutil.rmtree(folder, ignore_errors=True)
     return found
+
+
+def _by_chunks(
+    robot: Robot, task: Task, plan: Plan, folder: Path | None, budget: int, engine: Engine, tell: Report
+) -> Covering:
+    """Ended by Ctrl-C, or where the budget is spent: the chunks that are there then, of a budget as many as it pays."""
+    batches: dict[int, Batch] = {}
+    count, shape, spent = chunks_of(plan), plan.shape, 0
+
+    def each(chunk: int, content: bytes) -> None:
+        nonlocal spent
+        batches[chunk] = batch_from_bytes(content, shape)
+        spent += _cost(plan, batches[chunk])
+        if spent > budget:
+            raise BudgetSpent
+
+    record = robot_to_dict(robot, task, plan.rank)
+    told = {"robot": record, "length_scale": task.length_scale, "covering": plan.entries()}
+    job = Job("covering", "rankdrop.verbs.covering:part", told, count, shape.trees, ".boxes")
+    try:
+        for _ in finish(job, engine, folder=folder, each=each, report=lambda done, total: tell(_LABEL, done, total)):
+            pass
+    except KeyboardInterrupt:
+        return put_together(plan, batches, "interrupted")
+    except BudgetSpent:
+        return put_together(plan, _paid(job, batches, plan, budget), SPENT)
+    return put_together(plan, batches)
+
+
+def _cost(plan: Plan, batch: Batch) -> int:
+    return 0 if plan.method == SPLIT else batch[2]
+
+
+def _paid(job: Job, batches: dict[int, Batch], plan: Plan, budget: int) -> dict[int, Batch]:
+    """The first chunks that a budget pays for, whichever of them happened to be made before it was spent."""
+    paid: dict[int, Batch] = {}
+    for chunk in range(job.chunks):
+        made = batches[chunk] if chunk in batches else batch_from_bytes(part(job.plan, chunk), plan.shape)
+        budget -= _cost(plan, made)
+        if budget < 0:
+            break
+        paid[chunk] = made
+    return paid
+
+
+def part(plan: Record, chunk: int) -> bytes:
+    """One chunk of a covering, as workers make it.
+
+    Raises:
+        OptionError: it alone takes more than `BUDGET` enclosures.
+    """
+    robot, task = _asked(json.dumps([plan["robot"], plan["length_scale"]]))
+    try:
+        return batch_to_bytes(chunk_of(robot, task, plan_from_entries(plan["covering"]), chunk, threads=1))
+    except BudgetSpent as error:
+        raise OptionError("a part of the covering takes too many enclosures", where="width",
+                          got=plan["covering"]["width"], allowed=f"at most {BUDGET:,}",
+                          mend="take a larger width") from error  # fmt: skip
+
+
+@lru_cache(1)
+def _asked(text: str) -> tuple[Robot, Task]:
+    record, length_scale = json.loads(text)
+    return robot_from_dict(record), task_from_dict(record, length_scale)
 
 
 def _account(

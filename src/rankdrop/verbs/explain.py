@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot
+from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.families.distance import agreement
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
@@ -21,7 +21,7 @@ from rankdrop.local.redundant import redundancy
 from rankdrop.local.relations import relations_at
 from rankdrop.local.representation import representation_at
 from rankdrop.local.systems import always_singular_reason, systems_at
-from rankdrop.local.verdict import one_configuration, rank_at
+from rankdrop.local.verdict import rank_at
 from rankdrop.local.ways_out import JointEscape, escape
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Blame, ExplainSettings, Far

@@ -8,7 +8,7 @@ from math import atan2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot
+from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -19,7 +19,6 @@ from rankdrop.exact.determinants import ClosedInverse, closed_inverse
 from rankdrop.exact.writing.value import Quotient, number_at, single_angles
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.block import sample
-from rankdrop.local.verdict import one_configuration
 from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.task import Task

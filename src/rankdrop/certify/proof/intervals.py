@@ -382,8 +382,7 @@ class Arm:
         f = self._f
         zero, reach, at, total = f.arb(0), [], [f.arb(0)] * 3, f.arb(0)
         for i in side:
-            slides = self.links[i].kind == SLIDE
-            out = self._travel(i, region) if slides else zero
+            out = self._travel(i, region)
             total = total + _norm([x - y for x, y in zip(points[i], at, strict=True)]) + (out if sign < 0 else zero)
             at = points[i]
             reach.append(total)
@@ -395,7 +394,7 @@ class Arm:
             if self.links[i].kind == SLIDE:
                 wide = [times * angle / self._length] * 3 + [zero] * 3
             else:
-                around = reach[place] + (times + moves) * shift + self._foot(i, points[i])
+                around = reach[place] + (times + moves) * shift + self._foot(i, points[i]) + self._pitch(i)
                 wide = [times * (shift + angle * around) + moves * shift] * 3 + [times * angle] * 3
             grown.append(f.arb_mat(6, 1, [x + _ball(f.arb, zero, y) for x, y in zip(column, wide, strict=True)]))
         for place, i in enumerate(side):
@@ -405,7 +404,7 @@ class Arm:
             carried = _sum([grown[k] * weights[side[k]] for k in beyond])
             slack = place * (shift + angle * (reach[place] + (place + moves) * shift)) + moves * shift
             motion = over.motions[i]
-            if sign < 0 and self.links[i].kind == SLIDE:  # its point stands before it
+            if sign < 0 and self.links[i].kind != TURN:  # its point stands before it
                 driver = self.links[i].driver
                 own = self._motion(i, region.centre[driver], region.half[driver], sign)
                 motion = own if motion is None else motion * own
@@ -417,9 +416,16 @@ class Arm:
             yield [none, none, none, *units], every
 
     def _travel(self, i: int, region: Region) -> Interval:
-        """How far a slide is out, in lengths."""
-        driver = self.links[i].driver
-        return _ball(self._f.arb, region.centre[driver], region.half[driver]).abs_upper() / self._length
+        """How far a joint carries along its axis, in lengths."""
+        one = self.links[i]
+        value = one.multiplier * _ball(self._f.arb, region.centre[one.driver], region.half[one.driver]) + one.offset
+        return value.abs_upper() / self._length if one.kind == SLIDE else value.abs_upper() * self._pitch(i)
+
+    def _pitch(self, i: int) -> Interval:
+        """Of a joint that screws, in lengths for a radian; else 0."""
+        if self.links[i].kind != SCREW:
+            return self._f.arb(0)
+        return _dot(self._screws[i][3:], self._screws[i][:3]).abs_upper()
 
     def _motions_at(self, point: list[Interval], motion: Matrix | None, slack: Interval) -> list[list[Interval]]:
         """Unit turns about a point that was moved, and unit moves, each six intervals."""
@@ -440,7 +446,8 @@ class Arm:
             return self._f.arb(0)
         screw = self._screws[i]
         moment = _cross(point, screw[3:])
-        return _norm([x - y for x, y in zip(screw[:3], moment, strict=True)])
+        along = _dot(screw[3:], screw[:3]) if self.links[i].kind == SCREW else self._f.arb(0)
+        return _norm([x - y - along * z for x, y, z in zip(screw[:3], moment, screw[3:], strict=True)])
 
 
 def regular(rows: list[list[Interval]], rank: int) -> bool:

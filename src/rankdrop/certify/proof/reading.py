@@ -26,8 +26,7 @@ import numpy as np
 
 from rankdrop.certify.proof.intervals import SCREW, SLIDE, TURN, Link, Tolerance
 from rankdrop.errors import ResultFileError, RobotError
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
+from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, fingerprint
 
 SCHEMA = "rankdrop/certificate/1"
 BALL, PATH, COVERING, EXISTENCE = "ball", "path", "covering", "existence"

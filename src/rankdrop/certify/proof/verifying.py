@@ -27,8 +27,7 @@ from rankdrop.certify.proof.reading import (
 )
 from rankdrop.certify.proof.regions import verify_ball, verify_distance, verify_path
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Robot, fingerprint
 from rankdrop.sections import Section, html, text
 from rankdrop.version import VERSION
 
@@ -237,9 +236,6 @@ def _arm(told: Told) -> Arm:
             sum((f.arb(float(pose[r, c])) * local[c] for c in range(3)), f.arb(float(pose[r, 3]))) for r in range(3)
         ]
     if told.tolerance is not None:
-        alone = len(told.links) == told.variables and all((x.multiplier, x.offset) == (1.0, 0.0) for x in told.links)
-        if not alone or any(one.kind == SCREW for one in told.links):
-            raise Unproven("a tolerance of the model is proven for joints that turn or slide, each for itself")
         if list(told.rows) != told.whole_rows:
             raise Unproven("rows that the task leaves out are zero for this arm, not for those near it")
         _points_on_axes(told)
@@ -252,7 +248,8 @@ def _points_on_axes(told: Told) -> None:
         if one.kind == SLIDE:
             continue
         v, w = np.array(one.screw[:3]), np.array(one.screw[3:])
-        off = float(np.linalg.norm(v - np.cross(point, w)))
+        along = w * (v @ w) / (w @ w) if one.kind == SCREW else np.zeros(3)
+        off = float(np.linalg.norm(v - along - np.cross(point, w)))
         if not off < 1e-9 * (1.0 + float(np.linalg.norm(point))):
             raise Unproven(f"the point of joint {number} is not on its axis")
 

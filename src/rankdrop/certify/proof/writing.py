@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rankdrop._handles import one_configuration
 from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
 from rankdrop.certify.coverfile import Plan
-from rankdrop.certify.displaced import ModelTolerance, displaced_columns, points_of
+from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian, points_of
 from rankdrop.certify.enclosed import viewed
 from rankdrop.certify.proof.reading import BALL, COVERING, EXISTENCE, SCHEMA, Record, sealed
 from rankdrop.certify.proof.regions import FREE, LETTERS, OUTSIDE
@@ -20,9 +21,7 @@ from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale
-from rankdrop.local.verdict import one_configuration
-from rankdrop.robot.fingerprint import fingerprint
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading
 from rankdrop.version import VERSION
@@ -177,7 +176,7 @@ class _Test:
         if self.tolerance is None:
             return np.asarray(found[0] != 0)
         far = np.abs(q) + wide * scale
-        drift = displaced_columns(self.robot, self.setting, self.tolerance, self.rows, far)
+        drift = displaced_jacobian(self.robot, self.setting, self.tolerance, self.rows, far)
         extra = np.einsum("bi,bij->bj", drift, np.abs(found[5]))
         return regular(found[3], found[2] + extra[:, None, :])
 

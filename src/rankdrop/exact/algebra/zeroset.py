@@ -306,10 +306,10 @@ class ZeroSet:
         return True
 
 
-def independent(found: Sequence[ZeroSet]) -> list[ZeroSet]:
+def independent(pieces: Sequence[ZeroSet]) -> list[ZeroSet]:
     """The sets that lie in no other one."""
     kept: list[ZeroSet] = []
-    for one in sorted(found, key=lambda v: v.codimension):
+    for one in sorted(pieces, key=lambda v: v.codimension):
         if not any(one.inside(other) for other in kept):
             kept.append(one)
     return kept

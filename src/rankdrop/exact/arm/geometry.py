@@ -195,7 +195,7 @@ Place = tuple[int, str]
 
 def named_lengths(
     robot: Robot,
-    found: Sequence[Section],
+    links: Sequence[Section],
     lengths: str | Mapping[str, float],
     tip: Sequence[Fraction] | None,
 ) -> tuple[dict[str, Fraction], dict[Place, tuple[int, str]]]:
@@ -203,7 +203,7 @@ def named_lengths(
 
     Args:
         robot: its own letters come first.
-        found: twists, lengths and phases along the chain.
+        links: twists, lengths and phases along the chain.
         lengths: as in `exact_chain`.
         tip: (3,) position of the tip in the frame of the last link [m], for tasks that depend on it.
 
@@ -211,8 +211,8 @@ def named_lengths(
         OptionError: a letter that means something else in conditions, or that no length has.
     """
     given = _given(lengths)
-    values = _values(found, tip)
-    if lengths == "numbers" or (lengths == "auto" and _without_structure(found, values)):
+    values = _values(links, tip)
+    if lengths == "numbers" or (lengths == "auto" and _without_structure(links, values)):
         return {}, {}
     own = dict(robot.lengths) if isinstance(lengths, str) else {}
     named = given or dict(zip(own, _decimals(own.values(), exponent(robot)), strict=True))
@@ -223,7 +223,7 @@ def named_lengths(
         same = [x for x, known in letters.items() if abs(known) == abs(value) and (x in named or x[0] == which)]
         if given and not same:
             continue
-        name = min(same, key=lambda x: x[0] != which) if same else _free(f"{which}{min(i + 1, len(found))}", letters)
+        name = min(same, key=lambda x: x[0] != which) if same else _free(f"{which}{min(i + 1, len(links))}", letters)
         letters.setdefault(name, value)
         written[i, which] = (1 if letters[name] == value else -1, name)
     used = {name for _, name in written.values()}
@@ -260,20 +260,20 @@ def _given(lengths: str | Mapping[str, float]) -> dict[str, Fraction]:
     return {name: Fraction(str(value)) for name, value in lengths.items()}
 
 
-def _values(found: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Place, Fraction]:
+def _values(links: Sequence[Section], tip: Sequence[Fraction] | None) -> dict[Place, Fraction]:
     """Every length other than 0 that conditions may depend on; index n is the tip."""
-    last = len(found)
+    last = len(links)
     # neither the first nor the last offset moves a screw against another one
     places = [(i, which) for i in range(last) for which in "da" if 0 < i < last - 1 or (i, which) == (0, "a")]
-    values: dict[Place, Fraction] = {place: getattr(found[place[0]], place[1]) for place in places}
+    values: dict[Place, Fraction] = {place: getattr(links[place[0]], place[1]) for place in places}
     if tip is not None:
         values |= {(last, "a"): tip[0], (last, "d"): tip[2]}
     return {place: value for place, value in values.items() if value != 0}
 
 
-def _without_structure(found: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
+def _without_structure(links: Sequence[Section], values: Mapping[Place, Fraction]) -> bool:
     """Whether letters would make conditions too long: several twists that are no quarter turns, or many lengths."""
-    turns = [t for s in found for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
+    turns = [t for s in links for t in (s.twist, *([s.phase] if s.kind is JointKind.PRISMATIC else []))]
     odd = {abs(t.sin) for t in turns if t.quarters is None}
     return len({abs(value) for value in values.values()}) > MANY or len(odd) > ODD
 

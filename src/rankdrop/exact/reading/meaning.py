@@ -54,17 +54,17 @@ class Meaning:
         self.text, self.ring = text, ring
         self.shifts = np.zeros(max([*ring.revolute, *ring.prismatic], default=0)) if shifts is None else shifts
 
-    def statement(self, one: Statement) -> Value:
+    def statement(self, statement: Statement) -> Value:
         """One condition."""
-        if self.is_angle(one.left) or any(self.is_angle(right) for right in one.rights):
-            value = self.relation(one)
-        elif len(one.rights) > 1:
+        if self.is_angle(statement.left) or any(self.is_angle(right) for right in statement.rights):
+            value = self.relation(statement)
+        elif len(statement.rights) > 1:
             what = "“or” stands between values of an angle only"
-            raise mistake(self.text, one.rights[1].place, what, allowed="θ4 = 0 or π")
+            raise mistake(self.text, statement.rights[1].place, what, allowed="θ4 = 0 or π")
         else:
-            value = self.value(one.left)
-            if one.rights:
-                value = self.sum([value, self.negative(self.value(one.rights[0]))], one.rights[0])
+            value = self.value(statement.left)
+            if statement.rights:
+                value = self.sum([value, self.negative(self.value(statement.rights[0]))], statement.rights[0])
         return value
 
     # angles
@@ -76,25 +76,29 @@ class Meaning:
             return joint is not None and joint in self.ring.revolute
         return node.kind not in ("sin", "cos") and any(self.is_angle(part) for part in node.parts)
 
-    def relation(self, one: Statement) -> Value:
+    def relation(self, statement: Statement) -> Value:
         """Σ m_j θ_j = value, modulo 2π."""
         value = self.number(self.ring.half.constant(1))
-        rights = [signed for right in one.rights for signed in _both(right)] or [Node("number", one.left.place)]
+        rights = [signed for right in statement.rights for signed in _both(right)] or [
+            Node("number", statement.left.place)
+        ]
         for right in rights:
-            left = self.angle(one.left)
+            left = self.angle(statement.left)
             other = self.angle(right)
             turns = dict(left.turns)
             for j, m in other.turns.items():
                 turns[j] = turns.get(j, Fraction(0)) - m
             turns = {j: m for j, m in turns.items() if m}
             if not turns or any(m.denominator != 1 for m in turns.values()):
-                raise mistake(self.text, one.left.place, "an equation of angles needs whole multiples of them on it")
+                raise mistake(
+                    self.text, statement.left.place, "an equation of angles needs whole multiples of them on it"
+                )
             half = Fraction(1, 2)
             angle = Angle(
                 {j: m * half for j, m in turns.items()}, (left.turn - other.turn) * half,
                 (left.decimal - other.decimal) * half,
             )  # fmt: skip
-            value = self.product(value, self.wave("sin", angle, one.left), one.left)
+            value = self.product(value, self.wave("sin", angle, statement.left), statement.left)
         return value
 
     def angle(self, node: Node) -> Angle:

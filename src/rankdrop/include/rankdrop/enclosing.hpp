@@ -30,4 +30,14 @@ struct EnclosureOutput {
     double* arm = nullptr;          // (rows, joints)
 };
 
+// Boxes cut by balls around one configuration: rows of `q` are the centres of the boxes, `half` their half-widths.
+struct Cut {
+    const double* offset;    // (rows, n) the centres of the boxes from that of the balls, scaled
+    const double* rounding;  // (rows) how far a centre may be off, scaled
+    const double* low;       // (rows) radii up to which the boxes are known to be free
+    const double* high;      // (rows) radii asked for
+    double* proven;          // (rows) the part of the box in a ball of this radius is free: from low to high
+    std::int32_t* split;     // (rows) the variable that contributes most
+};
+
 }  // namespace rankdrop

@@ -41,7 +41,96 @@ class Enclosure : private Expansion {
         }
     }
 
+    // Boxes begin … end - 1, each cut by balls: how large a ball may be for the box's part in it to be free.
+    //
+    // x in a ball of radius rho around the centre's offset c has g . (x - c) between -|g| rho - g . c and |g| rho - g . c,
+    // and in the box between -sum |g_k| d_k and sum |g_k| d_k: the narrower of the two counts. On the diagonal only the
+    // lower end does.
+    void run(const double* q, const double* half, std::int64_t begin, std::int64_t end, const Cut& cut) {
+        for (std::int64_t row = begin; row < end; row += W) {
+            const int count = end - row < W ? (int)(end - row) : W;
+            load(q + row * n_, n_, count, n_, q_);
+            decompose_fast(chain_, view_, q_, r_, ws_);
+            middle();
+            see_screws();
+            load_half(half + row * n_, count);
+            Pack low, high, extra;
+            for (int lane = 0; lane < W; ++lane) {
+                const std::int64_t at = row + (lane < count ? lane : count - 1);
+                set(low, lane, cut.low[at]), set(high, lane, cut.high[at]), set(extra, lane, cut.rounding[at]);
+                for (int i = 0; i < joints_; ++i) set(offset_[i], lane, cut.offset[at * n_ + chain_.joints[i].variable]);
+            }
+            arms();
+            expand(true, true);
+            for (int e = 0; e < r_ * r_; ++e) {
+                first_[e] = sqrt(first_[e]) * set_.repeats;
+                bound_[e] = bound_[e] + third_[e % r_] + slack_;
+                bound_[e] = bound_[e] + (bound_[e] + linear_[e]) * 1e-12 + (e % (r_ + 1) ? abs(beside_[e]) : fill(0.0));
+            }
+            Mask whole = free_within(high, extra);
+            low = select(whole, high, low);
+            Pack open = select(whole, fill(0.0), fill(1.0));
+            for (int step = 0; step < kHalvings && any(open > fill(0.0)); ++step) {
+                const Pack middle = (low + high) * 0.5;
+                const Mask free = free_within(middle, extra);
+                low = select(free, middle, low), high = select(free, high, middle);
+            }
+            for (int lane = 0; lane < count; ++lane) {
+                cut.proven[row + lane] = get(low, lane);
+                cut.split[row + lane] = widest(lane);
+            }
+        }
+    }
+
   private:
+    static constexpr int kHalvings = 6;
+
+    // U1^T J V1 at the centre as it is, for U1 and V1 of a quick decomposition: any two of unit columns prove as much
+    void middle() {
+        const int m = view_.m;
+        for (int a = 0; a < r_; ++a) {
+            Pack square = fill(0.0);
+            for (int c = 0; c < m; ++c) square = square + ws_.u[a * m + c] * ws_.u[a * m + c];
+            const Pack scale = fill(1.0) / sqrt(max(square, fill(1e-300)));
+            for (int c = 0; c < m; ++c) ws_.u[a * m + c] = ws_.u[a * m + c] * scale;
+        }
+        for (int j = 0; j < r_; ++j) {
+            Pack image[6];
+            for (int c = 0; c < m; ++c) {
+                image[c] = fill(0.0);
+                for (int i = 0; i < n_; ++i) image[c] = image[c] + ws_.jacobian[c * n_ + i] * ws_.v[j * n_ + i];
+            }
+            for (int a = 0; a < r_; ++a) {
+                Pack sum = fill(0.0);
+                for (int c = 0; c < m; ++c) sum = sum + ws_.u[a * m + c] * image[c];
+                beside_[a * r_ + j] = sum;
+            }
+        }
+    }
+
+    Mask free_within(Pack radius, Pack extra) const {
+        const Pack wide = radius * (1.0 + 1e-12) + extra;
+        Pack low[6], beside[36];
+        for (int a = 0; a < r_; ++a)
+            for (int j = 0; j < r_; ++j) {
+                const int e = a * r_ + j;
+                const Pack reach = first_[e] * wide;
+                if (a == j) low[a] = beside_[e] - min(linear_[e], reach + along_[e]) - bound_[e];
+                beside[e] = min(linear_[e], reach + abs(along_[e])) + bound_[e];
+            }
+        return regular_each(low, beside, r_);
+    }
+
+    // The variable that contributes most to the bound
+    int widest(int lane) const {
+        double share[kMostJoints] = {};
+        int best = 0;
+        for (int i = 0; i < joints_; ++i) share[chain_.joints[i].variable] += get(score_[i], lane);
+        for (int k = 1; k < n_; ++k)
+            if (share[k] > share[best]) best = k;
+        return best;
+    }
+
     void judge_boxes(std::int64_t row, int count, const EnclosureOutput& out) {
         for (int lane = 0; lane < count; ++lane) {
             double sigma[6], bound[36];
@@ -51,14 +140,7 @@ class Enclosure : private Expansion {
                     bound[a * r_ + j] = get(bound_[a * r_ + j] + third_[j] + slack_, lane) * (1.0 + 1e-12);
             }
             out.free[row + lane] = regular(sigma, bound, r_);
-            if (out.split) {
-                double widest[kMostJoints] = {};
-                int best = 0;
-                for (int i = 0; i < joints_; ++i) widest[chain_.joints[i].variable] += get(score_[i], lane);
-                for (int k = 1; k < n_; ++k)
-                    if (widest[k] > widest[best]) best = k;
-                out.split[row + lane] = best;
-            }
+            if (out.split) out.split[row + lane] = widest(lane);
             if (out.bound) {
                 std::memcpy(out.bound + (row + lane) * r_ * r_, bound, sizeof(double) * r_ * r_);
                 show(row + lane, lane, out);

@@ -27,6 +27,7 @@ class Expansion {
         q_ = take(n_), screw_ = take(joints_ * 6), mover_ = take(joints_ * 6), arm_ = take(joints_), half_ = take(joints_);
         left_ = take(36), first_ = take(36), second_ = take(36), third_ = take(6), bound_ = take(36);
         score_ = take(joints_);
+        offset_ = take(joints_), linear_ = take(36), along_ = take(36), beside_ = take(36);
     }
 
     static constexpr double kSlack = 1e-12, kFar = 1e-13, kTurned = 1e-15;  // see allow()
@@ -127,19 +128,22 @@ class Expansion {
             const Pack sign = fill(side ? -1.0 : 1.0);
             for (Pack& c : sum) c = fill(0.0);
             for (int k = from; k != to; k += step) {
-                bracket6(mover_ + 6 * k, sum, sign, twist);
-                visit(k, twist);
+                if (k != from) {  // the outermost joint carries none
+                    bracket6(mover_ + 6 * k, sum, sign, twist);
+                    visit(k, twist);
+                }
                 const Pack value = x[chain_.joints[k].variable];
                 for (int c = 0; c < 6; ++c) sum[c] = sum[c] + screw_[6 * k + c] * value;
             }
         }
     }
 
-    // Coefficients of B: in a box the sums themselves (in bound_), in a ball the norms of g, H and the factor of T. Six of
-    // six, the common case, has loops of lengths that the compiler knows.
-    void expand(bool box) {
+    // Coefficients of B: in a box the sums themselves (in bound_), in a ball the norms of g, H and the factor of T. In a box
+    // cut by a ball the sums of first order are apart (linear_), with the squared norms of g (first_) and g . offset
+    // (along_). Six of six, the common case, has loops of lengths that the compiler knows.
+    void expand(bool box, bool cut = false) {
         const Pack zero = fill(0.0);
-        for (int e = 0; e < 36; ++e) first_[e] = second_[e] = bound_[e] = zero;
+        for (int e = 0; e < 36; ++e) first_[e] = second_[e] = bound_[e] = linear_[e] = along_[e] = zero;
         for (int k = 0; k < joints_; ++k) score_[k] = zero;
         Pack weight[6];
         for (int a = 0; a < r_; ++a) weight[a] = fill(1.0) / sqrt(max(ws_.sigma[a], ws_.sigma[0] * fill(1e-6)));
@@ -147,7 +151,9 @@ class Expansion {
         const bool six = r_ == 6 && view_.m == 6;
         for (int j = 0; j < r_; ++j) {
             const Pack* x = ws_.v + j * n_;
-            if (box)
+            if (cut)
+                six ? column<true, true, true>(j, x, weight) : column<true, false, true>(j, x, weight);
+            else if (box)
                 six ? column<true, true>(j, x, weight) : column<true, false>(j, x, weight);
             else
                 six ? column<false, true>(j, x, weight) : column<false, false>(j, x, weight);
@@ -156,22 +162,22 @@ class Expansion {
     }
 
     // Column j of B: first derivatives by every joint l, and second ones by l and k, k from l to the link: [S_k, [S_l, .]].
-    template <bool BOX, bool SIX>
+    template <bool BOX, bool SIX, bool CUT = false>
     void column(int j, const Pack* x, const Pack* weight) {
         const int r = SIX ? 6 : r_;
-        Pack bound[6], first[6], second[6];
-        for (int a = 0; a < r; ++a) bound[a] = first[a] = second[a] = fill(0.0);
+        Pack bound[6], first[6], second[6], linear[6], along[6];
+        for (int a = 0; a < r; ++a) bound[a] = first[a] = second[a] = linear[a] = along[a] = fill(0.0);
         walk(x, [&](int l, const Pack* twist) {
             Pack share = fill(0.0);
             for (int a = 0; a < r; ++a) {
                 const Pack slope = along_row<SIX>(left_ + 6 * a, twist);
                 if constexpr (BOX) {
                     const Pack part = abs(slope) * half_[l];
-                    bound[a] = bound[a] + part;
+                    (CUT ? linear : bound)[a] = (CUT ? linear : bound)[a] + part;
                     share = share + part * weight[a];
-                } else {
-                    first[a] = first[a] + slope * slope;
                 }
+                if constexpr (!BOX || CUT) first[a] = first[a] + slope * slope;
+                if constexpr (CUT) along[a] = along[a] + slope * offset_[l];
             }
             score_[l] = score_[l] + share * weight[j];
             const int side = l < link_;
@@ -196,7 +202,10 @@ class Expansion {
                 if (k != l) score_[k] = score_[k] + share * weight[j];
             }
         });
-        for (int a = 0; a < r; ++a) bound_[a * r + j] = bound[a], first_[a * r + j] = first[a], second_[a * r + j] = second[a];
+        for (int a = 0; a < r; ++a) {
+            bound_[a * r + j] = bound[a], first_[a * r + j] = first[a], second_[a * r + j] = second[a];
+            linear_[a * r + j] = linear[a], along_[a * r + j] = along[a];
+        }
     }
 
     // T_j = 1/6 sum_i |x_i| (M_i t^3 + 3 m_i t^2 s), t and s the turns and slides between i and the link, m_i the
@@ -234,6 +243,7 @@ class Expansion {
     const double slides_, turns_;          // 1 where the view has translation rows, rotation rows
     Workspace ws_;
     Pack *q_, *screw_, *mover_, *arm_, *half_, *left_, *first_, *second_, *third_, *bound_, *score_;
+    Pack *offset_, *linear_, *along_, *beside_;
     Pack slack_;
 };
 

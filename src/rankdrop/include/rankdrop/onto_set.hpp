@@ -15,7 +15,8 @@ inline constexpr double kBack = 0.4;     // of a step that led away, what is tri
 inline constexpr double kHopeless = 1.05; // times the nearest value so far: a tangent plane that is farther is not gone to
 inline constexpr double kBeside = 1e-2;  // of a family's conditions, where a walk of it ends [rad]
 inline constexpr double kOffOwn = 0.04, kOffPoint = 0.12;  // as far off the set as this, of the distance, it is believed
-inline constexpr int kStarts = 1 + kNearPoints;  // walks of one configuration, one a lane
+inline constexpr int kHere = 2;              // walks of one configuration that begin at it where points are known
+inline constexpr int kStarts = kHere + kNearPoints;  // all its walks, one a lane
 inline constexpr int kPacks = (kStarts + W - 1) / W;
 
 // Scratch of `WalkOntoSet`. By packs (kPacks, n) where not said: x, as ways from q in scaled variables.
@@ -68,8 +69,9 @@ inline View seen_from_base(View view) {
 
 // From one configuration to where the rank is r or less: Newton's steps onto the tangent plane of F = 0, nearest to q, over
 // all joints, from several sheets of the set at once. Walk 0 begins at q with its weakest direction for the one that
-// vanishes; the others at points of the set that lie near (`SetPoints`), or where there are none at q as well, walk k with
-// the k-th weakest direction that is still strong. Beside F and D, every look gives a bound from above to first order,
+// vanishes, walk 1 with its second weakest: near a point where both are lost, the nearer sheet may be either's. The others
+// begin at points of the set that lie near (`SetPoints`), or where there are none at q as well, walk k with the k-th weakest
+// direction that is still strong. Beside F and D, every look gives a bound from above to first order,
 //     |q - x| + |D^+ F|,
 // which counts where the second part is small, so that walks that circle count too. A step that leads to a larger one is
 // shortened; one that follows another is quickened by the secant of both (Anderson). ROWS, JOINTS, RANK > 0 fix the sizes at
@@ -164,7 +166,9 @@ class WalkOntoSet {
     void keep_end(int pack, Mask going, const Pack& distance, const Pack& error, Pack& value, Pack& off, Pack& plane) {
         Pack believed = fill(kOffPoint);
         if (!begun_at_points_) believed = fill(kOffOwn);
-        else if (pack == 0) set(believed, 0, kOffOwn);
+        else
+            for (int lane = 0; lane < W; ++lane)
+                if (walk_of(pack, lane) < kHere) set(believed, lane, kOffOwn);
         const Pack bound = distance + error;
         const Mask nearer = going & (error <= believed * distance + fill(1e-9)) & (bound < value);
         value = select(nearer, bound, value), off = select(nearer, error, off);
@@ -234,8 +238,8 @@ class WalkOntoSet {
         for (int pack = 0; pack < kPacks; ++pack)
             for (int lane = 0; lane < W; ++lane) {
                 const int walk = walk_of(pack, lane);
-                if (walk > 0 && begun_at_points_)
-                    begin_at(*points, near_points[walk - 1], at, pack, lane);
+                if (walk >= kHere && begun_at_points_)
+                    begin_at(*points, near_points[walk - kHere], at, pack, lane);
                 else
                     begin_here(start, from, walk, pack, lane);
             }

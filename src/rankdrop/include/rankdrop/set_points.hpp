@@ -10,8 +10,8 @@
 namespace rankdrop::RANKDROP_ISA {
 
 inline constexpr double kTurn = 6.283185307179586;
-inline constexpr int kNearPoints = 7;  // that walks of one configuration begin at
-inline constexpr int kVisited = 8;     // groups of points that are looked through
+inline constexpr int kNearPoints = 6;  // that walks of one configuration begin at
+inline constexpr int kVisited = 10;    // groups of points that are looked through
 inline constexpr int kLanes = 32;      // squares that are compared at once
 
 // Scratch of `nearest_points`.

@@ -8,10 +8,10 @@
 
 namespace rankdrop::RANKDROP_ISA {
 
-inline constexpr int kSpread = 20000;     // starts: points lie about 0.3 rad apart where three joints are free
-inline constexpr int kGroups = 256;
+inline constexpr int kSpread = 60000;     // starts: points lie about 0.2 rad apart where three joints are free
+inline constexpr int kGroups = 512;
 inline constexpr int kSettling = 24;      // steps of a start at most
-inline constexpr double kSettled = 1e-8;  // sigma at a point
+inline constexpr double kSettled = 1e-7;  // sigma at a point, whose joints are kept in single precision
 inline constexpr double kIdle = 1e-4;     // of the rows of D: joints that change nothing on the set
 
 // A number in 0 ... 1 for every index, evenly (the finaliser of SplitMix64).
@@ -43,7 +43,7 @@ inline Settled settle(const Chain& chain, const View& view, const Families& tabl
                 set(x[j], lane, kTurn * (even((std::uint64_t)(first + lane) * (std::uint64_t)n + (std::uint64_t)j) - 0.5));
         Mask going = fill(0.0) < fill(1.0);
         for (int count = 0; count < kSettling; ++count) {
-            decompose(chain, walk.view(), x, rank, ws);
+            decompose_fast(chain, walk.view(), x, rank, ws);
             walk.back_onto_set(ws);
             going = going & (ws.sigma[rank] > fill(kSettled));
             if (!any(going)) break;
@@ -101,7 +101,7 @@ inline SetPoints grouped(const Settled& from, int n, int m, int free) {
     return out;
 }
 
-// Fills in `points` of every lengthy family, some tenths of a second: where one direction is lost and only turning joints
+// Fills in `points` of every lengthy family, about half a second: where one direction is lost and only turning joints
 // matter. Empty where too few starts settle.
 inline void spread(const Chain& chain, const View& view, Families& table, const MonitorSettings& settings) {
     const int n = chain.variables, m = view.m;

@@ -189,15 +189,15 @@ class Postures:
         yield (f"solutions of the inverse: Newton's method from {self.settings.starts:,} starts for each pose, seed "
                f"{self.settings.seed}, {where}; more may exist")  # fmt: skip
 
-    def _solutions(self, one: Solved, *, deg: bool) -> Section:
-        order = sorted(range(len(one.q)), key=lambda i: (one.aspect[i], i))
+    def _solutions(self, solved: Solved, *, deg: bool) -> Section:
+        order = sorted(range(len(solved.q)), key=lambda i: (solved.aspect[i], i))
         rows = tuple(
-            (f"{one.aspect[i]}{' ←' if i == 0 else ''}", one.names[i], *self._cells(one.q[i], deg=deg))
+            (f"{solved.aspect[i]}{' ←' if i == 0 else ''}", solved.names[i], *self._cells(solved.q[i], deg=deg))
             for i in order
         )
         columns = ("aspect", "sign", *self._head(deg=deg))
         notes = ("← the configuration whose pose it is", *self._what_numbers_mean())
-        return Section(f"{len(one.q)} solutions in {len(one.per_aspect)} aspects", columns=columns, rows=rows,
+        return Section(f"{len(solved.q)} solutions in {len(solved.per_aspect)} aspects", columns=columns, rows=rows,
                        texts=(0, 1), notes=notes)  # fmt: skip
 
     def _counts(self) -> Section:

@@ -13,14 +13,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot
+from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import ConfigurationError, MissingExtraError, OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
 from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, sample
-from rankdrop.local.verdict import one_configuration
 from rankdrop.motion.inverse import apart, check_square, determinants, regular, solutions
 from rankdrop.motion.postures.record import Change, Postures, PosturesSettings, Solved
 from rankdrop.motion.postures.roadmap import Roadmap, Way
@@ -175,15 +174,15 @@ def _signs(chain: Chain) -> Signs:
     return signs_of(chain)
 
 
-def _out(robot: Robot, one: Solved, signs: Signs | None) -> Solved:
+def _out(robot: Robot, solved: Solved, signs: Signs | None) -> Solved:
     """In the arm's unit, solutions named by the signs of their factors."""
-    q = out_of_metres(robot, one.q)
+    q = out_of_metres(robot, solved.q)
     if signs is None:
-        names = tuple(f"det J {'+' if sign > 0 else '−'}" for sign in one.sign)
+        names = tuple(f"det J {'+' if sign > 0 else '−'}" for sign in solved.sign)
     else:
         flags = (configuration_flags(signs.chain, row, signs=signs).flags for row in q)
         names = tuple(", ".join(flag.label for flag in some) for some in flags)
-    return replace(one, q=q, names=names)
+    return replace(solved, q=q, names=names)
 
 
 def _grouped(count: int, ways: dict[tuple[int, int], Way]) -> tuple[int, ...]:

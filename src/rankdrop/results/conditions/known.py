@@ -35,8 +35,7 @@ from rankdrop.exact.writing.notation import Step
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, Family
 from rankdrop.results.codec import Record, restored
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.data import SCHEMA, ConditionsData, ConditionSettings, conditions_to_dict
+from rankdrop.results.conditions.conditions import SCHEMA, Conditions, ConditionSettings, conditions_to_dict
 from rankdrop.results.known import ANSWERS, candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -49,23 +48,25 @@ _AGAIN = ("robot", "equations", "determinants")
 steps, which are not stored."""
 
 
-def to_stored(found: ConditionsData) -> Record:
+def to_stored(conditions: Conditions) -> Record:
     """A complete derivation as plain data: `from_stored` is its inverse, given the same arm.
 
     Raises:
         ResultFileError: a derivation that is not complete; nothing of it can be vouched for later.
     """
-    if not found.complete or found.interrupted:
-        raise ResultFileError("only a complete derivation is stored", where=found.robot.name, got="; ".join(found.left))
-    record = {key: value for key, value in conditions_to_dict(found).items() if key not in _AGAIN}
+    if not conditions.complete or conditions.interrupted:
+        raise ResultFileError(
+            "only a complete derivation is stored", where=conditions.robot.name, got="; ".join(conditions.left)
+        )
+    record = {key: value for key, value in conditions_to_dict(conditions).items() if key not in _AGAIN}
     record["answers"] = ANSWERS
-    record["arm"] = _arm(found.robot) | {"task": _task(found.task)}
-    record["generic_rank"] = found.generic_rank
+    record["arm"] = _arm(conditions.robot) | {"task": _task(conditions.task)}
+    record["generic_rank"] = conditions.generic_rank
     record["families"] = [
         {key: value for key, value in written.items() if key not in _AGAIN}
         | {"pins": [[joint, list(values)] for joint, values in family.pins]}
         | {"polynomials": [_terms(one.polynomial) for one in family.conditions]}
-        for written, family in zip(record["families"], found.families, strict=True)
+        for written, family in zip(record["families"], conditions.families, strict=True)
     ]
     return record
 
@@ -96,7 +97,7 @@ def _task(task: Task) -> Record:
 
 
 def from_stored(
-    record: Record, robot: Robot, task: Task, chain: Chain, *, anew: Callable[[], ConditionsData] | None = None
+    record: Record, robot: Robot, task: Task, chain: Chain, *, anew: Callable[[], Conditions] | None = None
 ) -> Conditions:
     """The derivation of a record made by `to_stored`.
 
@@ -120,7 +121,7 @@ def from_stored(
 
 
 def _read(
-    record: Record, robot: Robot, task: Task, chain: Chain, anew: Callable[[], ConditionsData] | None
+    record: Record, robot: Robot, task: Task, chain: Chain, anew: Callable[[], Conditions] | None
 ) -> Conditions:
     if not record["letters"]:
         chain = replace(chain, letters={}, written={})  # with letters it took longer than it might
@@ -212,7 +213,7 @@ def shipped_record(robot: Robot, task: Task) -> Record | None:
 
 
 def known_conditions(
-    robot: Robot, task: str | Task | None = None, *, anew: Callable[[], ConditionsData] | None = None
+    robot: Robot, task: str | Task | None = None, *, anew: Callable[[], Conditions] | None = None
 ) -> Conditions | None:
     """The shipped conditions of this arm, or None: another arm or task, or made by code with other `ANSWERS`.
 

@@ -9,13 +9,16 @@ import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
-from rankdrop.results.conditions.data import ConditionsData
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section
+
+if TYPE_CHECKING:
+    from rankdrop.results.conditions.conditions import Conditions
 
 _BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
 """Places for a break, the better kinds first."""
@@ -98,26 +101,30 @@ _INSET = " " * 7  # below the mark of a family
 _UNEQUAL = re.compile(r"(\w+) ≠ (−?)(\w+)")
 
 
-def arm_lines(found: ConditionsData) -> dict[str, str]:
+def arm_lines(conditions: Conditions) -> dict[str, str]:
     """What was assumed of the arm, label -> text."""
     lines = {}
-    letters = ", ".join(f"{name} = {_number(value)} m" for name, value in found.letters.items())
+    letters = ", ".join(f"{name} = {_number(value)} m" for name, value in conditions.letters.items())
     lines["lengths"] = letters or "as numbers"
     shifted = [
         f"θ{j} = q{j} {'−' if shift < 0 else '+'} {pretty_angle(abs(shift))}"
-        for j, shift in enumerate(found.shifts, 1)
-        if shift and found.robot.variables[j - 1].unit == "rad"
+        for j, shift in enumerate(conditions.shifts, 1)
+        if shift and conditions.robot.variables[j - 1].unit == "rad"
     ]
     if shifted:
-        lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < found.robot.n else "")
-    if found.generic_rank < found.task.m:
-        rank, rows = found.generic_rank, found.task.m
+        lines["angles"] = ", ".join(shifted) + ("; else θ = q" if len(shifted) < conditions.robot.n else "")
+    if conditions.generic_rank < conditions.task.m:
+        rank, rows = conditions.generic_rank, conditions.task.m
         lines["always"] = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
-    if found.remarks:
-        lines["remarks"] = "; ".join(found.remarks)
-    told = "; ".join(part for part in found.reason.split("; ") if not any(one in part for one in found.remarks))
+    if conditions.remarks:
+        lines["remarks"] = "; ".join(conditions.remarks)
+    told = "; ".join(
+        part for part in conditions.reason.split("; ") if not any(one in part for one in conditions.remarks)
+    )
     reason = _reason(told)
-    other = "" if found.method == "tree" else f"; corank 1 also by {METHOD.get(found.method, found.method)}"
+    other = (
+        "" if conditions.method == "tree" else f"; corank 1 also by {METHOD.get(conditions.method, conditions.method)}"
+    )
     lines["method"] = f"rank tree{other}{reason}"
     return lines
 
@@ -136,72 +143,72 @@ def _reason(told: str) -> str:
     return "".join(f". {one[0].upper()}{one[1:]}" for one in sentences) + "."
 
 
-def sections_of(found: ConditionsData, *, width: int | None = None, families: bool = True) -> tuple[Section, ...]:
+def sections_of(conditions: Conditions, *, width: int | None = None, families: bool = True) -> tuple[Section, ...]:
     """Derivation step by step where it was asked for, families, assumptions, sets that are not real, checks.
 
     Args:
-        found: what was derived.
+        conditions: what was derived.
         width: characters in a line of a formula; None for as many as it has.
         families: False leaves out the families, of coranks that have any.
     """
     parts = (_steps, _determinants, *((_coranks,) if families else ()), _no_coranks, _assumed, _not_real, _checks,
              _unfinished)  # fmt: skip
-    sections = (section for part in parts for section in part(found, width))
+    sections = (section for part in parts for section in part(conditions, width))
     return tuple(
         replace(one, lines=tuple(piece for line in one.lines for piece in sentence(line, width))) for one in sections
     )
 
 
-def _steps(found: ConditionsData, width: int | None) -> Iterator[Section]:
-    if found.settings.steps:
-        for number, step in enumerate(found.steps):
-            summary = f"derivation of corank 1, {found.method}" if number == 0 else ""
+def _steps(conditions: Conditions, width: int | None) -> Iterator[Section]:
+    if conditions.settings.steps:
+        for number, step in enumerate(conditions.steps):
+            summary = f"derivation of corank 1, {conditions.method}" if number == 0 else ""
             yield Section(step.title, summary, tuple(piece for line in step.lines for piece in either(line, width)))
 
 
-def _determinants(found: ConditionsData, width: int | None) -> Iterator[Section]:
-    if found.determinants is not None:
-        said = found.determinants
+def _determinants(conditions: Conditions, width: int | None) -> Iterator[Section]:
+    if conditions.determinants is not None:
+        said = conditions.determinants
         title = "Determinant" if len(said.minors) == 1 or said.product else "Minors"
         lines = [piece for line in said.lines() for piece in either(line, width)]
-        folded = any(step.whole for step in found.steps) or said.folded()
+        folded = any(step.whole for step in conditions.steps) or said.folded()
         notes = ("what is folded here is whole with --steps-out and --json",) if folded else ()
         yield Section(title, "", tuple(lines), notes=notes)
 
 
-def steps_text(found: ConditionsData) -> str:
+def steps_text(conditions: Conditions) -> str:
     """The derivation of corank 1 and the determinants with everything written out, unwrapped."""
-    blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in found.steps]
-    if found.determinants is not None:
-        blocks.append(["Determinants", *(f"  {line}" for line in found.determinants.lines(None))])
-    head = [f"{found.robot.name}: derivation of corank 1, {found.method}", _LEGEND]
+    blocks = [[step.title, *(f"  {line}" for line in step.whole or step.lines)] for step in conditions.steps]
+    if conditions.determinants is not None:
+        blocks.append(["Determinants", *(f"  {line}" for line in conditions.determinants.lines(None))])
+    head = [f"{conditions.robot.name}: derivation of corank 1, {conditions.method}", _LEGEND]
     return "\n\n".join("\n".join(block) for block in [head, *blocks]) + "\n"
 
 
-def _coranks(found: ConditionsData, width: int | None) -> Iterator[Section]:
-    r = found.generic_rank
-    for corank in range(1, _highest(found) + 1):
-        rows = found.of_corank(corank)
-        lines = [line for family in rows for line in _family(family, found.robot, width)]
-        count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(found)
-        if rows and not found.complete:
+def _coranks(conditions: Conditions, width: int | None) -> Iterator[Section]:
+    r = conditions.generic_rank
+    for corank in range(1, _highest(conditions) + 1):
+        rows = conditions.of_corank(corank)
+        lines = [line for family in rows for line in _family(family, conditions.robot, width)]
+        count = f"{len(rows)} {'family' if len(rows) == 1 else 'families'}" if rows else _none(conditions)
+        if rows and not conditions.complete:
             count += " so far"
         yield Section(f"Corank {corank}", f"rank {r - corank} of {r}: {count}", tuple(lines))
 
 
-def _highest(found: ConditionsData) -> int:
-    return max((family.corank for family in found.families), default=0)
+def _highest(conditions: Conditions) -> int:
+    return max((family.corank for family in conditions.families), default=0)
 
 
-def _no_coranks(found: ConditionsData, _width: int | None) -> Iterator[Section]:
+def _no_coranks(conditions: Conditions, _width: int | None) -> Iterator[Section]:
     """The coranks above those that have families, and what letters mean."""
-    r = found.generic_rank
-    last, highest = r - found.lowest, _highest(found)
+    r = conditions.generic_rank
+    last, highest = r - conditions.lowest, _highest(conditions)
     if highest < last:
         between = "and" if highest + 2 == last else "to"
         name = f"Corank {last}" if highest + 1 == last else f"Coranks {highest + 1} {between} {last}"
-        yield Section(name, _none(found))
-    texts = [text for family in found.families for text in family.texts[len(family.pins) :]]
+        yield Section(name, _none(conditions))
+    texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
     notes = [_LEGEND] if texts else []
     if any(_ROUNDED.search(text) for text in texts):
         notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
@@ -211,10 +218,10 @@ def _no_coranks(found: ConditionsData, _width: int | None) -> Iterator[Section]:
         yield Section("", "", notes=tuple(notes))
 
 
-def _none(found: ConditionsData) -> str:
-    if not found.complete:
+def _none(conditions: Conditions) -> str:
+    if not conditions.complete:
         return "no family so far; the derivation is not complete"
-    return "no family" if found.verified else "none derived, and a check says otherwise: see the first line"
+    return "no family" if conditions.verified else "none derived, and a check says otherwise: see the first line"
 
 
 def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[str]:
@@ -243,16 +250,18 @@ def condition_lines(family: ExactFamily) -> list[str]:
     return [line] if len(line) <= _TOGETHER else parts
 
 
-def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _assumed(conditions: Conditions, width: int | None) -> Iterator[Section]:
     lines = []
-    for one in found.assumptions:
+    for one in conditions.assumptions:
         if one.words:
             case, _, happens = one.words.partition(", ")
-            lines += [f"{one.text} ({_holds(one, found)}); {case}:"]
+            lines += [f"{one.text} ({_holds(one, conditions)}); {case}:"]
             lines += [piece for part in happens.split("; ") for piece in sentence(f"    {part}", width, _HANG)]
         elif not one.holds:
-            lines += sentence(f"{one.text} ({_holds(one, found)}); what this arm has besides was not derived", width)
-    others = [one.text for one in found.assumptions if one.holds and not one.words]
+            lines += sentence(
+                f"{one.text} ({_holds(one, conditions)}); what this arm has besides was not derived", width
+            )
+    others = [one.text for one in conditions.assumptions if one.holds and not one.words]
     if others:
         lines += sentence("true here; what happens otherwise was not derived:", width)
         short = sorted((text for text in others if not _DIGITS.search(text)), key=len)[:_UNDERIVED]
@@ -263,16 +272,16 @@ def _assumed(found: ConditionsData, width: int | None) -> Iterator[Section]:
         yield Section("Assumptions on the lengths", "", tuple(lines))
 
 
-def _holds(one: Assumption, found: ConditionsData) -> str:
-    said = "true here" if one.holds else "NOT true here"
-    match = _UNEQUAL.fullmatch(one.text)
-    if match is None or not {match[1], match[3]} <= set(found.letters):
+def _holds(assumption: Assumption, conditions: Conditions) -> str:
+    said = "true here" if assumption.holds else "NOT true here"
+    match = _UNEQUAL.fullmatch(assumption.text)
+    if match is None or not {match[1], match[3]} <= set(conditions.letters):
         return said
-    values = (found.letters[match[1]], (-1 if match[2] else 1) * found.letters[match[3]])
-    return f"{said}: {_number(values[0])} {'≠' if one.holds else '='} {_number(values[1])}"
+    values = (conditions.letters[match[1]], (-1 if match[2] else 1) * conditions.letters[match[3]])
+    return f"{said}: {_number(values[0])} {'≠' if assumption.holds else '='} {_number(values[1])}"
 
 
-def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
+def _not_real(found: Conditions, width: int | None) -> Iterator[Section]:
     by_reason: dict[str, list[str]] = {}
     for text in found.not_real:
         conditions, _, reason = text.partition(": ")
@@ -289,30 +298,30 @@ def _not_real(found: ConditionsData, width: int | None) -> Iterator[Section]:
         yield Section("Not real", "sets of lower rank on which no real configuration is known", tuple(lines))
 
 
-def _checks(found: ConditionsData, width: int | None) -> Iterator[Section]:
-    tested = sum(family.rank_check.tested for family in found.families)
-    agree = sum(family.rank_check.agree for family in found.families)
+def _checks(conditions: Conditions, width: int | None) -> Iterator[Section]:
+    tested = sum(family.rank_check.tested for family in conditions.families)
+    agree = sum(family.rank_check.agree for family in conditions.families)
     lines = []
-    cloud = found.explained
+    cloud = conditions.explained
     if tested:
         lines.append(f"rank as claimed at {agree:,} of {tested:,} random points of the families, modulo 2^61 − 11913")
     if cloud.tested:
         lines.append(f"{cloud.agree:,} of {cloud.tested:,} singular configurations found numerically lie on a family")
-    elif found.settings.points:
+    elif conditions.settings.points:
         lines.append("the numeric search for singular configurations found none")
     else:
         lines.append("no singular configuration was looked for numerically")
-    if found.method != "tree" and not found.disagreements and not found.left:
-        lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(found.method, found.method)} agree")
-    lines += [f"DISAGREEMENT: {one}" for one in found.disagreements]
-    shipped = f"As shipped with rankdrop {found.settings.version}; --fresh derives it anew."
-    lines.append(shipped if found.anew else f"Time taken: {found.seconds:.1f} s.")
+    if conditions.method != "tree" and not conditions.disagreements and not conditions.left:
+        lines.append(f"corank 1 derived twice: rank tree and {METHOD.get(conditions.method, conditions.method)} agree")
+    lines += [f"DISAGREEMENT: {one}" for one in conditions.disagreements]
+    shipped = f"As shipped with rankdrop {conditions.settings.version}; --fresh derives it anew."
+    lines.append(shipped if conditions.anew else f"Time taken: {conditions.seconds:.1f} s.")
     yield Section("Checks", "", tuple(lines))
 
 
-def _unfinished(found: ConditionsData, width: int | None) -> Iterator[Section]:
-    if found.left:
-        lines = tuple(piece for one in found.left for piece in either(one, width))
+def _unfinished(conditions: Conditions, width: int | None) -> Iterator[Section]:
+    if conditions.left:
+        lines = tuple(piece for one in conditions.left for piece in either(one, width))
         yield Section("Not finished", "a longer --time-limit may finish it", lines)
 
 

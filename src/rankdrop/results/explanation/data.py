@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-
-import numpy as np
 
 from rankdrop.certify.ball import Certificate
 from rankdrop.families.distance import FamilyDistance
@@ -14,18 +11,11 @@ from rankdrop.family.which import Incidence
 from rankdrop.local.circuits import Circuit
 from rankdrop.local.cofactors import Hunt
 from rankdrop.local.directions import FramedDirections
-from rankdrop.local.ellipsoids import Ellipsoids
-from rankdrop.local.failures import Failures
 from rankdrop.local.nearest import Nearest
 from rankdrop.local.ordered import OrderedSubset
-from rankdrop.local.rates import Rates
-from rankdrop.local.redundant import Redundancy
-from rankdrop.local.relations import Relation
-from rankdrop.local.representation import Representations
 from rankdrop.local.screws import Screw
 from rankdrop.local.systems import ScrewSystem
 from rankdrop.local.verdict import Rank
-from rankdrop.local.ways_out import Escape
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -178,77 +168,3 @@ class Far:
     certificate: Certificate | None
     uncertified: str = ""
     near_miss: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class ExplanationData:
-    """Everything rankdrop can say of one configuration.
-
-    Attributes:
-        robot, task, q: what was asked about.
-        settings: thresholds, seed, version.
-        verdict: "regular", "near", "singular" or "always-singular".
-        reason: one sentence for it.
-        rank: singular values, rank, generic rank, corank, nullity.
-        focus: (n,) the configuration that family, relations and blame speak of: q itself, or the nearest singular one
-            where q is near it.
-        met: families that hold at the focus; the first is the one that says most.
-        source: where the families come from.
-        relations: what the axes have in common at the focus.
-        lost, blame, escape, rates, far: the parts.
-        failures: what the failure of each single joint leaves at q.
-        ellipsoids, redundancy, representations: further parts.
-        disagreements: where two methods disagree; empty when all is well.
-    """
-
-    robot: Robot
-    task: Task
-    q: Array
-    settings: ExplainSettings
-    verdict: str
-    reason: str
-    rank: Rank
-    focus: Array
-    met: tuple[Incidence, ...]
-    source: str
-    relations: tuple[Relation, ...]
-    lost: Lost
-    blame: Blame
-    escape: Escape
-    rates: Rates
-    far: Far
-    failures: Failures
-    ellipsoids: Ellipsoids
-    redundancy: Redundancy
-    representations: Representations
-    disagreements: tuple[str, ...] = ()
-
-    @property
-    def nearly_lost(self) -> int:
-        """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
-        kept = self.rank.sigma[: self.rank.rank]
-        return int((kept <= self.settings.small).sum())
-
-    @property
-    def outside_limits(self) -> tuple[int, ...]:
-        """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
-        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
-        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
-
-    @property
-    def at_limits(self) -> tuple[int, ...]:
-        """Joints (from 1) that stand at a limit, to within `AT_LIMIT`."""
-        gap = np.minimum(np.abs(self.q - self.robot.lower), np.abs(self.robot.upper - self.q)) / self._scale
-        return tuple(int(i) + 1 for i in np.flatnonzero(gap <= AT_LIMIT))
-
-    @property
-    def _scale(self) -> Array:
-        turning = [joint.unit == "rad" for joint in self.robot.variables]
-        return np.where(turning, 1.0, self.settings.length_scale)
-
-    @cached_property
-    def certified_radius(self) -> float | None:
-        """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""
-        if self.rank.corank or self.rank.always_singular:
-            return 0.0
-        return None if self.far.certificate is None else self.far.certificate.radius

@@ -7,65 +7,80 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rankdrop.certify.ball import Certificate
 from rankdrop.family.which import Incidence
+from rankdrop.local.ellipsoids import Ellipsoids
+from rankdrop.local.failures import Failures
+from rankdrop.local.rates import Rates
+from rankdrop.local.redundant import Redundancy
+from rankdrop.local.relations import Relation
+from rankdrop.local.representation import Representations
+from rankdrop.local.verdict import Rank
+from rankdrop.local.ways_out import Escape
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
-from rankdrop.results.explanation.data import ExplanationData, Lost
+from rankdrop.results.explanation.data import AT_LIMIT, Blame, ExplainSettings, Far, Lost
 from rankdrop.results.explanation.failures import failures_to_dict
 from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of
 from rankdrop.results.verdict import of_explanation
+from rankdrop.robot.model import Array, Robot
 from rankdrop.sections import Section, html, text
+from rankdrop.task import Task
 from rankdrop.units import heading
 
 SCHEMA = "rankdrop/explanation/1"
 
 
-def explanation_to_dict(found: ExplanationData) -> Record:
+def explanation_to_dict(explanation: Explanation) -> Record:
     """Every part; what is asked for most stands at the top level."""
-    rank = found.rank
+    rank = explanation.rank
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(found.robot, found.task, rank.generic_rank),
-        "settings": plain(found.settings),
-        "q": found.q.tolist(),
-        "outside_limits": list(found.outside_limits),
-        "at_limits": list(found.at_limits),
-        "verdict": found.verdict,
-        "reason": found.reason,
-        "sentence": of_explanation(found),
+        "robot": robot_to_dict(explanation.robot, explanation.task, rank.generic_rank),
+        "settings": plain(explanation.settings),
+        "q": explanation.q.tolist(),
+        "outside_limits": list(explanation.outside_limits),
+        "at_limits": list(explanation.at_limits),
+        "verdict": explanation.verdict,
+        "reason": explanation.reason,
+        "sentence": of_explanation(explanation),
         **plain(rank),
-        "nearly_lost": found.nearly_lost,
-        "focus": found.focus.tolist(),
-        "family": incidence_to_dict(found.met[0]) if found.met else None,
-        "families": [incidence_to_dict(one) for one in found.met],
-        "family_source": found.source,
-        "relations": plain(found.relations),
-        **_lost(found.lost),
-        "circuits": [list(circuit.numbers) for circuit in found.blame.circuits],
-        "blame": plain(found.blame),
-        "escape": plain(found.escape),
-        "joint_rates": plain(found.rates),
-        "nearest": nearest_to_dict(found),
+        "nearly_lost": explanation.nearly_lost,
+        "focus": explanation.focus.tolist(),
+        "family": incidence_to_dict(explanation.met[0]) if explanation.met else None,
+        "families": [incidence_to_dict(one) for one in explanation.met],
+        "family_source": explanation.source,
+        "relations": plain(explanation.relations),
+        **_lost(explanation.lost),
+        "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
+        "blame": plain(explanation.blame),
+        "escape": plain(explanation.escape),
+        "joint_rates": plain(explanation.rates),
+        "nearest": nearest_to_dict(explanation),
         "families_away": [
             {
                 "id": one.family.id,
                 "name": one.family.name,
                 **{key: value for key, value in plain(one).items() if key != "family"},
             }
-            for one in found.far.families
+            for one in explanation.far.families
         ],
-        "certified_radius": found.certified_radius,
-        "certificate": None if found.far.certificate is None else certificate_to_dict(found.far.certificate),
-        "uncertified": found.far.uncertified,
-        "near_miss": plain(found.far.near_miss),
-        **failures_to_dict(found.failures),
-        "ellipsoids": plain(found.ellipsoids),
-        "redundancy": plain(found.redundancy),
-        "representations": plain(found.representations),
-        "disagreements": list(found.disagreements),
+        "certified_radius": explanation.certified_radius,
+        "certificate": None
+        if explanation.far.certificate is None
+        else certificate_to_dict(explanation.far.certificate),
+        "uncertified": explanation.far.uncertified,
+        "near_miss": plain(explanation.far.near_miss),
+        **failures_to_dict(explanation.failures),
+        "ellipsoids": plain(explanation.ellipsoids),
+        "redundancy": plain(explanation.redundancy),
+        "representations": plain(explanation.representations),
+        "disagreements": list(explanation.disagreements),
     }
 
 
@@ -105,30 +120,36 @@ def _lost(lost: Lost) -> Record:
     }
 
 
-def nearest_to_dict(found: ExplanationData) -> Record | None:
+def nearest_to_dict(explanation: Explanation) -> Record | None:
     """The nearest singular configuration: q itself where it is one."""
-    name = None if found.far.nearest_family is None else incidence_to_dict(found.far.nearest_family)
-    if found.rank.corank:
-        still = [0.0] * found.robot.n
-        first = incidence_to_dict(found.met[0]) if found.met else None
-        return {"distance": 0.0, "q": found.q.tolist(), "delta": still, "corank": found.rank.corank, "family": first}
-    return None if found.far.nearest is None else {**plain(found.far.nearest), "family": name}
+    name = None if explanation.far.nearest_family is None else incidence_to_dict(explanation.far.nearest_family)
+    if explanation.rank.corank:
+        still = [0.0] * explanation.robot.n
+        first = incidence_to_dict(explanation.met[0]) if explanation.met else None
+        return {
+            "distance": 0.0,
+            "q": explanation.q.tolist(),
+            "delta": still,
+            "corank": explanation.rank.corank,
+            "family": first,
+        }
+    return None if explanation.far.nearest is None else {**plain(explanation.far.nearest), "family": name}
 
 
-def far_to_dict(found: ExplanationData) -> Record:
+def far_to_dict(explanation: Explanation) -> Record:
     """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
-    return _picked(found, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
+    return _picked(explanation, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
                    "uncertified", "near_miss")  # fmt: skip
 
 
-def way_out_to_dict(found: ExplanationData, procedure: Any) -> Record:
+def way_out_to_dict(explanation: Explanation, procedure: Any) -> Record:
     """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
-    picked = _picked(found, "rankdrop/escape/1", "circuits", "blame", "escape")
+    picked = _picked(explanation, "rankdrop/escape/1", "circuits", "blame", "escape")
     return {**picked, "lie": plain(procedure)}
 
 
-def _picked(found: ExplanationData, schema: str, *names: str) -> Record:
-    whole = explanation_to_dict(found)
+def _picked(explanation: Explanation, schema: str, *names: str) -> Record:
+    whole = explanation_to_dict(explanation)
     always = (
         "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
         "nullity", "sigma",
@@ -145,8 +166,77 @@ _SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Explanation(ExplanationData):
-    """Everything rankdrop can say of one configuration; the attributes are those of `ExplanationData`."""
+class Explanation:
+    """Everything rankdrop can say of one configuration.
+
+    Attributes:
+        robot, task, q: what was asked about.
+        settings: thresholds, seed, version.
+        verdict: "regular", "near", "singular" or "always-singular".
+        reason: one sentence for it.
+        rank: singular values, rank, generic rank, corank, nullity.
+        focus: (n,) the configuration that family, relations and blame speak of: q itself, or the nearest singular one
+            where q is near it.
+        met: families that hold at the focus; the first is the one that says most.
+        source: where the families come from.
+        relations: what the axes have in common at the focus.
+        lost, blame, escape, rates, far: the parts.
+        failures: what the failure of each single joint leaves at q.
+        ellipsoids, redundancy, representations: further parts.
+        disagreements: where two methods disagree; empty when all is well.
+    """
+
+    robot: Robot
+    task: Task
+    q: Array
+    settings: ExplainSettings
+    verdict: str
+    reason: str
+    rank: Rank
+    focus: Array
+    met: tuple[Incidence, ...]
+    source: str
+    relations: tuple[Relation, ...]
+    lost: Lost
+    blame: Blame
+    escape: Escape
+    rates: Rates
+    far: Far
+    failures: Failures
+    ellipsoids: Ellipsoids
+    redundancy: Redundancy
+    representations: Representations
+    disagreements: tuple[str, ...] = ()
+
+    @property
+    def nearly_lost(self) -> int:
+        """Further singular values that are small but not zero: freedoms nearly lost, by offsets or by nearness."""
+        kept = self.rank.sigma[: self.rank.rank]
+        return int((kept <= self.settings.small).sum())
+
+    @property
+    def outside_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) whose value is beyond a limit by more than `AT_LIMIT`."""
+        out = np.maximum(self.robot.lower - self.q, self.q - self.robot.upper) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(out > AT_LIMIT))
+
+    @property
+    def at_limits(self) -> tuple[int, ...]:
+        """Joints (from 1) that stand at a limit, to within `AT_LIMIT`."""
+        gap = np.minimum(np.abs(self.q - self.robot.lower), np.abs(self.robot.upper - self.q)) / self._scale
+        return tuple(int(i) + 1 for i in np.flatnonzero(gap <= AT_LIMIT))
+
+    @property
+    def _scale(self) -> Array:
+        turning = [joint.unit == "rad" for joint in self.robot.variables]
+        return np.where(turning, 1.0, self.settings.length_scale)
+
+    @cached_property
+    def certified_radius(self) -> float | None:
+        """Radius proven free of singularities [rad]; 0 at a singularity, None where it cannot be certified."""
+        if self.rank.corank or self.rank.always_singular:
+            return 0.0
+        return None if self.far.certificate is None else self.far.certificate.radius
 
     def __repr__(self) -> str:
         return f"<Explanation of {self.robot.name}: {self.verdict}, {self.reason}>"

@@ -36,8 +36,7 @@ from rankdrop.results.analysis import Analysis
 from rankdrop.results.explanation.data import Asked, Far, Lost, Seen
 from rankdrop.results.explanation.words import angle, angle_below, short
 from rankdrop.results.known import known_analysis
-from rankdrop.robot.fingerprint import geometry
-from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.model import Array, Robot, geometry
 from rankdrop.task import Task
 from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length
@@ -185,6 +184,7 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
     return readable_basis(rows.T).T
 
 
+_AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 _SEEDS = 8  # nearest points of families that the search begins from
 
 
@@ -231,10 +231,13 @@ def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incide
 def _certificate(asked: Asked, nearest: Nearest | None) -> tuple[Certificate | None, str]:
     """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
     bounded = nearest is not None and not asked.settings.limits
-    at_most = min(LARGEST, nearest.distance * (1 + 1e-9)) if nearest is not None and bounded else LARGEST
+    distance = nearest.distance if nearest is not None and bounded else np.inf
     evaluations = asked.settings.evaluations
     try:
-        return certified_radius(asked.robot, asked.q, asked.task, at_most=at_most, evaluations=evaluations), ""
+        return certified_radius(
+            asked.robot, asked.q, asked.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
+            enough=distance * (1 - _AS_GOOD), evaluations=evaluations,
+        ), ""  # fmt: skip
     except OptionError as error:
         if error.got == evaluations:  # no budget; else a task that cannot be certified
             raise

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isinf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.conditions.known import condition_sentences
-from rankdrop.results.explanation.data import ExplanationData
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
@@ -31,6 +31,9 @@ from rankdrop.results.explanation.words import (
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section
 
+if TYPE_CHECKING:
+    from rankdrop.results.explanation.explanation import Explanation
+
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
@@ -39,7 +42,7 @@ _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
 
-def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
+def sections_of(explanation: Explanation, *, full: bool = False, parts: Sequence[str] = ()) -> tuple[Section, ...]:
     """The parts in the order in which they are asked for.
 
     Args:
@@ -48,129 +51,131 @@ def sections_of(found: ExplanationData, *, full: bool = False, parts: Sequence[s
     """
     names = parts or [name for name in PARTS if full or name not in DETAILS]
     every = PARTS | ANSWERS
-    return tuple(section for name in names for section in every[name](found, full))
+    return tuple(section for name in names for section in every[name](explanation, full))
 
 
-def _hint(found: ExplanationData) -> Iterator[Section]:
-    hint = degrees_hint(found.q, found.robot)
+def _hint(explanation: Explanation) -> Iterator[Section]:
+    hint = degrees_hint(explanation.q, explanation.robot)
     if hint is not None:
         yield Section("Degrees?", "", (f"{hint}; --deg reads them as degrees, np.radians in Python",))
 
 
-def _answer(found: ExplanationData, full: bool) -> Iterator[Section]:
-    yield from _hint(found)
-    lines = (*_warnings(found), *answer(found))
-    yield Section(of_explanation(found), "", lines, notes=found.robot.notes, tone=TONE[found.verdict])
+def _answer(explanation: Explanation, full: bool) -> Iterator[Section]:
+    yield from _hint(explanation)
+    lines = (*_warnings(explanation), *answer(explanation))
+    yield Section(of_explanation(explanation), "", lines, notes=explanation.robot.notes, tone=TONE[explanation.verdict])
 
 
-def _verdict(found: ExplanationData, full: bool) -> Iterator[Section]:
-    rank, robot = found.rank, found.robot
+def _verdict(explanation: Explanation, full: bool) -> Iterator[Section]:
+    rank, robot = explanation.rank, explanation.robot
     joints, r = robot.variables, rank.generic_rank
     sigma = ", ".join(short(value) if value > rank.sigma_error else "0" for value in rank.sigma)
-    yield from _hint(found)
+    yield from _hint(explanation)
     told = f"rank {rank.rank} of {r}, corank {rank.corank}; " if rank.corank else ""
     lines = [
-        *_warnings(found),
-        f"{told}{_idle(found)} (nullity {rank.nullity})",
+        *_warnings(explanation),
+        f"{told}{_idle(explanation)} (nullity {rank.nullity})",
         f"σ = {sigma}  (each ± {power(rank.sigma_error)}; at or below {short(rank.tolerance)} is zero)",
-        f"task {found.task.name}; σ has translation divided by {short(found.settings.length_scale)} m",
+        f"task {explanation.task.name}; σ has translation divided by {short(explanation.settings.length_scale)} m",
     ]
     names = [joint.name for joint in joints]
     if not all(name.endswith(str(number)) for number, name in enumerate(names, start=1)):
         lines.append("joints " + ", ".join(f"{number} {name}" for number, name in enumerate(names, start=1)))
-    rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, found.q))]
+    rows = [("rad, m" if any(joint.unit == "m" for joint in joints) else "rad", *map(fixed, explanation.q))]
     if any(joint.unit == "rad" for joint in joints):
-        rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(found.q, joints, strict=True))))
+        rows.append(("deg", *(_deg(value, joint.unit) for value, joint in zip(explanation.q, joints, strict=True))))
     yield Section(
-        of_explanation(found), "", tuple(lines),
+        of_explanation(explanation), "", tuple(lines),
         ("joint", *(str(number) for number in range(1, robot.n + 1))), tuple(rows), notes=robot.notes,
-        tone=TONE[found.verdict],
+        tone=TONE[explanation.verdict],
     )  # fmt: skip
 
 
-def _idle(found: ExplanationData) -> str:
+def _idle(explanation: Explanation) -> str:
     """What the null space is to people."""
-    count = found.rank.nullity
-    what = "move the tool" if found.task.m == 6 else "change what the task asks for"
+    count = explanation.rank.nullity
+    what = "move the tool" if explanation.task.m == 6 else "change what the task asks for"
     if not count:
         return f"every joint motion {what.replace(' ', 's ', 1)}"
     return f"{count} {plural('way', count)} to move the joints {'does' if count == 1 else 'do'} not {what}"
 
 
-def _warnings(found: ExplanationData) -> Iterator[str]:
+def _warnings(explanation: Explanation) -> Iterator[str]:
     """Values that the arm cannot have."""
-    reach = found.settings.length_scale
+    reach = explanation.settings.length_scale
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
-    for number, (joint, value) in enumerate(zip(found.robot.variables, found.q, strict=True), start=1):
+    for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
         where = f"joint {number} at {short(value)} {joint.unit}"
-        if number in found.outside_limits:
+        if number in explanation.outside_limits:
             yield f"{where} is outside its limits, {short(joint.lower)} … {short(joint.upper)} {joint.unit}"
-        elif number in found.at_limits:
+        elif number in explanation.at_limits:
             yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)} {joint.unit})"
 
 
-def _which(found: ExplanationData, full: bool) -> Iterator[Section]:
-    special = [relation.words for relation in found.relations if not relation.structural]
-    always = [relation.words for relation in found.relations if relation.structural]
-    if not found.met and not full:
+def _which(explanation: Explanation, full: bool) -> Iterator[Section]:
+    special = [relation.words for relation in explanation.relations if not relation.structural]
+    always = [relation.words for relation in explanation.relations if relation.structural]
+    if not explanation.met and not full:
         return
-    own = [met for met in found.met if met.family.corank == found.met[0].family.corank]
-    others = [met.family.name for met in found.met if met not in own]
+    own = [met for met in explanation.met if met.family.corank == explanation.met[0].family.corank]
+    others = [met.family.name for met in explanation.met if met not in own]
     lines = []
     for met in own:
         lines.append(f"{met.family.name}  (corank {met.family.corank}, dimension {met.family.dimension}; {met.source})")
-        lines.append(f"    {'; '.join(condition_sentences(found.robot, found.task, met.family))}")
+        lines.append(f"    {'; '.join(condition_sentences(explanation.robot, explanation.task, met.family))}")
     if others:
         lines.append(f"lies on: {'; '.join(others)}")
     if special:
         lines.append(f"here: {'; '.join(special)}")
     notes = (f"at every configuration: {'; '.join(always)}",) if always else ()
     if lines or notes:
-        yield Section("Which singularity" if found.met else "Axes", _focus(found), tuple(lines), notes=notes)
+        yield Section(
+            "Which singularity" if explanation.met else "Axes", _focus(explanation), tuple(lines), notes=notes
+        )
 
 
-def _focus(found: ExplanationData) -> str:
-    return "" if np.array_equal(found.focus, found.q) else "at the nearest singular configuration"
+def _focus(explanation: Explanation) -> str:
+    return "" if np.array_equal(explanation.focus, explanation.q) else "at the nearest singular configuration"
 
 
-def _lost(found: ExplanationData, full: bool) -> Iterator[Section]:
-    lost = found.lost
+def _lost(explanation: Explanation, full: bool) -> Iterator[Section]:
+    lost = explanation.lost
     if lost.framed is not None:
-        miss = found.far.near_miss is not None and not found.rank.corank
+        miss = explanation.far.near_miss is not None and not explanation.rank.corank
         only = "can hardly move other than" if miss else "can only move"
         lines = [f"The tool {only} so that"]
         for seen in lost.seen:
             lines.append(f"  in {seen.axes}: {', '.join(seen.constraints)}")
             lines += [f"      {'; '.join(told)}" for told in [[one for one in seen.short if one]] if told]
         if full:
-            lines.append(f"In the {_seen(found)}:")
+            lines.append(f"In the {_seen(explanation)}:")
             for direction, twist, wrench in zip(
                 lost.framed.directions, lost.twist_screws, lost.wrench_screws, strict=True
             ):
                 lines.append(f"  lost twist {vector(direction)}: {pitch_text(twist.pitch)}")
                 torque = "with hardly any joint torque" if miss else "without joint torque"
                 lines.append(f"      carried {torque}: {wrench_text(wrench)}")
-        title = "What is lost" if found.rank.corank else "What is nearly lost"
+        title = "What is lost" if explanation.rank.corank else "What is nearly lost"
         nearly = any(one.startswith("nearly") for seen in lost.seen for one in seen.short)
         notes = (_TWIST, *((_COUNTED,) if nearly else ()))
-        yield Section(title, _focus(found), tuple(lines), notes=notes)
+        yield Section(title, _focus(explanation), tuple(lines), notes=notes)
     if len(lost.never):
         rows = tuple(tuple(short(round(float(value), 4) + 0.0) for value in row) for row in lost.never)
         yield Section("Never possible", "twists that this arm makes nowhere around here",
                       columns=("vx", "vy", "vz", "ωx", "ωy", "ωz"), rows=rows, texts=(), notes=(_FEWER,))  # fmt: skip
 
 
-def _seen(found: ExplanationData) -> str:
+def _seen(explanation: Explanation) -> str:
     """In which axes the directions are, and which point they refer to."""
-    assert found.lost.framed is not None
-    frame, name = found.lost.framed.frame, found.lost.framed.name
+    assert explanation.lost.framed is not None
+    frame, name = explanation.lost.framed.frame, explanation.lost.framed.name
     at_tip = frame.origin == TIP and not any(frame.point)
     return f"axes of {name}" + (", reference point at the end effector" if at_tip else "")
 
 
-def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
-    blame = found.blame
+def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:
+    blame = explanation.blame
     lines = [circuit.words for circuit in blame.smallest]
     lines += [system.words for system in blame.systems if system.permanent or full]
     if blame.always:
@@ -178,7 +183,7 @@ def _blame(found: ExplanationData, full: bool) -> Iterator[Section]:
     if not blame.complete:
         lines.append("the chain is too long to list dependent sets of joints")
     if lines:
-        yield Section("Joints to blame", _dependencies(found) if blame.smallest else "", tuple(lines))
+        yield Section("Joints to blame", _dependencies(explanation) if blame.smallest else "", tuple(lines))
     if full and blame.circuits:
         rows = tuple(
             (numbers(one.numbers), "always" if one.generic else "here", vector(one.coefficients), one.words)
@@ -213,42 +218,42 @@ def _hunt(hunt: Hunt) -> Section:
     )  # fmt: skip
 
 
-def _dependencies(found: ExplanationData) -> str:
-    usual = found.robot.n - found.rank.generic_rank
+def _dependencies(explanation: Explanation) -> str:
+    usual = explanation.robot.n - explanation.rank.generic_rank
     text = "smallest sets of joints with dependent screws"
     if usual:
-        corank = found.met[0].family.corank if found.met else found.rank.corank
+        corank = explanation.met[0].family.corank if explanation.met else explanation.rank.corank
         text += f"; {usual + corank} dependencies here, {usual} almost everywhere"
     return text
 
 
-def _closing(found: ExplanationData, full: bool) -> Iterator[Section]:
-    if found.disagreements:
-        yield Section("Disagreement", "two methods differ; please report it", found.disagreements)
+def _closing(explanation: Explanation, full: bool) -> Iterator[Section]:
+    if explanation.disagreements:
+        yield Section("Disagreement", "two methods differ; please report it", explanation.disagreements)
 
 
-def _more(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _more(explanation: Explanation, full: bool) -> Iterator[Section]:
     if not full:
         yield Section("", "", notes=("more with --full: circuits, ellipsoids, rates, redundancy, representation",))
 
 
-def _fuller(found: ExplanationData, full: bool) -> Iterator[Section]:
+def _fuller(explanation: Explanation, full: bool) -> Iterator[Section]:
     yield Section(
         "", "", notes=("more with --full: every joint, joints to blame, tables of Hunt and of GR",)
     )
 
 
-def _last(found: ExplanationData, full: bool) -> Iterator[Section]:
-    yield Section(of_explanation(found), tone=TONE[found.verdict])
+def _last(explanation: Explanation, full: bool) -> Iterator[Section]:
+    yield Section(of_explanation(explanation), tone=TONE[explanation.verdict])
 
 
 def _deg(value: float, unit: str) -> str:
     return "" if unit == "m" else minus(f"{degrees(value) + 0.0:.2f}")
 
 
-def ellipsoids_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def ellipsoids_part(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Velocity and force ellipsoids with their indices, for unit joint rates and for the velocity limits."""
-    shapes = found.ellipsoids
+    shapes = explanation.ellipsoids
     for group in (shapes.unit_rates, shapes.rate_limits):
         if group is None:
             continue
@@ -267,9 +272,9 @@ def ellipsoids_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         )  # fmt: skip
 
 
-def redundancy_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def redundancy_part(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Null space, rank–nullity, both forms of the projector."""
-    spare = found.redundancy
+    spare = explanation.redundancy
     lines = [
         f"rank {spare.check.rank} + nullity {spare.check.nullity} = {spare.check.n} joints: "
         + ("holds" if spare.check.holds else "DOES NOT HOLD"),
@@ -277,15 +282,15 @@ def redundancy_part(found: ExplanationData, full: bool) -> Iterator[Section]:
         f"Jin's I − Jᵀ(JJᵀ)†J differs by at most {power(spare.difference)}",
     ]
     rows = tuple(tuple(fixed(value) for value in row) for row in spare.null_basis)
-    columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(found.robot.variables, start=1))
+    columns = tuple(f"{number} {joint.name}" for number, joint in enumerate(explanation.robot.variables, start=1))
     title = "Joint motions that leave the task still"
     yield Section(title, "" if rows else "none", tuple(lines), columns if rows else (), rows, texts=(),
                   notes=("rows: joint rates [rad/s, m/s], to first order",) if rows else ())  # fmt: skip
 
 
-def representation_part(found: ExplanationData, full: bool) -> Iterator[Section]:
+def representation_part(explanation: Explanation, full: bool) -> Iterator[Section]:
     """Coordinates of the orientation and their own singularities."""
-    every = found.representations
+    every = explanation.representations
     rows = tuple(
         (one.name, ", ".join(f"{name} {short(value)}" for name, value in zip(one.names, one.coordinates, strict=True)),
          short(one.sigma_min), "none" if isinf(one.angle) else f"{degrees(one.angle):.3g}°",
@@ -300,7 +305,7 @@ def _lengths(values: Iterable[float]) -> str:
     return " ".join(short(round(float(value), 6)) for value in values)
 
 
-DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+DETAIL_PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "proofs": proofs_part,
     "ellipsoids": ellipsoids_part,
     "redundancy": redundancy_part,
@@ -308,7 +313,7 @@ DETAIL_PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = 
 }
 """They by their names, in order."""
 
-PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
+PARTS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {
     "verdict": _verdict,
     "which": _which,
     "lost": _lost,
@@ -323,7 +328,7 @@ PARTS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {
     "last": _last,
 }
 """Every part by its name, in order."""
-ANSWERS: dict[str, Callable[[ExplanationData, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
+ANSWERS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {"answer": _answer, "fuller": _fuller}
 """Parts that are shown by name only: the verdict with the way out in sentences, and what more there is to see."""
 DETAILS = frozenset(DETAIL_PARTS)
 """Parts that are shown only on demand."""

@@ -1,0 +1,326 @@
+"""The singularity conditions of an arm derived from nothing, and checked by what knows nothing of the derivation.
+
+Phase after phase, each within its share of the work that is allowed: the rank tree, its real sets as families, corank 1
+by the method a person would take, what stays open for want of points modulo primes, arms of special lengths, and
+configurations found numerically, which all have to lie on a family.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from time import monotonic
+
+import numpy as np
+
+from rankdrop.compare.cloud import Cloud, cloud, explained
+from rankdrop.exact.algebra.field import PRIMES
+from rankdrop.exact.algebra.work import SLOWER, OutOfTime, Work
+from rankdrop.exact.algebra.zeroset import ZeroSet
+from rankdrop.exact.arm.chain import Chain, exact_chain
+from rankdrop.exact.arm.structure import structure_of
+from rankdrop.exact.derivation import CorankOne, check_method, corank_one
+from rankdrop.exact.determinants import Determinants, determinants_of
+from rankdrop.exact.families import families, real_sets
+from rankdrop.exact.family import Assumption, ExactFamily
+from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sign_of, sum_text
+from rankdrop.exact.merge import alone, merge
+from rankdrop.exact.reading.lint import round_points
+from rankdrop.exact.tree import Tree, rank_tree
+from rankdrop.families.posture import posed
+from rankdrop.family.record import Check, Family, Sampled
+from rankdrop.local.block import singular_values
+from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
+from rankdrop.robot.model import Array, Robot
+from rankdrop.sections import count
+from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT
+from rankdrop.units import into_units, out_of_units
+
+_SHARE = 0.7  # of the time left that a phase may take: the tree, real sets, a method, special lengths
+_LETTERS = 0.5  # of the time left that the tree may take with letters that nobody asked for
+_SYSTEM = ("system of conditions", "systems of conditions")
+_POINTS = 24  # real points looked at on each set that has none modulo primes
+_LONG = 40  # terms of a set's conditions beyond which they tell nobody anything
+
+
+def derived(
+    robot: Robot,
+    task: str | Task | None,
+    asked: ConditionSettings,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> Conditions:
+    """The conditions of an arm; arguments and errors are those of `rankdrop.conditions`."""
+    begun = monotonic()
+    work = Work(asked.seconds / SLOWER, asked.seed, progress)
+    given = exact_chain(robot, task, lengths=asked.lengths)
+    check_method(given, asked.method, basic=asked.basic, frame=asked.frame)
+    lowest = 0 if asked.coranks is None else max(min(given.task.m, given.n) - asked.coranks, 0)
+    chain, tree, work, remarks = _tree(given, lowest, optional=asked.lengths == "auto", work=work)
+    left = list(tree.left)
+    with work.share(_SHARE):
+        found, not_real, wrong = _families(chain, tree, work, left)
+    first = _first(chain, tree, found, work, asked)
+    said = _said(chain, work) if asked.steps else None
+    hidden, unmet = _sets_without_points(chain, tree, found, asked.seed)
+    left += [*first.left, *_unresolved(tree), *hidden]
+    not_real += unmet
+    assumed = _assumptions(chain, tree, lowest, work, left) if asked.special else ()
+    check, over = _cloud(chain, tree.generic_rank, lowest, found, asked.points, work, left)
+    if left:  # what is left over belongs to what was not derived
+        left += over
+        over = []
+    return Conditions(
+        robot=robot,
+        task=chain.task,
+        generic_rank=tree.generic_rank,
+        letters=chain.numbers,
+        shifts=tuple(float(x) for x in chain.shifts),
+        remarks=(*chain.remarks, *remarks, *(one.text for one in structure_of(chain).near)),
+        method=first.method,
+        reason=first.reason,
+        steps=first.steps,
+        determinants=said,
+        families=tuple(posed_exactly(robot, chain.task, family) for family in found),
+        lowest=lowest,
+        assumptions=tuple(assumed),
+        not_real=tuple(not_real),
+        explained=check,
+        disagreements=(*first.disagreements, *wrong, *over),
+        complete=tree.complete and not left,
+        interrupted=work.interrupted,
+        left=tuple(left),
+        seconds=monotonic() - begun,
+        settings=asked,
+        chain=chain,
+    )
+
+
+def posed_exactly(robot: Robot, task: Task, family: ExactFamily) -> ExactFamily:
+    """The family with the witness that `analyze` shows: in a good posture, see `rankdrop.families.posed`."""
+    sampled = posed(robot, task, Family(
+        id=family.id, name=family.name, corank=family.corank, dimension=family.dimension, pinned=family.pinned(robot),
+        free=family.free, coupled=family.coupled, equations=family.equations, witness=family.witness,
+        lost_directions=np.empty((0, 6)), lost_words=family.lost_words,
+        evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+    ))  # fmt: skip
+    return replace(family, witness=sampled.witness, lost_words=sampled.lost_words)
+
+
+def _broken(chain: Chain, work: Work) -> tuple[str, ...]:
+    """Assumptions on lengths that the arm's own lengths break, in words."""
+    told = ("conditions that are independent for general lengths are not for these: derived with numbers",)
+    return (told if work.special else ()) + tuple(
+        f"{sum_text(chain.ring, f)} = 0 for these lengths, which letters rule out: derived with numbers"
+        for f in work.assumed.values()
+        if sign_of(chain, f) == 0
+    )
+
+
+def _tree(chain: Chain, lowest: int, *, optional: bool, work: Work) -> tuple[Chain, Tree, Work, tuple[str, ...]]:
+    """The rank tree; with numbers where letters that nobody asked for take too long or leave systems over that matter
+    for this arm, or where letters rule out its lengths.
+    """
+    optional = optional and bool(chain.letters)
+    with work.share(_LETTERS if optional else _SHARE):
+        tree = rank_tree(chain, work, lowest=lowest)
+    broken = _broken(chain, work)
+    over = len(tree.unresolved)
+    open_ = not tree.complete and optional
+    double = doubled(chain, tree)
+    if double:
+        broken += ("a condition has a square in it for these lengths: derived with numbers",)
+    if work.interrupted or not chain.letters or not (broken or open_ or (tree.complete and over)):
+        return chain, tree, work, ()
+    plain, again = replace(chain, letters={}, written={}), work.again()
+    with again.share(_SHARE):
+        other = rank_tree(plain, again, lowest=lowest)
+    if not double and decided_by_numbers(chain, tree, other):
+        return chain, replace(tree, unresolved=[]), work, ()  # what letters rule out or leave over is not there
+    if broken:
+        return plain, other, again, broken
+    if open_:
+        if not other.complete and not again.interrupted:
+            return chain, tree, work, ()
+        return plain, other, again, ("lengths are numbers: with letters the derivation takes longer than it may",)
+    if not optional or not other.finished:
+        return chain, tree, work, ()
+    words = f"lengths are numbers: with letters {count(over, *_SYSTEM)} could not be taken apart"
+    return plain, other, again, (words,)
+
+
+def _families(
+    chain: Chain, tree: Tree, work: Work, left: list[str]
+) -> tuple[list[ExactFamily], list[str], list[str]]:
+    """(families, sets without real points, disagreements); what time did not allow is added to `left`."""
+    sets, not_real = real_sets(chain, tree.drops, work, left, work.seed)
+    found = families(chain, sets, tree.generic_rank, work)
+    wrong = [
+        f"{family.id}: the rank modulo a prime is not {tree.generic_rank - family.corank} at "
+        f"{family.rank_check.tested - family.rank_check.agree} of {family.rank_check.tested} random points"
+        for family in found
+        if not family.rank_check.holds
+    ]
+    return found, not_real, wrong
+
+
+def _first(
+    chain: Chain, tree: Tree, families: Sequence[ExactFamily], work: Work, asked: ConditionSettings
+) -> CorankOne:
+    """Corank 1 by the method a person would take; left out where the user has asked to stop."""
+    if not work.interrupted:
+        work.show("the method for corank 1", 0, 1)
+        try:
+            own = Work(max(_SHARE * work.left, 0.1), work.seed)
+            return corank_one(
+                chain, asked.method, tree, families, own, steps=asked.steps, basic=asked.basic, frame=asked.frame
+            )
+        except KeyboardInterrupt:
+            work.interrupt()
+    return CorankOne("tree", "interrupted before another method was tried", (), ("the method for corank 1",))
+
+
+def _said(chain: Chain, work: Work) -> Determinants | None:
+    """The determinant, or the minors; None where the user has asked to stop."""
+    if work.interrupted:
+        return None
+    work.show("the determinant", 0, 1)
+    try:
+        return determinants_of(chain, Work(max(_SHARE * work.left, 0.1), work.seed))
+    except KeyboardInterrupt:
+        work.interrupt()
+        return None
+
+
+def _unresolved(tree: Tree) -> list[str]:
+    if not tree.unresolved:
+        return []
+    return [
+        f"{count(len(tree.unresolved), *_SYSTEM)} could not be taken apart, three or more of them on the same joints: "
+        "where they hold together the rank may drop, and no family says so; numerically found configurations "
+        "(rankdrop analyze) do not depend on this"
+    ]
+
+
+def _assumptions(chain: Chain, tree: Tree, lowest: int, work: Work, left: list[str]) -> Sequence[Assumption]:
+    if not work.interrupted:
+        work.show("arms of special lengths", 0, 1)
+        try:
+            with work.share(_SHARE):
+                return assumptions(chain, tree.drops, tree.generic_rank, lowest, work)
+        except OutOfTime:
+            pass
+        except KeyboardInterrupt:
+            work.interrupt()
+    left.append("arms of special lengths")
+    return ()
+
+
+def _cloud(
+    chain: Chain,
+    generic_rank: int,
+    lowest: int,
+    families: Sequence[ExactFamily],
+    points: int,
+    work: Work,
+    left: list[str],
+) -> tuple[Check, list[str]]:
+    """Singular configurations found numerically, tried on the families, and sentences on those left over.
+
+    What was not looked for goes to `left`.
+    """
+    tested = agree = 0
+    over = []
+    here = [family.in_units(chain) for family in families]
+    for corank in range(1, generic_rank - lowest + 1):
+        if not points or work.interrupted:
+            break
+        if corank > 1 and work.time_left < 0:
+            left.append(f"numeric configurations of corank {corank} and above: the processor's time ran out")
+            break
+        work.show("checks", corank - 1, generic_rank - lowest)
+        wanted = points if corank == 1 else max(points // 10, 1)
+        try:
+            met = cloud(chain.own, chain.own_task, corank, wanted, work.seed)
+            if not len(met.q):
+                break
+            met = met.up_to(generic_rank - lowest)
+            check, remaining = explained(met, [family.equations for family in here if family.corank >= corank])
+        except KeyboardInterrupt:
+            work.interrupt()
+            break
+        tested, agree = tested + check.tested, agree + check.agree
+        if len(remaining):
+            one = out_of_units(chain.robot, met.q[remaining[0]])
+            q = ", ".join(f"{round(float(x), 9) + 0.0:.6g}".replace("-", "−") for x in one)
+            over.append(
+                f"corank {corank}: {len(remaining):,} of {check.tested:,} configurations found numerically lie on no "
+                f"family, q = ({q}) is one"
+            )
+    return Check(tested, agree), over
+
+
+def _sets_without_points(
+    chain: Chain, tree: Tree, families: Sequence[ExactFamily], seed: int
+) -> tuple[list[str], list[str]]:
+    """What the tree leaves open for want of points, and the sets on which no real point was found, in sentences.
+
+    A set is no loss where all real points found lie on the families of a rank as low, or where the rank is not lower
+    there and no smaller set inside it is looked for. That none was found is no proof that there is none.
+
+    The tree tells sets apart at random points modulo primes. With letters for lengths a set has such points for about
+    every other value of them, with numbers modulo about every other prime; a few have none modulo all that are tried.
+    """
+    lost: dict[str, ZeroSet] = {}
+    unmet: dict[str, ZeroSet] = {}
+    for piece, order, last in tree.without_points:
+        theta = [point for point, _ in zip(round_points(piece, chain, seed=seed), range(_POINTS), strict=False)]
+        if not theta:
+            unmet[piece.key] = piece
+        elif piece.key not in lost and not _settled(chain, tree, families, np.array(theta), order, last):
+            lost[piece.key] = piece
+    short = [piece for piece in unmet.values() if _terms(piece) <= _LONG]
+    words = f"no real point was found, nor one modulo {len(PRIMES)} primes"
+    told = [f"{', '.join(row.texts)}: {words}" for row in merge(short)]
+    if len(unmet) > len(short):
+        told.append(f"{len(unmet) - len(short)} sets with long conditions: no real point was found on them either")
+    return [_sentence(list(lost.values()))] if lost else [], told
+
+
+def _sentence(lost: Sequence[ZeroSet]) -> str:
+    sets = count(len(lost), "set of real configurations", "sets of real configurations")
+    shortest = min(lost, key=_terms)
+    texts = ", ".join(alone(shortest).texts) if _terms(shortest) <= _LONG else ""
+    where = f" ({'' if len(lost) == 1 else 'one is '}{texts})" if texts else ""
+    return (
+        f"{sets}{where} could not be looked into: roots of numbers that stand in the conditions exist modulo none of "
+        f"the {len(PRIMES)} primes by which ranks are taken. Whether the rank drops inside is not known; "
+        "--lengths letters may avoid this"
+    )
+
+
+def _terms(piece: ZeroSet) -> int:
+    return sum(map(len, piece.equations))
+
+
+def _settled(
+    chain: Chain,
+    tree: Tree,
+    families: Sequence[ExactFamily],
+    theta: Array,
+    order: int,
+    last: bool,
+) -> bool:
+    q = into_units(chain.robot, theta - chain.shifts)
+    rank = (singular_values(chain.own, q, chain.own_task) > DEFAULT.singular).sum(axis=1)
+    low = rank < order
+    if not low.any():
+        return last
+    corank = tree.generic_rank - rank
+    for k in sorted(set(corank[low].tolist())):
+        here = q[low & (corank == k)]
+        known = [family.in_units(chain).equations for family in families if family.corank >= k]
+        _, over = explained(Cloud(chain.own, chain.own_task, here, np.full(len(here), k)), known)
+        if len(over):
+            return False
+    return bool(low.all()) or last

@@ -215,6 +215,9 @@ def test_a_truncated_bag_is_never_read_in_part(tmp_path: Path, kind: str) -> Non
         for one in {path, file}:
             with pytest.raises(TrajectoryError, match=r"long.*(damaged or cut off|is cut off)"):
                 read_trajectory(one, ARM)
+    if kind == "sqlite3":  # said of the file itself: newer versions of SQLite read what is there
+        with pytest.raises(TrajectoryError, match=r"is cut off; got [\d,]+ of [\d,]+ bytes"):
+            read_trajectory(path, ARM)
 
 
 def test_another_version_of_the_type_is_refused(tmp_path: Path) -> None:

@@ -88,8 +88,29 @@ def _opened(path: Path) -> tuple[Callable[[bytes, str], Any], Any, Callable[[str
         if path.suffix.lower() == ".bag":
             store = get_typestore(Stores.ROS1_NOETIC)
             return store.deserialize_ros1, Reader1(path), lambda kind: str(store.generate_msgdef(kind)[1])
+        for file in [path] if path.is_file() else sorted(path.glob("*.db3")):
+            _check_database(file)
         store = get_typestore(Stores.LATEST)
         return store.deserialize_cdr, Reader2(path), lambda kind: str(store.hash_rihs01(kind))
+
+
+def _check_database(file: Path) -> None:
+    """Whether an SQLite file is as long as its head says (sqlite.org, file format, 1.3: bytes 16 and 28): newer
+    versions of SQLite read what is there of one that was cut.
+
+    Raises:
+        TrajectoryError: it is shorter.
+    """
+    with file.open("rb") as stream:
+        head = stream.read(100)
+    if not head.startswith(b"SQLite format 3\0") or len(head) < 100 or head[24:28] != head[92:96]:
+        return  # another kind of file, or one whose head does not tell: the reader says what it is
+    page = int.from_bytes(head[16:18])
+    page = 65536 if page == 1 else page
+    promised, there = page * int.from_bytes(head[28:32]), file.stat().st_size
+    if there < promised:
+        raise TrajectoryError("the bag is cut off", where=str(file), got=f"{there:,} of {promised:,} bytes",
+                              mend=_MEND)  # fmt: skip
 
 
 @contextmanager

@@ -199,7 +199,7 @@ class _Shares:
         singular = [one for one in met if one.kind != UNDECIDED]
         self.length = sum(self._long(one) for one in open_)
         self.undecided = self.length / total
-        self.free = 1.0 - self.undecided - sum(self._long(one) for one in singular) / total
+        self.free = max(0.0, 1.0 - self.undecided - sum(self._long(one) for one in singular) / total)  # rounding
         self.time = None if path.times is None else float(sum(self._lasts(one, path.times) for one in open_))
 
     def _long(self, meeting: Meeting) -> float:

@@ -24,7 +24,9 @@ from rankdrop.certify.coverfile import (
     write_covering,
 )
 from rankdrop.certify.covering import Covering, chunk_of, covering, looked_into, plan_of
+from rankdrop.compare.covered import Explainer
 from rankdrop.errors import OptionError, ResultFileError
+from rankdrop.families.measured import distances
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of
 from rankdrop.jobs.job import perform
@@ -304,6 +306,33 @@ def test_a_budget_pays_for_the_same_chunks_whoever_makes_them(made, monkeypatch,
     assert found.tested == usual.tested
     monkeypatch.undo()
     assert cover(robot, width=0.2, out=tmp_path / "x", explain=False).complete
+
+
+@pytest.mark.parametrize("halvings", [0, 1, 2])
+def test_no_place_of_an_explained_part_is_farther_from_a_family_than_a_diagonal_of_a_leaf(halvings):
+    robot = robot_of("puma560")
+    task, found = resolve_task(None, robot), covered("puma560", 2)
+    families = [one for one in known_analysis(robot, task).families if one.corank >= 2]
+    explainer = Explainer(found, robot, families, np.ones(6), halvings)
+    leaves = np.concatenate([cells for cells, _ in found.tree.parts()])
+    rng = np.random.default_rng(2)
+    parts = (rng.permutation(leaves)[:300] << halvings) + rng.integers(0, 1 << halvings, (300, 4), dtype=np.int32)
+    q = np.zeros((len(parts), 6))
+    q[:, explainer.place] = explainer.low + (parts + 0.5) * explainer.width
+    far = distances(families, robot, q, task).distance.min(axis=1) + np.linalg.norm(explainer.width) / 2
+    whole = 2 * np.linalg.norm(found.boxes(leaves[:1])[1])
+    near = explainer.by(parts) >= 0
+    assert (far[near] <= whole + 1e-6).all()
+    assert far[near].max() > 0.9 * whole
+    assert (far[~near] > 0.999 * whole).mean() > 0.95  # of one in forty the walk found no point
+    assert (~near).sum() > 5
+
+
+@pytest.mark.slow
+def test_boxes_between_families_that_almost_touch_are_explained_by_the_parts_that_are_left():
+    found = cover(robot_of("puma560"), width=0.1, corank=2)
+    assert found.holds
+    assert found.account.diagonal == pytest.approx(2 * np.linalg.norm(found.covering.boxes(np.zeros((1, 4), int))[1]))
 
 
 @pytest.mark.parametrize("name", ["planar3r", "almarkhi4", "anthropomorphic", "stanford"])

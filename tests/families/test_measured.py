@@ -92,3 +92,12 @@ def test_within_the_limits_feet_are_inside() -> None:
     assert ((feet >= arm.lower - 1e-8) & (feet <= arm.upper + 1e-8)).all()
     free = distances(known_analysis(arm, task).families, arm, q, task)
     assert (found.nearest()[1] >= 0.99 * free.nearest()[1]).all()
+
+
+def test_of_no_configurations_there_are_no_distances():
+    arm = open_robot("ur5")
+    task = resolve_task(None, arm)
+    families = known_analysis(arm, task).families
+    found = distances(families, arm, np.zeros((0, 6)), task)
+    assert found.distance.shape == (0, len(families))
+    assert found.foot.shape == (0, len(families), 6)

@@ -13,6 +13,7 @@ from rankdrop.errors import ConfigurationError
 from rankdrop.report.notebook import arm_view
 from rankdrop.results.conditions.known import known_conditions
 from rankdrop.results.known import shipped
+from rankdrop.robot.quantities import degrees_text
 
 
 def data_of(shown: str) -> dict[str, object]:
@@ -74,3 +75,16 @@ def test_conditions_are_typeset_in_a_notebook() -> None:
     assert conditions.verdict.sentence in html.unescape(shown)
     for family in conditions.families:  # once, typeset: not in words as well
         assert shown.count(f"<td>{family.id}</td>") == shown.count(family.id) == 1
+
+
+@pytest.mark.shipped
+def test_a_loss_told_at_the_witness_has_the_witness_in_notebooks() -> None:
+    found = shipped("puma560")
+    exactly = known_conditions(found.robot, found.task)
+    assert exactly is not None
+    for one in (found, exactly):
+        told = [family for family in one.families if any("witness" in text for text in family.lost_words)]
+        view = one._repr_html_()
+        assert told
+        assert all(degrees_text(family.witness, found.robot.units) in view for family in told)
+        assert view.count("witness") == view.count("(at the witness)") + len(told)

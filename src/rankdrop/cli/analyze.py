@@ -12,7 +12,7 @@ from rankdrop.cli import exits
 from rankdrop.cli.arm import IDEAL, NO_OPTIONS, ArmOptions, Whole
 
 if TYPE_CHECKING:
-    from rankdrop.results import Analysis
+    from rankdrop.results import Analysis, Record
     from rankdrop.sections import Section
     from rankdrop.task import Task
     from rankdrop.verbs import Idealised
@@ -86,12 +86,16 @@ def analyze(
         )
     there, moved, beside = ideal_sections(made, analysis.task, analysis.families, seed)
     seconds = monotonic() - begun
-    record = analysis.to_dict()
-    if made is not None:
-        record |= {**of_ideal(analysis.verdict, made).to_dict(), "ideal": made.to_dict(analysis.task, there)}
+
+    def record() -> Record:
+        if made is None:
+            return analysis.to_dict()
+        verdict = of_ideal(analysis.verdict, made).to_dict()
+        return analysis.to_dict() | verdict | {"ideal": made.to_dict(analysis.task, there)}
+
     hand_over(
         lambda: _print(analysis, task, made, moved, beside, seconds=seconds, every=all),
-        (json, lambda target: write_json(record, target)),
+        (json, lambda target: write_json(record(), target)),
         (latex, lambda target: write_text(analysis.latex(), target)),
     )
     return _exit_code(analysis)

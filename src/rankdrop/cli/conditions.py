@@ -126,16 +126,20 @@ def conditions(
     answers, answered, verdict = question.answer(found)
     verdict = of_ideal(verdict, made)
     there, moved, beside = ideal_sections(made, task, found.families, seed)
-    record = {**found.to_dict(), **answered}
-    if made is not None:
-        record |= {"sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there)}
+
+    def record() -> Record:
+        nearby = {} if made is None else {
+            "sentence": of_ideal(found.verdict, made).sentence, "ideal": made.to_dict(task, there),
+        }  # fmt: skip
+        return {**found.to_dict(), **answered, **nearby}
+
     hand_over(
         lambda: _print(found, task, answers, verdict, made, moved, beside),
         (steps_out, lambda target: write_text(steps_text(found), target)),
         (latex, lambda target: write_text(found.latex(), target)),
         (python, lambda target: write_text(found.code("python"), target)),
         (c, lambda target: write_text(found.code("c"), target)),
-        (json, lambda target: write_json(record, target)),
+        (json, lambda target: write_json(record(), target)),
     )
     if found.interrupted:
         return exits.INTERRUPTED

@@ -11,7 +11,7 @@ from rankdrop.cli.arm import FRAME, IDEAL, NO_OPTIONS, TCP, ArmOptions, Whole
 from rankdrop.tolerances import EVALUATIONS, NEAR
 
 if TYPE_CHECKING:
-    from rankdrop.results import Explanation
+    from rankdrop.results import Explanation, Record
     from rankdrop.verbs import Here, Idealised
 
 
@@ -87,13 +87,16 @@ def explain(
         tolerances=DEFAULT if tolerance is None else replace(DEFAULT, singular=tolerance),
     )  # fmt: skip
     beside = None if made is None else here(made, found)
-    record = found.to_dict()
-    if made is not None and beside is not None:
-        record["ideal"] = {**made.to_dict(found.task), "here": plain(beside)}
     proven = None if certificate is None else of_place(found, None, evaluations)
+
+    def record() -> Record:
+        if made is None or beside is None:
+            return found.to_dict()
+        return found.to_dict() | {"ideal": {**made.to_dict(found.task), "here": plain(beside)}}
+
     hand_over(
         lambda: _print(found, made, beside, full=full),
-        (json, lambda target: write_json(record, target)),
+        (json, lambda target: write_json(record(), target)),
         (certificate, lambda target: save_certificate(proven, target)),
     )
     return interrupted(found) or EXIT[found.verdict]

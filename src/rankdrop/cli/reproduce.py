@@ -1,12 +1,23 @@
-"""`rankdrop reproduce`: the source documents, item by item."""
+"""`rankdrop reproduce`: the source documents, item by item.
+
+On the terminal a table per document, and under it why items do not simply agree.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from rankdrop.cli import exits
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+    from rankdrop.reproduce.item import Item
+    from rankdrop.reproduce.run import Reproduction
 
 
 def reproduce(
@@ -43,7 +54,6 @@ def reproduce(
         quiet: No progress.
     """
     from rankdrop.cli.files import check_targets, hand_over, write_bytes, write_json
-    from rankdrop.cli.reproduced_table import print_reproduction
     from rankdrop.cli.terminal import reporter
     from rankdrop.reproduce.figures import check_folder, save_figures
     from rankdrop.reproduce.run import markdown as as_page
@@ -66,3 +76,63 @@ def reproduce(
     if not found.complete:
         return exits.INTERRUPTED
     return exits.DIFFERS if found.differs else exits.FINE
+
+
+_LONGEST = 90  # characters of a cell; --full, the JSON and the page have all of it
+_STYLES = {"rounding": "cyan", "erratum": "yellow", "unreproducible": "dim", "differs": "bold red"}
+
+
+def print_reproduction(reproduction: Reproduction, *, full: bool) -> None:
+    """Print to stdout.
+
+    Args:
+        reproduction: what was reproduced.
+        full: whole cells, and the reasons of items that agree as well.
+    """
+    from rankdrop.cli.terminal import results, show
+
+    show(results(), _parts(reproduction, full))
+
+
+def _parts(reproduction: Reproduction, full: bool) -> Iterator[RenderableType]:
+    from rich.padding import Padding
+    from rich.text import Text
+
+    from rankdrop.reproduce.item import Verdict, count_words
+    from rankdrop.reproduce.run import DOCUMENTS
+
+    for name in reproduction.documents:
+        items = reproduction.of(name)
+        yield Text.assemble((f"{name}  ", "bold"), DOCUMENTS[name])
+        yield Padding(Text(count_words(reproduction.counts(name)) or "nothing was reproduced"), (0, 0, 1, 4))
+        yield _table(items, full)
+        for item in items:
+            if item.reason and (full or item.verdict is not Verdict.AGREES):
+                head = (f"{item.verdict}: ", _STYLES.get(item.verdict, ""))
+                yield Padding(Text.assemble(head, f"{item.item}, {item.about}: {item.reason}"), (0, 0, 0, 2))
+        yield ""
+    if len(reproduction.documents) > 1:
+        yield Text.assemble(("All five  " if len(reproduction.documents) == 5 else "All  ", "bold"),
+            count_words(reproduction.counts()))
+    if not reproduction.complete:
+        yield "Interrupted: the parts that were done."
+
+
+def _table(items: tuple[Item, ...], full: bool) -> Table:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, expand=True)
+    for title, ratio in (("item", 3), ("what", 5), ("printed", 5), ("ours", 5)):
+        table.add_column(title, ratio=ratio, overflow="fold")
+    table.add_column("verdict", min_width=8, overflow="fold")
+    for item in items:
+        verdict = Text(str(item.verdict), style=_STYLES.get(item.verdict, ""))
+        table.add_row(item.item, *(_cut(text, full) for text in (item.about, item.printed, item.ours)), verdict)
+    return table
+
+
+def _cut(text: str, full: bool) -> str:
+    flat = " ".join(text.split())
+    return flat if full or len(flat) <= _LONGEST else f"{flat[: _LONGEST - 1]}…"

@@ -1,9 +1,10 @@
 """A covering against families: which boxes known families explain, and what a descent finds where nothing known does.
 
-A leaf is explained where a point of some family was found within half a diagonal of its centre, or of the centre of
-each part of it that is left when it is halved on. The point is one of the family, so no leaf is explained that is not
-near one; one that is not explained may be near a point that was not found. When every leaf is explained, every singular
-configuration lies within one diagonal of a known family. The boxes that are left are grouped: places to look at.
+A leaf is explained where a point of some family was found within half a diagonal of its centre, or, when it is halved
+on, so near to the centre of each part that is left that no place of the part is farther from it than a diagonal of the
+leaf. The point is one of the family, so no leaf is explained that is not near one; one that is not explained may be
+near a point that was not found. When every leaf is explained, every singular configuration lies within one diagonal of
+a known family. The boxes that are left are grouped: places to look at.
 """
 
 from __future__ import annotations
@@ -168,11 +169,12 @@ class Explainer:
     """Families of one arm in the variables of a covering.
 
     Args:
-        found: the covering.
+        covering: what is explained.
         robot: its arm.
         families: of this arm and task; those without equations, or on joints that are not covered, explain nothing.
         scale: (n,) unit of motion of each joint, as for distances.
-        halvings: of leaves, whose parts are asked about: near is what it is for the whole leaf.
+        halvings: of leaves, whose parts are asked about: near is what leaves no place of a part farther from the family
+            than a place of a whole leaf may be, a diagonal of the leaf.
     """
 
     def __init__(
@@ -186,15 +188,16 @@ class Explainer:
         self.cells = tuple(count << halvings for count in leaves)
         self.low = np.array(covering.plan.lower)
         self.width = (np.array(covering.plan.upper) - self.low) / self.cells
-        self.radius = float(np.linalg.norm(self.width / self.unit)) * (1 << halvings) / 2 + _WIDER
+        part = float(np.linalg.norm(self.width / self.unit)) / 2
+        self.radius = part * ((2 << halvings) - 1) + _WIDER
         usable = [i for i, family in enumerate(self.families) if self._usable(family)]
         order = sorted(usable, key=lambda i: (bool(self.families[i].coupled), -self.families[i].dimension, i))
         self._sights = {i: _Sight(self, self.families[i]) for i in order}
 
     @property
     def diagonal(self) -> float:
-        """Of a leaf [rad; slides divided by the length scale]."""
-        return 2 * self.radius
+        """Of a box asked about [rad; slides divided by the length scale]."""
+        return float(np.linalg.norm(self.width / self.unit)) + 2 * _WIDER
 
     def _usable(self, family: Family) -> bool:
         joints = {number for equation in family.equations for number in equation.joints}
@@ -255,7 +258,7 @@ class _Sight:
         return wrap(gap) if self.maker.found.plan.turns[at] else gap
 
     def near(self, cells: Cells) -> Flags:
-        """(M,) whether a point of the family was found within half a diagonal of the centre of each leaf."""
+        """(M,) whether a point of the family was found near enough to the centre of each leaf, or part."""
         found = np.zeros(len(cells), dtype=np.bool_)
         least = self.maker.radius**2
         pinned = list(self.pins)

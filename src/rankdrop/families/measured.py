@@ -317,7 +317,7 @@ def _pinned_feet(pinned: Sequence[Pin], robot: Robot, q: Array, box: Array) -> A
         at = q[:, j, None]
         if bool(robot.periodic[j]):
             turns = np.round((at[..., None] - values[:, None]) / (2 * pi)) + np.arange(-2, 3)
-            options = (values[:, None] + 2 * pi * turns).reshape(len(q), -1)
+            options = (values[:, None] + 2 * pi * turns).reshape(len(q), 5 * len(values))
         else:
             options = np.broadcast_to(values, (len(q), len(values)))
         room = 1e-9  # a limit of 3.14159265359 is meant to allow π

@@ -197,7 +197,8 @@ def _account_sections(account: Account, joints: tuple[int, ...], *, deg: bool) -
     ]  # fmt: skip
     if account.freed:
         rows.append(("", "no family, but proven free on a closer look", f"{account.freed:,}"))
-    notes = ("a box counts for the first family that has a point within half a diagonal of its centre",)
+    notes = ("a box counts for the first family that has a point within half a diagonal of its centre; one that is "
+             "halved on, for one from which no place that is left of it is farther than a diagonal",)
     made = [
         Section("Explained", f"by families from: {account.source}", columns=("family", "", "boxes"), rows=tuple(rows),
                 texts=(0, 1), notes=notes)

@@ -117,9 +117,12 @@ def _bars(now: Now, generic_rank: int) -> str:
 
 
 def details_html(found: Explanation) -> str:
-    """What the explanation adds a moment later: reason, lost motions, circuits, certified radius."""
-    lines = [escape(found.reason)]
-    if found.met:
+    """What the explanation adds a moment later: reason, lost motions, circuits, certified radius.
+
+    `status_html` stands above it and says the distance from where nothing is lost, and the known family that is met.
+    """
+    lines = [escape(found.reason)] if found.verdict in ("singular", "always-singular") else []
+    if len(found.met) > 1 or any(not one.family.id for one in found.met):
         names = ", ".join(_name(one.family) for one in found.met[:3])
         lines.append(f"<span style='{_QUIET}'>family:</span> <b>{names}</b>")
     if found.lost.words:

@@ -5,7 +5,7 @@ As plain data it has the names of docs/json.md and schema/conditions.schema.json
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -23,6 +23,7 @@ from rankdrop.results.codec import Record, counted, plain, robot_to_dict, save_r
 from rankdrop.results.conditions.text import sections_of
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot
+from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
 from rankdrop.units import heading
@@ -237,13 +238,18 @@ class Conditions:
         rows = "".join(
             f"<tr><td>{family.id}</td><td>{family.corank}</td><td>{escape(family.name)}</td>"
             f"<td>{'<br>'.join(map(typeset, family.latex))}</td><td>{family.dimension}</td>"
-            f"<td>{'<br>'.join(map(escape, family.lost_words))}</td></tr>"
+            f"<td>{'<br>'.join(map(escape, (*family.lost_words, *self._witness(family))))}</td></tr>"
             for family in self.families
         )
         head = "<tr><th></th><th>corank</th><th>family</th><th>conditions</th><th>dim</th><th>lost</th></tr>"
         table = f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>" if rows else ""
         verdict = Section(self.verdict.sentence)
         return html([verdict]) + table + html([*sections_of(self, families=False), verdict])
+
+    def _witness(self, family: ExactFamily) -> Iterator[str]:
+        """Where a lost motion that is told for the witness is told."""
+        if any("witness" in words for words in family.lost_words):
+            yield f"witness: q = {degrees_text(family.witness, self.robot.units)}"
 
     def _told(self) -> tuple[Section, ...]:
         """The verdict first and last."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families.measured import Ruler, distances
+from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.known import known_analysis
@@ -101,3 +102,19 @@ def test_of_no_configurations_there_are_no_distances():
     found = distances(families, arm, np.zeros((0, 6)), task)
     assert found.distance.shape == (0, len(families))
     assert found.foot.shape == (0, len(families), 6)
+
+
+def test_equations_with_double_zeros_do_not_lead_walks_astray() -> None:
+    """Points a twentieth of a radian from points of a family of a UR5, one equation of which has double zeros."""
+    arm = open_robot("ur5")
+    task = resolve_task(None, arm)
+    (family,) = (one for one in known_analysis(arm, task).families if one.id == "k2.f2")
+    rng = np.random.default_rng(0)
+    starts = rng.uniform(-np.pi, np.pi, (400, 6))
+    there, _ = System(family.equations[:3]).solve(starts)
+    there = there[np.abs(family.system.values(there)).max(axis=1) < 1e-9][:100]
+    assert len(there) == 100
+    off = rng.standard_normal(there.shape)
+    off *= 0.05 / np.linalg.norm(off, axis=1, keepdims=True)
+    far = distances([family], arm, there + off, task).distance[:, 0]
+    assert (far <= 0.05 + 1e-6).all()

@@ -29,7 +29,7 @@ from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED
+from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import iterate, newton, towards
@@ -49,6 +49,7 @@ _TIE = 1e-9  # families at the same distance, to rounding [rad]
 _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
 _BELOW = 1 - 1e-9  # of a proven radius: what bisection and rounding leave open
+_FLAT = 1e-3  # |∂f/∂q| where an equation has a double zero: solving leaves 2e-4 for the UR5, whose others have 0.05
 _SWEEPS = 3  # rounds in which the feet of neighbours are tried
 
 
@@ -341,6 +342,7 @@ class _Walk:
             moves[[number - 1 for number in equation.joints]] = True
         self.columns = np.flatnonzero(moves)
         self.cloud = self._cloud(family, task, np.random.default_rng(seed))
+        self.led = self._leading()
 
     def _cloud(self, family: Family, task: Task, rng: np.random.Generator) -> Array:
         low, high = sampling_box(self.robot, task, limits=bool(np.isfinite(self.box).any()))
@@ -352,6 +354,14 @@ class _Walk:
         end, _ = self.system.solve(starts, iterations=20, still=1e-10)
         end = end[np.abs(self.system.values(end)).max(axis=1) <= REACHED]
         return np.asarray(end[((end >= self.box[0]) & (end <= self.box[1])).all(axis=1)])
+
+    def _leading(self) -> System:
+        """The equations that walks follow: one whose derivative vanishes on the family leads them astray."""
+        if not len(self.cloud):
+            return self.system
+        slope = np.median(np.linalg.norm(self.system.jacobian(self.cloud), axis=2), axis=0)
+        led = tuple(one for one, size in zip(self.system.equations, slope, strict=True) if size > _FLAT)
+        return System(led) if led else self.system
 
     def feet(self, q: Array) -> Array:
         """(N, n) the nearest point reached from each start; nan where none was."""
@@ -390,9 +400,9 @@ class _Walk:
         """Tangent planes, then straight onto the family."""
 
         def to_tangent_plane(q: Array, active: Index) -> Array:
-            f, a = self.system.linear(q)
+            f, a = self.led.linear(q)
             return towards((targets[active] - q) / self.scale, f, a * self.scale)
 
         near = iterate(to_tangent_plane, q, iterations=_ITERATIONS, longest=_LONGEST, still=_STILL, scale=self.scale,
                        box=self.box)  # fmt: skip
-        return newton(self.system.residuals, near, scale=self.scale, iterations=_LANDING, step=np.inf, box=self.box)
+        return newton(self.led.residuals, near, scale=self.scale, iterations=_LANDING, step=np.inf, box=self.box)

@@ -17,9 +17,11 @@ from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import turn
 from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
+from rankdrop.frames import BODY
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
+from rankdrop.task import Task
 from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2
@@ -179,3 +181,8 @@ def test_a_long_general_arm_ends_at_once_and_says_why(n: int, task: str, alpha: 
     assert not found.complete
     assert "would grow too long: the arm's screws were not written down" in found.left[0]
     assert found.generic_rank == (6 if task == "pose" else 3)
+
+
+@pytest.mark.parametrize("rows", [(0, 1, 5), (0, 2, 4), (0, 1)])
+def test_rows_may_be_those_of_the_tool(rows: tuple[int, ...]) -> None:
+    assert_exact(open_robot("puma560"), Task("rows of the tool", rows, BODY))

@@ -383,3 +383,9 @@ def test_a_7r_arm_with_every_offset_has_its_family(method: str) -> None:
     assert len(found.families) == 1
     assert found.verified
     assert found.explained.agree == found.explained.tested > 0
+
+
+@pytest.mark.parametrize(("task", "frame"), [("pose", 0), ("pose", 7), ("position", 2)])
+def test_a_link_frame_that_is_none_or_of_some_rows_is_refused(task: str, frame: int) -> None:
+    with pytest.raises(OptionError, match="no such link frame"):
+        derive(exact_chain(open_robot("puma560"), task), "reciprocity", frame=frame)

@@ -212,9 +212,10 @@ class Ball {
         both_.assign(centre_of(box), centre_of(box) + 2 * n_);
         unused_.push_back(box.place);
         const double centre = both_[box.axis], half = both_[n_ + box.axis], low = centre - half, high = centre + half;
+        const bool halves = box.at == centre;  // not a bit wider: a checker cuts at the same places
         for (const bool upper : {false, true}) {
-            both_[box.axis] = 0.5 * (upper ? box.at + high : low + box.at);
-            both_[n_ + box.axis] = 0.5 * (upper ? high - box.at : box.at - low) * (1.0 + 1e-15);
+            both_[box.axis] = halves ? centre + (upper ? 0.5 : -0.5) * half : 0.5 * (upper ? box.at + high : low + box.at);
+            both_[n_ + box.axis] = halves ? 0.5 * half : 0.5 * (upper ? high - box.at : box.at - low) * (1.0 + 1e-15);
             push(both_.data(), box.radius);
         }
     }

@@ -70,6 +70,16 @@ def test_a_ball_just_as_large_as_one_enclosure_allows_holds(name):
         assert check(robot, found).holds
 
 
+@pytest.mark.parametrize("name", ["planar3r", "scara", "puma560"])
+def test_a_ball_that_is_asked_for_without_an_end_holds_as_far_as_it_was_proven(name):
+    robot = open_robot(name)
+    q = np.random.default_rng(6).uniform(-1.5, 1.5, robot.n)
+    found = certified_radius(robot, q, keep_boxes=True, evaluations=2000)
+    assert found.radius > 0.05
+    verdict = check(robot, found)
+    assert verdict.holds, verdict
+
+
 def test_a_radius_found_without_boxes_can_be_proven_again_with_them():
     robot, q = open_robot("ur5"), np.array([0.3, -0.8, 1.2, 0.4, 0.3, 0.1])
     first = certified_radius(robot, q, evaluations=2000)

@@ -53,7 +53,7 @@ def exact_angle(value: float, angle: float, step: float = STEP) -> float:
 
 
 def exact_rotation(turn: Array, angle: float) -> Array:
-    """(3, 3) the rotation by a multiple of `step_for(angle)` that one is to within `angle`, else the rotation nearest to the one given.
+    """(3, 3) the rotation by a multiple of `step_for(angle)` near one to `angle`, else the nearest rotation.
 
     Rotations by quarter turns about coordinate axes, and those times one by 15°, 30° … about a coordinate axis: they
     have one entry of ±1. Every direction moves by at most `angle`.

@@ -15,7 +15,7 @@ from rankdrop.local.screws import Screw, blocked_words, rewrite_wrench, screw_of
     ("direction", "frame", "expected"),
     [
         ([0, 0, 0, 1, 0, 0], "the base", "cannot rotate about X of the base"),
-        ([0, -1, 0, 0, 0, 0], "the end effector", "cannot translate along Y of the end effector"),
+        ([0, -1, 0, 0, 0, 0], "the tool", "cannot translate along Y of the tool"),
         ([0.7071, 0, 0.7071, 0, 0, 0], "the base", "cannot translate along (0.707, 0, 0.707) of the base"),
         ([0, 0, 0, 0, 0.6, -0.8], "link 4", "cannot rotate about (0, −0.6, 0.8) of link 4"),
         ([0, -0.91, 0, 0, 0, -0.41], "link 1", "can only move so that vy + 0.451 m·ωz = 0 in axes of link 1"),

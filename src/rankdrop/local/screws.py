@@ -177,7 +177,7 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
 
     Args:
         direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
-        frame_name: whose axes: "the base", "the end effector", "link 4".
+        frame_name: whose axes: "the base", "the tool", "link 4".
         length: the direction's own unit of length, `units.counted_length` [m].
 
     Raises:
@@ -186,8 +186,8 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
     Example:
         >>> words([0, 0, 0, 1, 0, 0])
         'cannot rotate about X of the base'
-        >>> words([0, -0.91, 0, 0, 0, -0.1], "the end effector")
-        'can only move so that vy + 0.11 m·ωz = 0 in axes of the end effector: nearly no motion along Y'
+        >>> words([0, -0.91, 0, 0, 0, -0.1], "the tool")
+        'can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion along Y'
     """
     v, w = _parts(direction)
     slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))

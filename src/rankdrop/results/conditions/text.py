@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
+from rankdrop.family.naming import lost_told
 from rankdrop.robot.model import Robot
 from rankdrop.robot.quantities import degrees_text
 from rankdrop.sections import Section
@@ -210,6 +211,8 @@ def _no_coranks(conditions: Conditions, _width: int | None) -> Iterator[Section]
         yield Section(name, _none(conditions))
     texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
     notes = [_LEGEND] if texts else []
+    lost = lost_told(conditions.robot, [words for family in conditions.families for words in family.lost_words])
+    notes += [lost] * bool(lost)
     if any(_ROUNDED.search(text) for text in texts):
         notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
     if last < r:

@@ -217,7 +217,7 @@ _ARROW = 0.32  # length per reach
 
 
 def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -> Figure:
-    """The arm at the witness of a family; one arrow for each lost motion, solid along it, dotted about it, a ring: mixed.
+    """The arm at the witness of a family; an arrow for each lost motion, solid, dotted, or with a ring.
 
     Args:
         analysis: of the arm.

@@ -250,7 +250,9 @@ def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
         >>> arrow.round(3).tolist(), ring.round(3).tolist(), turns
         ([0.0, 0.87, 0.0], [0.0, 0.0, 0.264], False)
     """
-    v, w = _parts(direction) / np.linalg.norm(direction)
+    v, w = _parts(direction)
+    whole = float(np.linalg.norm(np.concatenate([v, w])))
+    v, w = v / whole, w / whole
     slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
     if turn < _NOTHING:
         return v / slide, np.zeros(3), False

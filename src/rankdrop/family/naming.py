@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike
 from rankdrop.errors import ConfigurationError
 from rankdrop.family.equation import pretty_angle
 from rankdrop.family.facts import NEARLY, Fact, Structure, candidate_facts, structure_of
-from rankdrop.kinematics import link_poses, task_jacobian
+from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.circuits import to_blame
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame, lost_over_family
-from rankdrop.local.lines import Drawn, Scene, drawn_at
+from rankdrop.local.lines import Scene
 from rankdrop.local.relations import describe, line_meets_all
 from rankdrop.local.screws import words
 from rankdrop.problem import Problem
@@ -51,66 +51,6 @@ def lost_motions(problem: Problem, at: Array, points: Array) -> tuple[Array, tup
     return directions, tuple(f"{words(one, plain.name, length)} (at the witness)" for one in plain.directions)
 
 
-_ALONG = re.compile(r"(?:along|about) ([XYZ]) of link (\d+)")
-_AXES = re.compile(r"(?:\)|axes) of link (\d+)")
-_ORIGIN = re.compile(r"link (\d+) at its origin|origin of link (\d+)")
-_TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]."
-_ANYWHERE = 3  # configurations at which an axis of a link has to lie along a joint axis
-
-
-def lost_told(robot: Robot, sentences: Iterable[str]) -> str:
-    """What letters and links in sentences on lost motions mean; links by the joint axes, which everybody knows.
-
-    Example:
-        >>> from rankdrop.robot.open import open_robot
-        >>> lost_told(open_robot("pa10"), ["cannot translate along Y of link 5 at its origin"])
-        'Link 5 moves with joint 5: Y along axis 5, origin where axes 5, 6 and 7 meet.'
-    """
-    text = "\n".join(sentences)
-    told = [_TWIST] * (" = 0 " in text)
-    letters = {(int(number), "XYZ".index(letter)) for letter, number in _ALONG.findall(text)}
-    letters |= {(int(number), axis) for number in _AXES.findall(text) for axis in range(3)}
-    origins = {int(one or other) for one, other in _ORIGIN.findall(text)}
-    numbers = sorted({number for number, _ in letters} | origins)
-    if not numbers:
-        return " ".join(told)
-    q = np.random.default_rng(0).uniform(-1.0, 1.0, (_ANYWHERE, robot.n))
-    seen = [(link_poses(robot, one), drawn_at(robot, one)) for one in q]
-    for number in numbers:
-        joint = robot.joints[number - 1]
-        own = f", {joint.name}" if joint.name != f"joint{number}" else ""
-        where = [_along(number, axis, seen) for axis in range(3) if (number, axis) in letters]
-        where += [_through(number, seen)] * (number in origins)
-        said = ", ".join(filter(None, where))
-        called = f" ({joint.link})" if joint.link else ""
-        told.append(f"Link {number}{called} moves with joint {number}{own}{f': {said}' * bool(said)}.")
-    return " ".join(told)
-
-
-def _along(number: int, axis: int, seen: Sequence[tuple[Array, Drawn]]) -> str:
-    """ "Y along axis 5", of the joints on both sides of a link; empty where neither is."""
-    for joint in (number, number + 1):
-        if joint <= len(seen[0][1].axes) and all(
-            np.abs(np.cross(links[number][:3, axis], drawn.axes[joint - 1])).max() < _ON for links, drawn in seen
-        ):
-            return f"{'XYZ'[axis]} along axis {joint}"
-    return ""
-
-
-def _through(number: int, seen: Sequence[tuple[Array, Drawn]]) -> str:
-    """ "origin where axes 5, 6 and 7 meet": the axes of turning joints that pass through a link's origin, anywhere."""
-    found = [
-        joint + 1 for joint, slides in enumerate(seen[0][1].slides)
-        if not slides and all(
-            np.abs(np.cross(links[number][:3, 3] - drawn.middles[joint], drawn.axes[joint])).max() < _ON
-            for links, drawn in seen
-        )
-    ]  # fmt: skip
-    listed = " and ".join(filter(None, (", ".join(map(str, found[:-1])), str(found[-1])))) if found else ""
-    return f"origin where axes {listed} meet" if len(found) > 1 else f"origin on axis {listed}" if found else ""
-
-
-_ON = 1e-9  # farther apart [m], or turned by more [rad], is not on an axis
 _POINTS = 12  # sample points looked at
 _AWAY = 0.37  # how far a joint is moved to see what it breaks [rad, m]: no simple fraction of π
 _PARTS = ("shoulder", "elbow", "wrist")

@@ -13,9 +13,8 @@ import numpy as np
 
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.naming import lost_told
 from rankdrop.family.record import Check, Family, Pin
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Robot, lost_told
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"

@@ -13,9 +13,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
-from rankdrop.family.naming import lost_told
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
@@ -238,8 +236,7 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
         told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
         yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        at = degrees_text(family.witness, robot.units)
-        yield from sentence(f"{_INSET}witness: q = {at}", width, len("witness: "))
+        yield from sentence(f"{_INSET}witness: {witness_text(robot, family.witness)}", width, len("witness: "))
 
 
 def condition_lines(family: ExactFamily) -> list[str]:

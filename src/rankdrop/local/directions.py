@@ -325,7 +325,7 @@ def _sparsest(directions: Array) -> int:
 @lru_cache(maxsize=64)
 def _candidates(own: Frame, joints: int) -> tuple[Frame, ...]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
-    there = (Frame(axes, origin) for axes in (BASE, TIP) for origin in links)
+    there = (Frame(axes, origin) for origin in links for axes in (BASE, TIP))
     return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *there, *(Frame(i, i) for i in links))
 
 

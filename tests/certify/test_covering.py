@@ -35,7 +35,7 @@ from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
-from rankdrop.verbs import cover
+from rankdrop.verbs import cover, how_far
 
 WIDTH = 0.4
 
@@ -197,6 +197,7 @@ def test_an_interrupted_command_goes_on_to_the_same_file(name, width, tmp_path, 
     journal = tmp_path / "half.parts" / "journal"
     journal.write_bytes(journal.read_bytes()[:-20])  # the last line was cut off
     there = progress_of(tmp_path / "half.parts")
+    assert how_far(tmp_path / "half") == there.sentence
     assert (there.kind, there.chunks) == ("covering", 64)
     monkeypatch.setattr("rankdrop.verbs.covering._QUICK", 0)  # the rest by processes
     monkeypatch.setattr("rankdrop.verbs.covering._QUICK_BY_ENCLOSURES", 0)

@@ -142,7 +142,7 @@ def test_a_cluster_judges_many_paths_alike(tmp_path: Path, run, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     programs(tmp_path / "all", 4)
     code, plain, _ = run("all")
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0") as cluster:
+    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as cluster:
         assert run("all", "--scheduler", cluster.scheduler_address)[:2] == (code, plain)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rankdrop.certify import ModelTolerance
-    from rankdrop.motion import Judged, Mending, PathCheck
+    from rankdrop.motion import Mending, PathCheck
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.sections import Section
@@ -175,7 +175,7 @@ def path(
     with reporter(quiet=quiet) as report:
         many = check_files(model, found, task=task, analysis=families, how=how, out=out, workers=workers,
                            scheduler=scheduler, report=report)  # fmt: skip
-    for line in (line for one in many for line in one.record["said"]):
+    for line in (line for one in many for line in one["said"]):
         say(line)
     hand_over(lambda: _print_many(many), (json, lambda target: write_json(paths_to_dict(model, many), target)))
     return _worst(many, len(found), out)
@@ -250,7 +250,7 @@ def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:
     return result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()})
 
 
-def _print_many(many: list[Judged]) -> None:
+def _print_many(many: list[dict[str, Any]]) -> None:
     from rankdrop.cli.sections import print_sections
     from rankdrop.motion import many_section
 
@@ -290,14 +290,14 @@ def _code(result: PathCheck, remedies: Mending | None) -> int:
     return exits.FINE if result.holds else exits.UNEXPLAINED
 
 
-def _worst(many: list[Judged], asked: int, out: str | None) -> int:
+def _worst(many: list[dict[str, Any]], asked: int, out: str | None) -> int:
     from rankdrop.cli.terminal import say
 
     if len(many) < asked:
         kept = f"; what is done is kept in {out}: the same command goes on there" if out else "; --out keeps it"
         say(f"interrupted: {len(many)} of {asked} files were judged{kept}")
         return exits.INTERRUPTED
-    verdicts = {one.verdict for one in many}
+    verdicts = {one["verdict"] for one in many}
     if "bad input" in verdicts:
         return exits.BAD_INPUT
     return exits.FINE if verdicts == {"free"} else exits.UNEXPLAINED

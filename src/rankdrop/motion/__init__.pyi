@@ -12,7 +12,6 @@ from .data import UNDECIDED as UNDECIDED
 from .data import Place as Place
 from .data import ToolMotion as ToolMotion
 from .many import HowJudged as HowJudged
-from .many import Judged as Judged
 from .many import check_file as check_file
 from .many import check_files as check_files
 from .many import many_section as many_section

@@ -8,14 +8,13 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import file_digest, sha256
 from pathlib import Path
-from typing import Any
 
 from rankdrop.errors import ConfigurationError, OptionError, RankdropError, ResultFileError, TaskError
 from rankdrop.jobs import Engine, Job, finish
 from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.check import EVALUATIONS, check_path
-from rankdrop.motion.data import CROSSING, TOUCHING, VERDICTS
+from rankdrop.motion.data import CROSSING, FREE, TOUCHING, VERDICTS
 from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
 from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.result import PathCheck
@@ -60,32 +59,6 @@ class HowJudged:
 
 
 PLAINLY = HowJudged()
-
-
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """One file.
-
-    Attributes:
-        file: as it was named.
-        record: what became of it: `verdict`, "bad input" where it could not be read; `sentence`, then the error;
-            `rows`, `free_share`, `met`, `nearest_rad`, null where there is no path or nothing is known; `name` of the
-            family met or nearest; `said`, what a reader of the file should know.
-    """
-
-    file: Path
-    record: Record
-
-    @property
-    def verdict(self) -> str:
-        """Of the path; "bad input" where there is none."""
-        return str(self.record["verdict"])
-
-    @property
-    def nearest(self) -> float:
-        """Least distance from a singularity known, 0 where one is met; inf where none is known."""
-        known = self.record["nearest_rad"]
-        return float("inf") if known is None else float(known)
 
 
 def check_file(
@@ -167,7 +140,7 @@ def check_files(
     workers: int = 0,
     scheduler: str | None = None,
     report: Callable[[str, int, int], None] | None = None,
-) -> list[Judged]:
+) -> list[Record]:
     """Every file judged, worst first, each for itself, so that one that cannot be read does not stop the others.
 
     Args:
@@ -181,7 +154,9 @@ def check_files(
         report: report(label, done, total) of progress.
 
     Returns:
-        One for each file; fewer where Ctrl-C ended it.
+        One record for each file, fewer where Ctrl-C ended it: `file`, as it was named; `verdict`, "bad input" where it
+        could not be read; `sentence`, then the error; `rows`, `free_share`, `met`, `nearest_rad`, None where there is
+        no path or nothing is known; `name` of the family met or nearest; `said`, what a reader should know.
 
     Raises:
         OptionError: workers outside what is allowed, an analysis of another arm.
@@ -198,10 +173,11 @@ def check_files(
     }
     job = Job("paths", "rankdrop.motion.many:judge", plan, len(names), len(names))
     quick = not workers and scheduler is None and sum(map(_size, names)) <= _HERE
-    tell, done = report or (lambda label, done, total: None), {}
+    tell = report or (lambda label, done, total: None)
+    done: list[Record] = []
 
     def each(chunk: int, content: bytes) -> None:
-        done[chunk] = Judged(names[chunk], json.loads(content))
+        done.append({"file": str(names[chunk]), **json.loads(content)})
 
     try:
         for _ in finish(job, Engine(workers, scheduler, quick), folder=out, each=each,
@@ -210,7 +186,12 @@ def check_files(
     except KeyboardInterrupt:
         pass  # the table says how many of the files there are in it
     order = (_BAD, *VERDICTS)
-    return sorted(done.values(), key=lambda one: (order.index(one.verdict), one.nearest, str(one.file)))
+    return sorted(done, key=lambda one: (order.index(one["verdict"]), _nearest(one), one["file"]))
+
+
+def _nearest(told: Record) -> float:
+    known = told["nearest_rad"]
+    return float("inf") if known is None else float(known)
 
 
 def judge(plan: Record, chunk: int) -> bytes:
@@ -280,29 +261,28 @@ def _size(file: Path) -> int:
         return 0
 
 
-def many_section(many: Sequence[Judged]) -> Section:
+def many_section(many: Sequence[Record]) -> Section:
     """The table."""
     rows = []
     for one in many:
-        told: dict[str, Any] = one.record
-        near = "" if told["met"] or told["nearest_rad"] is None else short(one.nearest, 3)
-        cells = (told["rows"], told["met"])
-        rows.append((str(one.file), one.verdict, *("" if x is None else str(x) for x in cells), near, told["name"]))
+        near = "" if one["met"] or one["nearest_rad"] is None else short(one["nearest_rad"], 3)
+        cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
+        rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
+    holds = sum(one["verdict"] == FREE for one in many)
     return Section(
-        f"{sum(one.verdict == VERDICTS[-1] for one in many)} of {len(many)} paths proven free",
+        f"{holds} of {len(many)} paths proven free",
         columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
-        after=tuple(one.record["sentence"] for one in many if one.verdict == _BAD),
+        after=tuple(one["sentence"] for one in many if one["verdict"] == _BAD),
     )  # fmt: skip
 
 
-def paths_to_dict(robot: Robot, many: Sequence[Judged]) -> Record:
+def paths_to_dict(robot: Robot, many: Sequence[Record]) -> Record:
     """For a file: each path in short."""
-    told = ("verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
+    told = ("file", "verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
     return {
         **heading(SCHEMA),
         "robot": robot.name,
         "paths": [
-            {"file": str(one.file), **{key: one.record[key] for key in told}, "complete": one.verdict != _BAD}
-            for one in many
+            {**{key: one[key] for key in told}, "complete": one["verdict"] != _BAD} for one in many
         ],
     }

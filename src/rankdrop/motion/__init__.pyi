@@ -10,6 +10,7 @@ from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
 from .data import Place as Place
+from .data import Stretch as Stretch
 from .data import ToolMotion as ToolMotion
 from .many import HowJudged as HowJudged
 from .many import check_file as check_file

@@ -248,7 +248,7 @@ def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
     Example:
         >>> arrow, ring, turns = arrow_of([0, 0.8, 0, 0, 0, 0.6])
         >>> arrow.round(3).tolist(), ring.round(3).tolist(), turns
-        ([0.0, 0.87, 0.0], [0.0, 0.0, 0.264], False)
+        ([0.0, 0.87, 0.0], [0.0, 0.0, 0.22], False)
     """
     v, w = _parts(direction)
     whole = float(np.linalg.norm(np.concatenate([v, w])))
@@ -258,7 +258,7 @@ def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
         return v / slide, np.zeros(3), False
     if slide < _NOTHING:
         return w / turn, np.zeros(3), True
-    return (0.35 + 0.65 * slide) * v / slide, (0.18 + 0.14 * turn) * w / turn, False
+    return (0.35 + 0.65 * slide) * v / slide, (0.07 + 0.25 * turn) * w / turn, False
 
 
 def ring_about(axis: Array) -> Array:

@@ -8,7 +8,7 @@ function arrowOf({ v, w }) {
   const whole = Math.hypot(length(v), length(w)), slide = length(v) / whole, turn = length(w) / whole;
   if (turn < 0.02) return { along: unit(v), ring: [0, 0, 0], turns: false };
   if (slide < 0.02) return { along: unit(w), ring: [0, 0, 0], turns: true };
-  return { along: unit(v).map((x) => x * (0.35 + 0.65 * slide)), ring: unit(w).map((x) => x * (0.18 + 0.14 * turn)), turns: false };
+  return { along: unit(v).map((x) => x * (0.35 + 0.65 * slide)), ring: unit(w).map((x) => x * (0.07 + 0.25 * turn)), turns: false };
 }
 
 class Arm {

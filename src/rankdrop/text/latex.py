@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.family.record import CorankSummary, Family
-from rankdrop.robot.model import JointKind, Robot, witness_text
+from rankdrop.robot.model import JointKind, Robot, lost_told, witness_text
 from rankdrop.text.cells import COUPLED, FREE, share_text
 from rankdrop.text.families import at_witness, columns, joint_cells, row_cells, within
 
@@ -93,6 +93,9 @@ def _table(
         if told:
             notes.append(f"\\noindent Row {number}: {'; '.join(told)}.\\par")
     lines += [r"\hline", r"\end{tabular}"]
+    links = lost_told(robot, [words for family in rows for words in family.lost_words])
+    if links:
+        notes.append(f"\\noindent {as_text(links)}\\par")
     if notes:
         lengths = ", ".join(f"${mathematics(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
         if lengths:

@@ -96,7 +96,8 @@ class Stage:
         self._heads = scene.add_arrows("/lost/rotation heads", _NONE, red, **shape, visible=False)
         self._dashes = scene.add_line_segments("/lost/rotations", _NONE, red, thickness=0.022 * size, visible=False)
         self._rings = scene.add_line_segments("/lost/rings", _NONE, red, thickness=0.014 * size, visible=False)
-        self._axes = scene.add_line_segments("/blamed", _NONE, rgb(ORANGE), thickness=0.012 * size, visible=False)
+        each = np.array([[rgb(ORANGE)] * 2], dtype=np.uint8)  # of each end: one colour cannot become many later
+        self._axes = scene.add_line_segments("/blamed", _NONE, each, thickness=0.012 * size, visible=False)
 
     def _add_ghost(self) -> None:
         """The arm once more, seen through: where the nearest singular configuration is."""

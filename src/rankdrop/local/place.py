@@ -76,6 +76,16 @@ class Place:
         return singular_values(self.robot, configurations, self.task)[..., self.generic - 1]
 
 
+def check_moves(robot: Robot, task: Task, generic_rank: int) -> None:
+    """Refuse an arm that makes no motion of the task anywhere.
+
+    Raises:
+        TaskError: the generic rank is 0.
+    """
+    if not generic_rank:
+        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
+
+
 def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, corank: int | None = None) -> Place:
     """The configuration with its singular value decomposition split at its rank.
 
@@ -88,8 +98,7 @@ def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, cor
     task = replace(task, length_scale=task.scale(robot))  # the reach is worked out once
     verdict = rank_at(robot, configuration, task, tolerances)
     generic = verdict.generic_rank
-    if not generic:
-        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
+    check_moves(robot, task, generic)
     lost = verdict.corank if corank is None else corank
     if not verdict.corank <= lost <= generic:
         raise OptionError("q has no such corank", got=corank, allowed=f"{verdict.corank} (what is lost) … {generic}")

@@ -27,9 +27,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop._handles import chain_of, frame_view
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import jacobian, link_poses, pose
+from rankdrop.kinematics import link_poses, pose
 from rankdrop.local.block import joint_scale, row_scale
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
@@ -290,11 +291,11 @@ class Displacement:
                 "the reference point of this task does not move with the tip", got=f"link {task.frame.origin}",
                 allowed="TIP", mend="give the task a frame with its origin at the tip",
             )  # fmt: skip
-        self.robot, self.start = robot, start
+        self.robot, self.start, self._chain = robot, start, chain_of(robot)
         self.rows = list(task.rows)
         self.row_scale, self.joints = row_scale(robot, task), joint_scale(robot, task)
         point = (0.0, 0.0, 0.0) if anywhere else task.frame.point
-        self._frame = Frame(BASE, TIP, point)
+        self._view = frame_view(robot, Frame(BASE, TIP, point))
         self._point = np.array([*point, 1.0])
         self._home = pose(robot, start)
         self._axes = link_poses(robot, start)[link_index(task.frame.axes, len(robot.joints), "axes"), :3, :3]
@@ -320,18 +321,21 @@ class Displacement:
         now = q.reshape(-1, q.shape[-1]).copy()
         arrived, size, left = np.zeros(len(now), dtype=bool), np.full(len(now), np.inf), np.arange(len(now))
         for _ in range(_ROUNDS):
-            where = pose(self.robot, now[left])
+            here = now[left]
+            where = _core.pose(self._chain, here, None).reshape(-1, 4, 4)
             turn = self._turn(where)
             error = self._error(where, turn)
-            last, new = size[left], np.linalg.norm(error, axis=-1)
+            last, new = size[left], np.sqrt(np.add.reduce(error * error, axis=-1))
             size[left] = new
             done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.5 * last))
             arrived[left[done]] = True
             going = ~done & (new <= 10.0 * last)
-            left, error = left[going], error[going]
+            if not going.all():
+                left, error, turn = left[going], error[going], turn[going]
+                here = now[left]
             if not left.size:
                 break
-            u, sigma, v = _split(self._derivative(now[left], turn[going]))
+            u, sigma, v = _split(self._derivative(here, turn))
             count = sigma.shape[-1]
             gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
             steps = gains * np.einsum("cm,cmk->ck", error, u[..., :count])
@@ -356,7 +360,9 @@ class Displacement:
         return np.asarray(both[..., self.rows] * self.row_scale)
 
     def _derivative(self, q: Array, turn: Array) -> Array:
-        columns = jacobian(self.robot, q, self._frame) * self.joints
+        rows = np.ascontiguousarray(q).reshape(-1, q.shape[-1])
+        columns = _core.jacobian(self._chain, self._view, rows, None).reshape(*q.shape[:-1], 6, q.shape[-1])
+        columns = columns * self.joints
         turning = self._rates(turn, columns[..., 3:, :])
         both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
         return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])

@@ -80,7 +80,7 @@ class Coupled:
             if len(options):
                 options = options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)]
                 q[:, j] = options[self.rng.integers(len(options), size=len(q))]
-        return np.minimum(np.maximum(q, self.box[0]), self.box[1])
+        return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]))
 
     def _walk(self, q: Array, leading: int) -> Array:
         """Newton steps of all starts on the first equations until they stand still, then straight onto the family."""

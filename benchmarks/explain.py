@@ -38,8 +38,8 @@ def main() -> None:
             "whole singular ms": whole[1], **_parts(arm, task, regular), "of the target": max(both) / TARGET,
         })  # fmt: skip
     measure.report(
-        f"explain: verdict and distances, median under {TARGET:g} ms of processor time from Python; whole: as data", rows,
-        ratio="of the target", target=1.0, at_most=True,
+        f"explain: verdict and distances, median under {TARGET:g} ms of processor time from Python; whole: as data",
+        rows, ratio="of the target", target=1.0, at_most=True,
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from rankdrop.errors import RobotError, visible
 from rankdrop.robot.budgets import LONGEST_TEXT, RANGE
+from rankdrop.robot.entries import turn_notes
 from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
@@ -217,7 +218,7 @@ def from_tree(
             joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
     found = Robot(
         tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
-        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
+        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes, *turn_notes(joints, units=False)), about=f"{ends.base} to {ends.tip}",
     )
     return as_meant(found, angles)
 

@@ -59,7 +59,8 @@ def test_limits_of_a_urdf_that_look_like_degrees_are_noted(limit: str, told: str
 
 
 @pytest.mark.parametrize(
-    ("angle", "told"), [("alpha = 90", True), ("theta = -90.0", True), ('alpha = "90 deg"', False), ("theta = 7", False)]
+    ("angle", "told"),
+    [("alpha = 90", True), ("theta = -90.0", True), ('alpha = "90 deg"', False), ("theta = 7", False)],
 )
 def test_fixed_angles_that_look_like_degrees_are_noted(angle: str, told: bool) -> None:
     notes = [note for note in read(DH + angle).notes if "turns" in note]

@@ -278,7 +278,8 @@ def as_meant(robot: Robot, angles: Angles) -> Robot:
         angles: what the reader took decimals for; with `as_written` the numbers stay as they are.
     """
     if angles.largest > 4 * pi:
-        note = f"a fixed angle of {angles.largest:g} rad is many turns; {angles.largest:g}° is {radians(angles.largest):.4g}"
+        most = angles.largest
+        note = f"a fixed angle of {most:g} rad is many turns; {most:g}° is {radians(most):.4g}"
         robot = replace(robot, notes=(*robot.notes, note))
     if angles.as_written:
         return robot

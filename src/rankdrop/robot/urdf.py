@@ -216,9 +216,10 @@ def from_tree(
             screw = _screw(motion, _axis(tree, joint), pose)
             mimic = mimics.get(joint.name)
             joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
+    notes += turn_notes(joints, units=False)
     found = Robot(
         tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
-        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes, *turn_notes(joints, units=False)), about=f"{ends.base} to {ends.tip}",
+        base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",
     )
     return as_meant(found, angles)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from math import pi
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.meets import DETERMINANT, meetings
 from rankdrop.motion.prove import Proof, Sliver, prove
 from rankdrop.results.known import known_analysis
+from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -237,6 +239,19 @@ def test_a_path_tangent_to_a_family_is_told_to_touch_or_undecided_and_never_free
         assert found.verdict in ("touching", "undecided")
         assert not found.holds
         assert any(one.start.time <= -s <= one.end.time for one in met)
+
+
+def test_an_arm_with_fewer_joints_than_rows_and_no_known_family_crosses_and_touches_its_elbow() -> None:
+    """No determinant, and nobody has analysed it: the condition is found where the path is singular."""
+    table = [DHRow(d=0.3, alpha=pi / 2), DHRow(a=0.25), DHRow(a=0.23), DHRow(a=0.02, alpha=pi / 2), DHRow(d=0.1)]
+    robot = from_dh(table, convention="standard", name="five")
+    start, end = np.array([0.1, -0.5, 0.6, 0.4, 0.2]), np.array([0.4, -0.8, -0.5, -0.3, 0.5])
+    for bend, kind in ((1.0, "crossing"), (0.0, "touching")):  # to the stretched arm, and on or back
+        elbow = start + (end - start) * 6 / 11
+        found = check_path(robot, [start, elbow, bend * end + (1 - bend) * (start + 0.01)])
+        (one,) = found.crossings
+        assert (found.verdict, one.verdict, one.name) == (kind, kind, "elbow: axes 2, 3, 4 coplanar")
+        assert one.closest.q[2] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:

@@ -2,7 +2,8 @@
 
 Crossing, proven by the intermediate value theorem: a function that is continuous along the path has opposite signs at
 two points where its sign is beyond rounding. For as many joints as task rows the function is det J; for every family of
-one condition f, whatever the number of joints, it is f, whose zeros are singular. Halving brackets the zero.
+one condition f, whatever the number of joints, it is f, whose zeros are singular; where no family is known, f is found
+around a configuration that is touched. Halving brackets the zero.
 
 Touching: σ_r is within the tolerance at a configuration of the path, without such a change of sign. That is a
 measurement: a path that passes at 1e-10, or crosses twice within as little, looks the same.
@@ -19,10 +20,14 @@ from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
+from rankdrop.errors import RankdropError
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.row import soundness
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.prove import Sliver
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -35,6 +40,7 @@ _CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of
 _CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
 _HALVINGS = 60
 _SAME = 1e-5  # zeros of two functions nearer to each other are one meeting: rounding blurs touching ones so far [rad]
+_SPOTS = 12  # touched configurations around which a condition is looked for: some 0.1 s each
 _LYING = 1e-3  # slivers longer than this, singular wherever looked at, lie in the singular set [rad]
 
 
@@ -83,9 +89,19 @@ def meetings(
         tolerances: `singular`.
     """
     functions = signs(robot, task, families)
-    return tuple(
-        one for sliver in slivers for one in _Judge(robot, task, path, sliver, functions, tolerances).meetings()
-    )
+    found: list[Meeting] = []
+    looks = _SPOTS
+    for sliver in slivers:
+        judge = _Judge(robot, task, path, sliver, functions, tolerances)
+        met = judge.meetings()
+        touched = [one for one in met if one.kind == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        looks -= len(touched)
+        more = signs_at(robot, task, [one.q for one in touched], tolerances)
+        if more:
+            functions = functions + more
+            met = replace(judge, functions=functions).meetings()
+        found += met
+    return tuple(found)
 
 
 def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[str, Signs]]:
@@ -97,6 +113,25 @@ def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[st
     for family in families:
         if family.dimension == robot.n - 1 and len(family.equations) == 1 and family.soundness.holds:
             found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
+    return found
+
+
+def signs_at(robot: Robot, task: Task, there: Sequence[Array], tolerances: Tolerances) -> list[tuple[str, Signs]]:
+    """As `signs`, of families of one condition that no list has: through configurations (n,) of corank 1.
+
+    The condition is taken from the neighbourhood, and believed where random solutions of it, anywhere, are singular.
+    """
+    found: list[tuple[str, Signs]] = []
+    problem = Problem(robot, task, 1, tolerances)
+    for q in there:
+        try:
+            family = name_on_the_spot(robot, q, task, 1, fit=True, tolerances=tolerances)
+        except RankdropError:  # rounding: singular to the tolerance and not to that of its neighbours
+            continue
+        if family.dimension == robot.n - 1 and len(family.equations) == 1:
+            sound, _ = soundness(problem, family.system, 1, np.random.default_rng(0))
+            if sound.holds:
+                found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
     return found
 
 

@@ -229,9 +229,10 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
     yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
-    shifted = [one for one in family.pinned(robot) if family.shifts[one.number - 1]]
+    shifted = {pin.joint for pin in family.pins if family.shifts[pin.joint - 1]}
     if shifted:
-        told = "; ".join(f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in shifted)
+        own = [one for one in family.pinned(robot) if one.number in shifted]
+        told = "; ".join(f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
         yield from sentence(f"{_INSET}the joint's own value: {told}", width, len(_INSET))
     if family.reality:
         yield from formula(f"{_INSET}{family.reality}; here it is", width)

@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
+from rankdrop.robot.transform import dot, norm
 
 FAR = 10.0
 """Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
@@ -71,8 +72,8 @@ def _polygon(robot: Robot) -> Array:
             continue
         omega = joint.screw[3:]
         foot = np.cross(omega, joint.screw[:3])  # the axis point nearest to the base origin
-        nearest = foot + omega * (omega @ (point - foot))
-        lengths[i] = float(np.linalg.norm(point - nearest))
+        nearest = foot + omega * dot(omega, point - foot)
+        lengths[i] = norm(point - nearest)
         point = nearest
         size = max(size, float(np.abs(point).max()))
     return lengths if lengths.sum() > _NOTHING * size else np.zeros(len(lengths))

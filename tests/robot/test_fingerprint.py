@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +12,7 @@ import pytest
 
 from rankdrop.robot.model import Joint, Mimic, Robot, coarse_fingerprint, fingerprint, geometry
 from rankdrop.robot.open import open_robot
+from rankdrop.robot.transform import rigid
 
 
 def with_first(robot: Robot, **changes: object) -> Robot:
@@ -46,3 +50,34 @@ def test_mimic_relations_enter() -> None:
         assert geometry(other).size == 6 * 7 + 16 + (2 if leader else 0)
         seen |= {fingerprint(other), coarse_fingerprint(other)}
     assert len(seen) == 10
+
+
+OTHERS = ("j2n6s300", "kr210l150", "px150", "so101", "wx250s", "xarm5", "yumi", "ur5e")
+"""Arms at odd angles: products by a BLAS of another processor gave all but the last other numbers."""
+
+
+@pytest.mark.parametrize("kernels", ["Nehalem", "Haswell"])
+def test_a_file_is_the_same_arm_on_every_processor(kernels: str) -> None:
+    """OpenBLAS takes the kernels that it is told; where NumPy is built on something else nothing is tried."""
+    told = (
+        "from rankdrop.robot.model import fingerprint; from rankdrop.robot.open import open_robot; "
+        f"print([fingerprint(open_robot(name)) for name in {OTHERS!r}])"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", told], env={**os.environ, "OPENBLAS_CORETYPE": kernels}, check=True, text=True,
+        stdout=subprocess.PIPE,
+    )  # fmt: skip
+    assert ran.stdout.strip() == repr([fingerprint(open_robot(name)) for name in OTHERS])
+
+
+def test_a_matrix_that_is_nearly_a_rotation_becomes_one() -> None:
+    """By Newton's step, to the rotation that is nearest: that of the singular value decomposition."""
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        u, _, vt = np.linalg.svd(rng.normal(size=(3, 3)))
+        given = np.eye(4)
+        given[:3, :3] = u @ vt * np.sign(np.linalg.det(u @ vt)) + rng.uniform(-1e-7, 1e-7, (3, 3))
+        u, _, vt = np.linalg.svd(given[:3, :3])
+        made = rigid(given, "here")[:3, :3]
+        np.testing.assert_allclose(made, u @ vt, rtol=0, atol=2e-15)
+        np.testing.assert_allclose(made.T @ made, np.eye(3), rtol=0, atol=1e-15)

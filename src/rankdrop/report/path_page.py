@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
-from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place
+from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
 from rankdrop.report.data import LIVE, first_view, robot_data
 from rankdrop.report.page import whole_page
 from rankdrop.robot import Array
@@ -54,8 +54,8 @@ def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
         f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
-        f'<span class="small">{escape(_when(check, one.start))} – {escape(_when(check, one.end))}</span></button>'
-        for i, one in enumerate(check.stretches[:_LISTED])
+        f'<span class="small">{escape(_span(check, one))}</span></button>'
+        for i, one in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
     more = f'<span class="small">and {left} more</span>' if left > 0 else ""
@@ -75,6 +75,17 @@ def _stage(check: PathCheck) -> str:
         f'<output id="place"></output></div><div class="legend">{legend}</div>'
         '<div id="plots"></div></section>'
     )
+
+
+def _order(one: Stretch) -> tuple[bool, int, float]:
+    """What meets a singularity first, worst first; then free stretches as they follow each other."""
+    free = one.verdict == FREE
+    return (free, one.start.row, one.start.share) if free else (free, 0, 0.0)
+
+
+def _span(check: PathCheck, one: Stretch) -> str:
+    start, end = _when(check, one.start), _when(check, one.end)
+    return f"at {start}" if start == end else f"{start} – {end}"
 
 
 def _when(check: PathCheck, place: Place) -> str:

@@ -14,7 +14,7 @@ from rankdrop.errors import RobotError
 from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, turn_notes
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source
 from rankdrop.robot.quantities import Angles, quantity
-from rankdrop.robot.transform import rigid, rotation, translation
+from rankdrop.robot.transform import rigid, rotation, times, translation
 
 Convention = Literal["standard", "modified"]
 CONVENTIONS = ("standard", "modified")
@@ -100,18 +100,18 @@ def from_dh(
     pose = np.eye(4) if base is None else rigid(base, f"base of robot {name!r}")
     for number, entry in enumerate(_rows(rows, kinds), 1):
         if convention == "modified":
-            pose = pose @ rotation("x", entry.alpha) @ translation(entry.a, 0.0, 0.0)
+            pose = times(pose, rotation("x", entry.alpha), translation(entry.a, 0.0, 0.0))
         axis, point = pose[:3, 2], pose[:3, 3]
-        pose = pose @ rotation("z", entry.theta) @ translation(0.0, 0.0, entry.d)
+        pose = times(pose, rotation("z", entry.theta), translation(0.0, 0.0, entry.d))
         if convention == "standard":
-            pose = pose @ translation(entry.a, 0.0, 0.0) @ rotation("x", entry.alpha)
+            pose = times(pose, translation(entry.a, 0.0, 0.0), rotation("x", entry.alpha))
         joints.append(
             Joint(
                 entry.name or f"joint{number}", entry.kind, _screw(entry, axis, point),
                 entry.lower, entry.upper, entry.velocity, frame=pose,
             )
         )
-    home = pose if tool is None else pose @ rigid(tool, f"tool of robot {name!r}")
+    home = pose if tool is None else times(pose, rigid(tool, f"tool of robot {name!r}"))
     origin = source or Source("dh", f'from_dh(convention="{convention}")')
     remarks = (*notes, *turn_notes(joints))
     letters = tuple((lengths or {}).items())

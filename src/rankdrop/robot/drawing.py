@@ -28,7 +28,7 @@ from rankdrop.robot.files import Element
 from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot, source_text
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
-from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.transform import from_xyz_rpy, times
 from rankdrop.robot.urdf import from_urdf
 from rankdrop.robot.urdf_tree import Tree
 
@@ -220,12 +220,12 @@ def _pose(given: Mapping[str, float]) -> Array:
 def _moved(robot: Robot, end: str, pose: Array) -> Robot:
     """A robot with a further tool, or with its base at a pose."""
     if end == "tool":
-        return replace(robot, home=robot.home @ pose)
+        return replace(robot, home=times(robot.home, pose))
     joints = tuple(_carried(joint, pose) for joint in robot.joints)
-    return replace(robot, joints=joints, home=pose @ robot.home)
+    return replace(robot, joints=joints, home=times(pose, robot.home))
 
 
 def _carried(joint: Joint, pose: Array) -> Joint:
-    turned_v, turned_w = pose[:3, :3] @ joint.screw[:3], pose[:3, :3] @ joint.screw[3:]
+    turned_v, turned_w = times(pose[:3, :3], joint.screw[:3]), times(pose[:3, :3], joint.screw[3:])
     screw = np.concatenate([turned_v + np.cross(pose[:3, 3], turned_w), turned_w])
-    return replace(joint, screw=screw, frame=pose @ joint.frame)
+    return replace(joint, screw=screw, frame=times(pose, joint.frame))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import atan2, pi, radians
+from math import atan2, pi, radians, sqrt
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from rankdrop.robot.numbers import (
     parallel_runs,
 )
 from rankdrop.robot.quantities import Angles
-from rankdrop.robot.transform import cos_sin, rotation, translation
+from rankdrop.robot.transform import cos_sin, dot, inverse, nearest_rotation, norm, rotation, times, translation
 from rankdrop.sections import count
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
@@ -53,7 +53,7 @@ def exact_angle(value: float, angle: float, step: float = STEP) -> float:
 
 
 def exact_rotation(turn: Array, angle: float) -> Array:
-    """(3, 3) the rotation by a multiple of `step_for(angle)` that one is to within `angle`, else the one given.
+    """(3, 3) the rotation by a multiple of `step_for(angle)` near one to `angle`, else the nearest rotation.
 
     Rotations by quarter turns about coordinate axes, and those times one by 15°, 30° … about a coordinate axis: they
     have one entry of ±1. Every direction moves by at most `angle`.
@@ -69,7 +69,7 @@ def exact_rotation(turn: Array, angle: float) -> Array:
     found = np.zeros((3, 3))
     found[row, column] = sign
     found[np.ix_(rows, columns)] = [[c, -sign * s], [s, sign * c]]
-    return found if _apart(found, turn) <= angle else turn
+    return found if _apart(found, turn) <= angle else nearest_rotation(turn)
 
 
 def exact_direction(direction: Array, angle: float) -> Array:
@@ -80,7 +80,7 @@ def exact_direction(direction: Array, angle: float) -> Array:
     c, s = cos_sin(round(atan2(direction[j], direction[i]) / step) * step)
     found = np.zeros(3)
     found[i], found[j] = c, s
-    return found if float(np.linalg.norm(found - direction)) <= angle else direction
+    return found if norm(found - direction) <= angle else direction
 
 
 def tidy(lengths: Array, unit: float = 1.0) -> Array:
@@ -97,7 +97,7 @@ def tidy(lengths: Array, unit: float = 1.0) -> Array:
 
 def _apart(one: Array, two: Array) -> float:
     """Angle between two rotations that are near [rad]: ‖A − B‖ = 2 √2 sin(angle / 2)."""
-    return float(np.linalg.norm(one - two) / np.sqrt(2.0))
+    return norm(one - two) / sqrt(2.0)
 
 
 _SAME = 1e-13
@@ -171,11 +171,11 @@ def _frames_squared(robot: Robot, angle: float) -> Robot:
     joints = []
     for joint, far in zip(robot.joints, astray(robot), strict=True):
         after_old = np.asarray(joint.frame)
-        after_new = new @ _pose_squared(np.linalg.inv(old) @ after_old, unit, 0.0 if far or stray else angle)
+        after_new = times(new, _pose_squared(times(inverse(old), after_old), unit, 0.0 if far or stray else angle))
         screw = _screw_squared(joint, (old, new, stray), (after_old, after_new, far), unit, angle)
         joints.append(replace(joint, screw=screw, frame=after_new))
         old, new, stray = after_old, after_new, far
-    home = new @ _pose_squared(np.linalg.inv(old) @ robot.home, unit, 0.0 if stray else min(angle, SQUARE))
+    home = times(new, _pose_squared(times(inverse(old), robot.home), unit, 0.0 if stray else min(angle, SQUARE)))
     return replace(robot, joints=tuple(joints), home=home)
 
 
@@ -193,24 +193,24 @@ def _screw_squared(joint: Joint, before: _Frame, after: _Frame, unit: float, ang
     use = 0 if joint.kind is JointKind.PRISMATIC or _miss(own[0]) <= _miss(own[1]) + NOTHING * unit else 1
     _, frame, far = (after, before)[use]
     direction, point, pitch = _line_of(own[use], joint.kind)
-    axis = frame[:3, :3] @ exact_direction(direction, 0.0 if far else angle)
-    return _screw(joint.kind, axis, frame[:3, :3] @ tidy(point, unit) + frame[:3, 3], pitch)
+    axis = times(frame[:3, :3], exact_direction(direction, 0.0 if far else angle))
+    return _screw(joint.kind, axis, times(frame[:3, :3], tidy(point, unit)) + frame[:3, 3], pitch)
 
 
 def _in_frame(screw: Array, frame: Array) -> Array:
     turn, origin = frame[:3, :3], frame[:3, 3]
-    return np.concatenate([turn.T @ (screw[:3] - np.cross(origin, screw[3:])), turn.T @ screw[3:]])
+    return np.concatenate([times(turn.T, screw[:3] - np.cross(origin, screw[3:])), times(turn.T, screw[3:])])
 
 
 def _miss(screw: Array) -> float:
-    return float(np.linalg.norm(np.cross(screw[3:], screw[:3])))
+    return norm(np.cross(screw[3:], screw[:3]))
 
 
 def _line_of(screw: Array, kind: JointKind) -> tuple[Array, Array, float]:
     """Direction, the point nearest to the origin, pitch."""
     if kind is JointKind.PRISMATIC:
         return screw[:3], np.zeros(3), 0.0
-    pitch = float(screw[:3] @ screw[3:]) if kind is JointKind.HELICAL else 0.0
+    pitch = dot(screw[:3], screw[3:]) if kind is JointKind.HELICAL else 0.0
     return screw[3:], np.cross(screw[3:], screw[:3]), pitch
 
 
@@ -230,14 +230,14 @@ def _sections_squared(robot: Robot, angle: float, length: float) -> Robot:
     pose = _pose_squared(frame_at(normals[0].direction, lines[0].direction, normals[0].far), unit, angle)
     joints = []
     for i, (joint, numbers) in enumerate(zip(robot.joints, made, strict=True)):
-        pose = pose @ rotation("z", numbers.phase) @ translation(0.0, 0.0, numbers.d)
+        pose = times(pose, rotation("z", numbers.phase), translation(0.0, 0.0, numbers.d))
         after = frame_at(normals[i + 1].direction, lines[i].direction, normals[i + 1].near)
-        frame = pose @ _pose_squared(np.linalg.inv(after) @ joint.frame, unit, angle, length)
+        frame = times(pose, _pose_squared(times(inverse(after), joint.frame), unit, angle, length))
         screw = _screw(joint.kind, pose[:3, 2], pose[:3, 3], _line_of(joint.screw, joint.kind)[2])
         joints.append(replace(joint, screw=screw, frame=frame))
-        pose = pose @ translation(numbers.a, 0.0, 0.0) @ rotation("x", numbers.twist)
-    at_tip = _pose_squared(np.linalg.inv(robot.joints[-1].frame) @ robot.home, unit, min(angle, SQUARE))
-    home = joints[-1].frame @ at_tip
+        pose = times(pose, translation(numbers.a, 0.0, 0.0), rotation("x", numbers.twist))
+    at_tip = _pose_squared(times(inverse(robot.joints[-1].frame), robot.home), unit, min(angle, SQUARE))
+    home = times(joints[-1].frame, at_tip)
     found = replace(robot, joints=tuple(joints), home=home)
     return robot if _same(robot, found) else found
 

@@ -24,7 +24,7 @@ from rankdrop.robot.files import Element, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles
-from rankdrop.robot.transform import about_axis, translation
+from rankdrop.robot.transform import about_axis, times, translation
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, connected
 
 _KINDS = {"hinge": JointKind.REVOLUTE, "slide": JointKind.PRISMATIC}
@@ -266,7 +266,7 @@ def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tu
     joints = []
     for step in path:
         motion = motions[step.name]
-        pose = pose @ motion.origin
+        pose = times(pose, motion.origin)
         if not step.moves:
             continue
         if step.kind not in _KINDS:
@@ -276,14 +276,14 @@ def _chain(tree: Tree, path: list[TreeJoint], motions: dict[str, _Motion]) -> tu
                 typed=f"name a base below it: --base {shlex.quote(step.child)}",
             )
         kind = _KINDS[step.kind]
-        direction, point = pose[:3, :3] @ motion.axis, pose[:3, 3] + pose[:3, :3] @ motion.anchor
+        direction, point = times(pose[:3, :3], motion.axis), pose[:3, 3] + times(pose[:3, :3], motion.anchor)
         slides = kind is JointKind.PRISMATIC
         measure = "length" if slides else "angle"
         if not abs(motion.ref) <= RANGE[measure]:  # MuJoCo takes NaN and infinities too
             raise RobotError("ref is too large, or no number", where=tree.where(step), got=f"{motion.ref:g}",
                              allowed=allowed_range(measure))  # fmt: skip
         screw = np.concatenate([direction, np.zeros(3)] if slides else [np.cross(point, direction), direction]) + 0.0
-        pose = pose @ _back(motion, slides=slides)
+        pose = times(pose, _back(motion, slides=slides))
         joints.append(Joint(step.name, kind, screw, motion.lower, motion.upper, inf, pose, link=step.child))
     return tuple(joints), pose
 
@@ -294,4 +294,4 @@ def _back(motion: _Motion, *, slides: bool) -> Array:
         return np.eye(4)
     if slides:
         return translation(*(-motion.ref * motion.axis))
-    return translation(*motion.anchor) @ about_axis(motion.axis, -motion.ref) @ translation(*-motion.anchor)
+    return times(translation(*motion.anchor), about_axis(motion.axis, -motion.ref), translation(*-motion.anchor))

@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 from rankdrop.errors import HIDDEN, RobotError
 from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.quantities import checked_lengths
+from rankdrop.robot.transform import Array as Array  # the name that all others take from here
+from rankdrop.robot.transform import norm
 from rankdrop.sections import Section, html
-
-Array = NDArray[np.float64]
 
 
 class JointKind(StrEnum):
@@ -86,7 +86,7 @@ class Joint:
         screw = _read_only(self.screw, (6,), where, "screw")
         object.__setattr__(self, "kind", JointKind(self.kind))
         axis = screw[:3] if self.kind is JointKind.PRISMATIC else screw[3:]
-        length = float(np.linalg.norm(axis))
+        length = norm(axis)
         if length < 1e-9:
             raise RobotError("the axis has no length", where=where, got=axis.tolist(), allowed="a non-zero axis")
         if self.kind is JointKind.PRISMATIC and np.abs(screw[3:]).max() > 0:

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import asin, atan2, degrees, floor, hypot, log10, pi
+from math import asin, atan2, degrees, floor, hypot, log10, pi, sqrt
 
 import numpy as np
 
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.transform import dot, norm, times
 from rankdrop.tolerances import NOTHING
 
 FAR = 2.0
@@ -70,7 +71,7 @@ def anchors(robot: Robot) -> Array:
 def extent(robot: Robot) -> float:
     """Length of the way along `anchors` to the tip [m]; 1 where it is nothing."""
     points = np.vstack([anchors(robot), robot.home[:3, 3]])
-    total = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    total = sum(norm(step) for step in np.diff(points, axis=0))
     return total if total > _NOTHING * float(np.abs(points).max()) else 1.0
 
 
@@ -78,7 +79,7 @@ def astray(robot: Robot) -> list[bool]:
     """Which frames stand so far from the anchor of their axis that they are not on the arm."""
     far = FAR * extent(robot)
     pairs = zip(robot.joints, anchors(robot), strict=True)
-    return [float(np.linalg.norm(joint.frame[:3, 3] - anchor)) > far for joint, anchor in pairs]
+    return [norm(joint.frame[:3, 3] - anchor) > far for joint, anchor in pairs]
 
 
 def axis_lines(robot: Robot, *, length: float) -> list[Line]:
@@ -130,8 +131,8 @@ def common_normals(robot: Robot, lines: list[Line], *, angle: float, length: flo
 
 def frame_at(x: Array, z: Array, origin: Array) -> Array:
     """(4, 4) a frame with its z axis along `z`, its x axis along the part of `x` that is perpendicular to z."""
-    across = x - z * float(x @ z)
-    across = across / np.linalg.norm(across)
+    across = x - z * dot(x, z)
+    across = across / norm(across)
     frame = np.eye(4)
     frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = across, np.cross(z, across), z, origin
     return frame
@@ -151,29 +152,29 @@ def _normal(
     """
     hint, anchor, far_off = place
     cross = np.cross(one.direction, two.direction)
-    if np.linalg.norm(cross) > angle:
-        x = cross / np.linalg.norm(cross)
+    if norm(cross) > angle:
+        x = cross / norm(cross)
         near, far = _feet(one, two)
-        if abs(float((far - near) @ x)) > length:
-            x = x * np.sign(float((far - near) @ x))
+        if abs(dot(far - near, x)) > length:
+            x = x * np.sign(dot(far - near, x))
     else:
         start = before.far if before is not None else one.point
         on_axis = min(_distance(hint[:3, 3], one), _distance(hint[:3, 3], two)) < length
         near = _nearest(one, hint[:3, 3] if on_axis else start)
-        if np.linalg.norm(near - anchor) > far_off:
+        if norm(near - anchor) > far_off:
             near = _nearest(one, anchor)
         # where axis two crosses the plane: the axes are parallel to `angle` only, and part far away
-        way = float((near - two.point) @ one.direction) / float(two.direction @ one.direction)
+        way = dot(near - two.point, one.direction) / dot(two.direction, one.direction)
         far = two.point + two.direction * way
         across = far - near
-        if np.linalg.norm(across) > length:
-            x = across / np.linalg.norm(across)
+        if norm(across) > length:
+            x = across / norm(across)
         else:
-            x = hint[:3, 0] - one.direction * float(hint[:3, 0] @ one.direction)
-            if np.linalg.norm(x) < 0.5:
+            x = hint[:3, 0] - one.direction * dot(hint[:3, 0], one.direction)
+            if norm(x) < 0.5:
                 x = before.direction if before is not None else _perpendicular(one.direction)
-            x = x / np.linalg.norm(x)
-    if float(hint[:3, 0] @ x) < -1 + max(angle, 1e-6):  # along the frame's, but for the way
+            x = x / norm(x)
+    if dot(hint[:3, 0], x) < -1 + max(angle, 1e-6):  # along the frame's, but for the way
         x = -x
     return Normal(x, near, far)
 
@@ -181,23 +182,25 @@ def _normal(
 def _feet(one: Line, two: Line) -> tuple[Array, Array]:
     """Points of the two lines that are closest to each other."""
     a, b, gap = one.direction, two.direction, two.point - one.point
-    dot = float(a @ b)
-    s, t = np.linalg.solve([[1.0, -dot], [dot, -1.0]], [float(a @ gap), float(b @ gap)])
+    lean, along_a, along_b = dot(a, b), dot(a, gap), dot(b, gap)  # s − lean t = along_a, lean s − t = along_b
+    across = np.cross(a, b)
+    less = dot(across, across)  # 1 − lean², without cancelling
+    s, t = (along_a - lean * along_b) / less, (lean * along_a - along_b) / less
     return one.point + s * a, two.point + t * b
 
 
 def _nearest(line: Line, point: Array) -> Array:
     """The point of a line that is nearest to a point."""
-    return line.point + line.direction * float((point - line.point) @ line.direction)
+    return line.point + line.direction * dot(point - line.point, line.direction)
 
 
 def _distance(point: Array, line: Line) -> float:
-    return float(np.linalg.norm(np.cross(point - line.point, line.direction)))
+    return norm(np.cross(point - line.point, line.direction))
 
 
 def _perpendicular(z: Array) -> Array:
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
-    return np.asarray(x / np.linalg.norm(x))
+    return np.asarray(x / norm(x))
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,12 +240,12 @@ def between(lines: Sequence[Line], normals: Sequence[Normal]) -> list[Numbers]:
     for i, line in enumerate(lines):
         before, after, z = normals[i], normals[i + 1], line.direction
         phase = _turn(before.direction, after.direction, z)
-        d = float((after.near - before.far) @ z)
+        d = dot(after.near - before.far, z)
         a = twist = tilt = 0.0
         if i + 1 < len(lines):
             twist = _turn(z, lines[i + 1].direction, after.direction)
-            tilt = asin(max(-1.0, min(1.0, float(lines[i + 1].direction @ after.direction))))
-            a = float((after.far - after.near) @ after.direction)
+            tilt = asin(max(-1.0, min(1.0, dot(lines[i + 1].direction, after.direction))))
+            a = dot(after.far - after.near, after.direction)
         found.append(Numbers(phase, d, a, twist, tilt))
     return found
 
@@ -278,7 +281,7 @@ def wrapped(angle: float) -> float:
 
 
 def _turn(one: Array, two: Array, about: Array) -> float:
-    return atan2(float(np.cross(one, two) @ about), float(one @ two))
+    return atan2(dot(np.cross(one, two), about), dot(one, two))
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,9 +371,9 @@ def _ends(robot: Robot) -> tuple[Array, Array]:
     """Direction of the first axis in the base, axes of the tip in the last link (its frame)."""
     first = robot.joints[0]
     direction = first.screw[:3] if first.kind is JointKind.PRISMATIC else first.screw[3:]
-    return direction, robot.joints[-1].frame[:3, :3].T @ robot.home[:3, :3]
+    return direction, times(robot.joints[-1].frame[:3, :3].T, robot.home[:3, :3])
 
 
 def _apart(one: Array, two: Array) -> float:
     """Angle between two directions or two rotations that are near [rad]."""
-    return float(np.linalg.norm(one - two)) / (np.sqrt(2.0) if one.ndim == 2 else 1.0)
+    return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)

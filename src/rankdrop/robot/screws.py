@@ -18,7 +18,7 @@ from rankdrop.robot.files import read_text
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, quantity
-from rankdrop.robot.transform import frame_on_axis, rigid
+from rankdrop.robot.transform import dot, frame_on_axis, norm, rigid
 
 Order = Literal["linear-first", "angular-first"]
 ORDERS = ("linear-first", "angular-first")
@@ -146,7 +146,7 @@ def _rows(screws: ArrayLike, order: str, name: str) -> Array:
 
 def _normalise(screw: Array, kind: Any, where: str) -> tuple[JointKind, Array]:
     v, omega = screw[:3], screw[3:]
-    size, turn = float(np.linalg.norm(screw)), float(np.linalg.norm(omega))
+    size, turn = norm(screw), norm(omega)
     if size < 1e-9:
         raise RobotError("the screw has no length", where=where, got=screw.tolist(), allowed="a non-zero screw")
     wanted = None if kind is None else joint_kind(kind, where)
@@ -156,9 +156,9 @@ def _normalise(screw: Array, kind: Any, where: str) -> tuple[JointKind, Array]:
     if slides:
         return JointKind.PRISMATIC, np.concatenate([_unit(v), np.zeros(3)])
     omega, v = omega / turn, v / turn
-    pitch = float(omega @ v)
+    pitch = dot(omega, v)
     straight = wanted is not JointKind.HELICAL and _is_zero(
-        abs(pitch) / max(1.0, float(np.linalg.norm(v))), wanted is JointKind.REVOLUTE, where, "pitch"
+        abs(pitch) / max(1.0, norm(v)), wanted is JointKind.REVOLUTE, where, "pitch"
     )
     if wanted is JointKind.REVOLUTE and not straight:
         raise RobotError("a revolute screw has no pitch", where=where, got=f"{pitch} m/rad", mend='kind = "helical"')
@@ -187,7 +187,7 @@ def _frame(kind: JointKind, screw: Array) -> Array:
 
 def _unit(axis: ArrayLike) -> Array:
     vector = _vector(axis, "axis")
-    length = float(np.linalg.norm(vector))
+    length = norm(vector)
     if length < 1e-9:
         raise RobotError("the axis has no length", got=vector.tolist(), allowed="a non-zero axis")
     return vector if abs(length - 1.0) <= 1e-15 else vector / length

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
 from rankdrop.robot.model import Robot
-from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.transform import from_xyz_rpy, times
 
 TOOL = "tool point"
 """What the tip of an arm with a tool is called."""
@@ -39,4 +39,4 @@ def with_tool(robot: Robot, xyz: ArrayLike, rpy: Sequence[float] = (0.0, 0.0, 0.
         if values.shape != (3,) or not np.isfinite(values).all():
             raise RobotError("this is no tool point", got=values.tolist(), allowed=f"three finite numbers {what}")
     tool = from_xyz_rpy(point.tolist(), turn.tolist())
-    return replace(robot, home=robot.home @ tool, tip=TOOL)
+    return replace(robot, home=times(robot.home, tool), tip=TOOL)

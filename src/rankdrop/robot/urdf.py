@@ -20,7 +20,7 @@ from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, in_range
-from rankdrop.robot.transform import from_xyz_rpy
+from rankdrop.robot.transform import from_xyz_rpy, norm, times
 from rankdrop.robot.urdf_tree import Tree, TreeJoint, choose_ends, read_tree
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -209,7 +209,7 @@ def from_tree(
     angles = Angles(as_written)
     joints = []
     for joint in ends.path:
-        pose = pose @ (joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4)))
+        pose = times(pose, joint_origin(tree, joint, angles) if origins is None else origins.get(joint.name, np.eye(4)))
         if joint.moves:
             motion = _kind(tree, joint)
             lower, upper, velocity = _limits(tree, joint, notes)
@@ -262,7 +262,7 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
     where = tree.where(joint, "axis")
     text = element.attributes.get("xyz", "1 0 0")
     axis = np.array(three(text, where, "xyz"))
-    length = float(np.linalg.norm(axis))
+    length = norm(axis)
     if length < 1e-9:
         raise RobotError(
             "the axis has no length", where=where, got=repr(text), allowed="a non-zero axis", mend='xyz="0 0 1"'
@@ -271,7 +271,7 @@ def _axis(tree: Tree, joint: TreeJoint) -> Array:
 
 
 def _screw(kind: JointKind, axis: Array, pose: Array) -> Array:
-    direction = pose[:3, :3] @ axis
+    direction = times(pose[:3, :3], axis)
     if kind is JointKind.PRISMATIC:
         return np.concatenate([direction, np.zeros(3)])
     return np.concatenate([np.cross(pose[:3, 3], direction), direction]) + 0.0  # + 0.0 turns −0 into 0

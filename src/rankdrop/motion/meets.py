@@ -51,7 +51,7 @@ class Meeting:
     Attributes:
         kind: "crossing", "touching" or "undecided".
         start, end: (stretch, share) of the part of the path that is not proven free and belongs to it.
-        bracket: (stretch, share) twice, inside that part: a zero lies between them where it is a crossing.
+        bracket: (stretch, share) twice, in that part or next to it: a zero lies between them where it is a crossing.
         at: (stretch, share) of `q`.
         q: (n,) configuration: at the zero, where σ_r is least, or in the middle [rad, m].
         sigma: (min(m, n),) singular values there [1].
@@ -96,7 +96,8 @@ def meetings(
         met = judge.meetings()
         touched = [one for one in met if one.kind == TOUCHING and one.corank == 1 and not one.lies][:looks]
         looks -= len(touched)
-        more = signs_at(robot, task, [one.q for one in touched], tolerances)
+        known = {how for how, _ in functions}
+        more = [one for one in signs_at(robot, task, [one.q for one in touched], tolerances) if one[0] not in known]
         if more:
             functions = functions + more
             met = replace(judge, functions=functions).meetings()
@@ -130,8 +131,9 @@ def signs_at(robot: Robot, task: Task, there: Sequence[Array], tolerances: Toler
             continue
         if family.dimension == robot.n - 1 and len(family.equations) == 1:
             sound, _ = soundness(problem, family.system, 1, np.random.default_rng(0))
-            if sound.holds:
-                found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
+            how = f"the condition {family.equations[0].text()} = 0 changes its sign"
+            if sound.holds and how not in {said for said, _ in found}:
+                found.append((how, _condition(family)))
     return found
 
 
@@ -170,8 +172,10 @@ class _Judge:
         places = self._places()
         q = self._at(places)
         met: list[Meeting] = []
+        wide = self._widened(places)
+        there = self._at(wide)
         for how, function in self.functions:
-            for low, high in self._brackets(places, function(q), function):
+            for low, high in self._brackets(wide, function(there), function):
                 met.append(self._crossing(low, high, how))
         met = self._distinct(met)
         if not self.sliver.finished:
@@ -215,6 +219,14 @@ class _Judge:
         if last - first < count:
             places = np.concatenate([places, np.arange(1, last - first + 1, dtype=np.float64)])
         return np.unique(np.clip(places, start, end))
+
+    def _widened(self, places: Array) -> Array:
+        """With a place beside each end, in what is proven free: a zero at an end has no certain sign on both sides."""
+        if not self.sliver.finished:
+            return places
+        first, last = self.sliver.stretches
+        beside = [places[0] - (places[-1] - places[0]), *places, places[-1] + (places[-1] - places[0])]
+        return np.unique(np.clip(beside, 0.0, last - first + 1.0))
 
     def _split(self, places: Array) -> tuple[Index, Array]:
         first, last = self.sliver.stretches

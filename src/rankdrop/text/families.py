@@ -17,8 +17,7 @@ from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import Check, CorankSummary, Family
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.sections import Section, count
 from rankdrop.text.cells import (
     COUPLED,
@@ -303,7 +302,7 @@ def overview(
             for row, outside in shown
             for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
         ]
-        under += [f"{row.id} witness q = {degrees_text(row.witness, robot.units)}" for row in rows if at_witness(row)]
+        under += [f"{row.id} witness {witness_text(robot, row.witness)}" for row in rows if at_witness(row)]
         heads = columns(robot, summary.corank)
         yield Section(
             title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}", columns=heads,

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
@@ -211,6 +210,8 @@ def _no_coranks(conditions: Conditions, _width: int | None) -> Iterator[Section]
         yield Section(name, _none(conditions))
     texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
     notes = [_LEGEND] if texts else []
+    lost = lost_told(conditions.robot, [words for family in conditions.families for words in family.lost_words])
+    notes += [lost] * bool(lost)
     if any(_ROUNDED.search(text) for text in texts):
         notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
     if last < r:
@@ -241,8 +242,7 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
         told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
         yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        at = degrees_text(family.witness, robot.units)
-        yield from sentence(f"{_INSET}witness: q = {at}", width, len("witness: "))
+        yield from sentence(f"{_INSET}witness: {witness_text(robot, family.witness)}", width, len("witness: "))
 
 
 def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:

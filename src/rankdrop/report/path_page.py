@@ -68,7 +68,7 @@ def _stage(check: PathCheck) -> str:
         '<section id="see"><h2>The arm on its path</h2><div class="see"><div class="go" aria-label="stretches">'
         f'{buttons}{more}</div><div class="stage"><canvas id="arm" tabindex="0" aria-label="The arm in three '
         'dimensions; drag to turn"></canvas><div class="key">The line is the way of the tip. Faint arrow: the '
-        'direction that would be lost first; solid or dotted: lost translation, rotation.</div></div>'
+        'direction that would be lost first; solid: translation, dotted: rotation, with a ring: mixed.</div></div>'
         '<div class="readout"><div id="verdict"></div>'
         '<dl id="numbers"></dl></div></div><div class="player"><button id="play" aria-label="play">▶ play</button>'
         '<input type="range" id="at" min="0" max="1" step="any" value="0" aria-label="place on the path">'

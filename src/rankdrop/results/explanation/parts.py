@@ -143,14 +143,15 @@ def checked_frame(frame: str | None) -> str:
 
 
 def axes_text(robot: Robot, framed: FramedDirections) -> str:
-    """Whose axes: "base axes", "tool axes", "axes of link 5 (wrist_2_link) at its origin"."""
+    """Whose axes: "base axes", "tool axes", "axes of the tool at the origin of link 5 (wrist_2_link)"."""
     frame = framed.frame
     if frame.origin == TIP and frame.axes in (BASE, TIP):
         return f"{'base' if frame.axes == BASE else 'tool'} axes"
     text = framed.name
-    if frame.axes in (BASE, TIP):
+    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
+    if number in (BASE, TIP):
         return f"axes of {text}"
-    joint, link = robot.joints[frame.axes - 1], f"link {frame.axes}"
+    joint, link = robot.joints[number - 1], f"link {number}"
     known = joint.link or f"after {joint.name}"
     return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
 

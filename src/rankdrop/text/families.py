@@ -201,7 +201,7 @@ def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[s
 
 
 def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
-    """A family's conditions, without those of joints that the row has at the same values."""
+    """A family's conditions, without those of joints that the row has at these values, or at some of them."""
     same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
     others = [readable(text) for text in family.conditions[len(same) :]]
     pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
@@ -218,8 +218,9 @@ def readable(text: str) -> str:
 
 def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
     for pinned in row.pinned:
-        if pinned.number == number and len(pinned.values) == len(values):
-            return bool(np.abs(np.sort(pinned.values) - np.sort(values)).max() <= _SAME)
+        if pinned.number == number:
+            off = np.abs(np.subtract.outer(pinned.values, values))
+            return bool((off.min(axis=1, initial=np.inf) <= _SAME).all())
     return False
 
 

@@ -22,13 +22,14 @@ _ALL_ROWS = (0, 1, 2, 3, 4, 5)
 class Handles:
     """Everything the core keeps for one robot."""
 
-    __slots__ = ("chain", "idle", "ranks", "samples", "views", "world")
+    __slots__ = ("chain", "idle", "ranks", "samples", "scales", "views", "world")
 
     def __init__(self, robot: Robot) -> None:
         check_robot(robot)
         self.chain = _make_chain(robot)
         self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
         self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
+        self.scales: dict[float, Array] = {}  # of joints, by the length scale of their task
         self.samples: dict[tuple[int, float], Array] = {}  # random configurations that stand for almost all
         self.idle: dict[tuple[Frame, tuple[int, ...], float, bool], NDArray[np.bool_]] = {}  # joints that do nothing
         self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)

@@ -205,4 +205,5 @@ class Problem:
     def length(self, way: Array) -> Array:
         """(...) norms of joint motions (..., n) in scaled joint coordinates [rad; metres divided by the length scale].
         """
-        return np.asarray(np.linalg.norm(way / self.scale, axis=-1))
+        scaled = way / self.scale
+        return np.asarray(np.sqrt(np.add.reduce(scaled * scaled, axis=-1)))

@@ -10,7 +10,7 @@ from reference import arms, region
 from reference.measure import central_differences
 
 from rankdrop.certify.setting import enclose, settings_for
-from rankdrop.robot.model import JointKind
+from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 
@@ -73,6 +73,57 @@ def test_the_bound_is_reached(name, order):
                 best[i] = max(best[i], size / bounds[i])
     assert best[0] > 0.98  # the first axis has the longest reach: the sum of all links counts
     assert (best > 0.98).sum() >= robot.n - 2
+
+
+TURNS = 40 * np.pi
+"""That carry a screw three metres [rad]."""
+
+
+def row_of_axes(second, steep=0.0):
+    """Axes of z a metre apart along x, the second a slide or a screw along x; the third a screw of this pitch."""
+    joints = []
+    for i in range(5):
+        frame = np.eye(4)
+        frame[0, 3] = float(i)
+        axis = np.array([1.0, 0.0, 0.0] if i == 1 else [0.0, 0.0, 1.0])
+        screw = np.concatenate([np.cross([float(i), 0.0, 0.0], axis), axis])
+        kind = JointKind.REVOLUTE
+        if i == 1 and second == "slide":
+            kind, screw = JointKind.PRISMATIC, np.concatenate([axis, np.zeros(3)])
+        elif i == 1:
+            kind, screw = JointKind.HELICAL, screw + np.concatenate([3.0 / TURNS * axis, np.zeros(3)])
+        if i == 2 and steep:
+            kind, screw = JointKind.HELICAL, screw + np.concatenate([steep * axis, np.zeros(3)])
+        joints.append(Joint(f"j{i + 1}", kind, screw, frame=frame))
+    home = np.eye(4)
+    home[0, 3] = 5.0
+    return Robot("row", tuple(joints), home)
+
+
+def reached(robot, q, half):
+    """(N,) largest share of M_i by turns, at the far corner of a box."""
+    best = np.zeros(robot.n)
+    for setting in settings_for(robot, resolve_task("pose", robot)):
+        scaled = half / setting.scale
+        arm = enclose(robot, setting, q[None], scaled[None])[6][0]
+        for order in region.derivatives(robot, q + half, setting):
+            for i, slides, size in order:
+                assert size <= arm[i] * (1 + 1e-12)
+                if not slides and robot.joints[i].kind is not JointKind.PRISMATIC:
+                    best[i] = max(best[i], size / arm[i])
+    return best
+
+
+@pytest.mark.parametrize(("second", "far"), [("slide", 3.0), ("screw", TURNS)])
+def test_the_bound_of_an_axis_behind_what_carries_far_is_reached(second, far):
+    """Stretched out along the slide, at the end of the box where it is farthest out."""
+    half = np.array([0.0, 0.2, 0.0, 0.0, 0.0])
+    assert reached(row_of_axes(second), np.array([0.0, far - 0.2, 0.0, 0.0, 0.0]), half)[0] > 0.95
+
+
+def test_the_bound_of_a_steep_screw_is_reached_by_its_own_column_and_by_one_behind_it():
+    best = reached(row_of_axes("screw", steep=200.0), np.zeros(5), np.zeros(5))
+    assert (best[1:3] > 0.95).all()
 
 
 def test_brackets_are_the_derivatives():

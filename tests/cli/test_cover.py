@@ -49,6 +49,16 @@ def test_known_families_explain_every_box() -> None:
         assert (found.account.explained[:3] > 1000).all()
 
 
+def test_how_far_a_covering_is_is_read_from_its_file(tmp_path: Path, run) -> None:
+    file = tmp_path / "planar.cover"
+    assert run("planar3r", "--width", "0.4", "--out", file)[0] == 0
+    assert run("--status", file)[:2] == (0, f"finished: 2 boxes in {file}\n")
+    code, _, err = run("--status", tmp_path / "none")
+    assert code == 2
+    assert "there is no job in the folder" in err
+    assert run()[0] == 2
+
+
 def test_a_family_left_out_is_listed_as_places_that_are_singular() -> None:
     # every family that lies in the wrist's sheet goes: what is left of it is a place to look at
     known = known_analysis(UR5, TASK)

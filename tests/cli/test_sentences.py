@@ -178,7 +178,7 @@ def test_a_table_under_one_lost_freedom_calls_no_direction_impossible(run: Any) 
 def test_lost_motion_is_told_in_base_and_tool_axes_first_and_links_by_name(run: Any) -> None:
     out = run("explain", *UR5E).out
     lost = out[out.index("What is lost") : out.index("Joints to blame")]
-    axes = ("in base axes:", "in tool axes:", "in axes of link 5 (after wrist_2_joint)")
+    axes = ("in base axes:", "in tool axes:", "in axes of the tool at the origin of link 5 (after wrist_2_joint)")
     places = [lost.index(word) for word in axes]
     assert places == sorted(places)
     assert "cannot" not in lost

@@ -118,3 +118,20 @@ def test_equations_with_double_zeros_do_not_lead_walks_astray() -> None:
     off *= 0.05 / np.linalg.norm(off, axis=1, keepdims=True)
     far = distances([family], arm, there + off, task).distance[:, 0]
     assert (far <= 0.05 + 1e-6).all()
+
+
+def test_folds_of_a_family_are_reached() -> None:
+    """Where θ4 = π two conditions of a UR5's family have one tangent plane, and other zeros nearby."""
+    arm = open_robot("ur5")
+    task = resolve_task(None, arm)
+    (family,) = (one for one in known_analysis(arm, task).families if one.id == "k2.f2")
+    rng = np.random.default_rng(0)
+    starts = rng.uniform(-np.pi, np.pi, (2000, 6))
+    starts[:, 2] = 0.0
+    there, _ = family.system.solve(starts, iterations=40)
+    there = there[(np.abs(family.system.values(there)).max(axis=1) < 1e-10) & (np.abs(np.sin(there[:, 3])) < 1e-3)]
+    assert len(there) > 20
+    off = rng.standard_normal(there.shape)
+    off *= 0.02 / np.linalg.norm(off, axis=1, keepdims=True)
+    far = distances([family], arm, there + off, task).distance[:, 0]
+    assert (far <= 0.02 + 1e-5).all()

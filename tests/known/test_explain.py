@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -198,6 +199,37 @@ def test_the_same_twice() -> None:
     arm = open_robot("panda")
     q = sample(arm, resolve_task(None, arm), 1, seed=9)[0]
     assert explain(arm, q).to_dict() == explain(arm, q).to_dict()
+
+
+PARTS = ("far", "met", "relations", "lost", "blame", "escape", "rates", "failures", "ellipsoids", "redundancy",
+         "representations", "disagreements", "certified_radius")  # fmt: skip
+
+
+@pytest.mark.parametrize("q", [[0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2], [0.1, 0.9, 0.4, 0.0005, 0.7, 1.1, 0.2], [0.0] * 7])
+def test_parts_are_the_same_in_whatever_order_they_are_asked_for(q: list[float]) -> None:
+    arm = open_robot("pa10")
+    one, other = explain(arm, q), pickle.loads(pickle.dumps(explain(arm, q)))
+    for name in reversed(PARTS):
+        assert getattr(other, name) is getattr(other, name)  # made once
+    assert json_text(other.to_dict()) == json_text(one.to_dict())
+    assert str(other) == str(one)
+
+
+def test_what_was_not_asked_for_is_not_worked_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The verdict needs neither ways out nor a proof; bad options are told at once all the same."""
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError("nobody asked for this")
+
+    monkeypatch.setattr("rankdrop.results.explanation.explanation.escape", refused)
+    monkeypatch.setattr("rankdrop.results.explanation.data.certified_radius", refused)
+    found = explain(open_robot("pa10"), [0.1, 0.9, 0.4, 0.25, 0.7, 1.1, 0.2])
+    assert found.far.nearest is not None
+    assert (found.verdict, round(found.far.nearest.distance, 9)) == ("regular", 0.25)
+    with pytest.raises(OptionError, match="step"):
+        explain(open_robot("pa10"), [0.0] * 7, step=2.0)
+    with pytest.raises(OptionError, match="budget"):
+        explain(open_robot("pa10"), [0.0] * 7, evaluations=10**9)
 
 
 def test_a_redundant_arm_is_blamed_for_all_it_takes() -> None:

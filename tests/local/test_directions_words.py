@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from math import inf
 
 import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import link_poses
+from rankdrop.local.lines import drawn_at
 from rankdrop.local.screws import Screw, blocked_words, rewrite_wrench, screw_of, words
+from rankdrop.robot.model import lost_told
+from rankdrop.robot.open import open_robot
 
 
 @pytest.mark.parametrize(
     ("direction", "frame", "expected"),
     [
         ([0, 0, 0, 1, 0, 0], "the base", "cannot rotate about X of the base"),
-        ([0, -1, 0, 0, 0, 0], "the end effector", "cannot translate along Y of the end effector"),
+        ([0, -1, 0, 0, 0, 0], "the tool", "cannot translate along Y of the tool"),
         ([0.7071, 0, 0.7071, 0, 0, 0], "the base", "cannot translate along (0.707, 0, 0.707) of the base"),
         ([0, 0, 0, 0, 0.6, -0.8], "link 4", "cannot rotate about (0, −0.6, 0.8) of link 4"),
         ([0, -0.91, 0, 0, 0, -0.41], "link 1", "can only move so that vy + 0.451 m·ωz = 0 in axes of link 1"),
@@ -74,3 +79,21 @@ def test_what_is_not_a_direction_is_refused(bad: np.ndarray) -> None:
     for ask in (words, blocked_words, screw_of):
         with pytest.raises(OptionError):
             ask(bad)
+
+
+@pytest.mark.parametrize("name", ["pa10", "ur5e", "panda", "gen3", "puma560", "stanford"])
+def test_links_lie_where_it_is_told_at_every_configuration(name: str) -> None:
+    arm = open_robot(name)
+    sentences = [f"cannot translate along {axis} of link {i + 1} at its origin" for i in range(arm.n) for axis in "XYZ"]
+    told = lost_told(arm, sentences)
+    assert told.count("Link ") == arm.n
+    for number, said in re.findall(r"Link (\d+)[^.]*?: ([^.]*)\.", told):
+        for q in np.random.default_rng(5).uniform(-2, 2, (4, arm.n)):
+            frame, drawn = link_poses(arm, q)[int(number)], drawn_at(arm, q)
+            for letter, axis in re.findall(r"([XYZ]) along axis (\d+)", said):
+                way = frame[:3, "XYZ".index(letter)]
+                assert np.abs(np.cross(way, drawn.axes[int(axis) - 1])).max() < 1e-9
+            through = {int(axis) for axis in re.findall(r"\d+", said.partition("origin")[2])}
+            off = np.abs(np.cross(frame[:3, 3] - drawn.middles, drawn.axes)).max(axis=1)
+            near = {i + 1 for i in range(arm.n) if off[i] < 1e-9 and not drawn.slides[i]}
+            assert through == near or (through < near and any(drawn.slides))  # axes beyond a slide may be left out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -217,6 +218,41 @@ def test_a_truncated_bag_is_never_read_in_part(tmp_path: Path, kind: str) -> Non
                 read_trajectory(one, ARM)
     if kind == "sqlite3":  # said of the file itself: newer versions of SQLite read what is there
         with pytest.raises(TrajectoryError, match=r"is cut off; got [\d,]+ of [\d,]+ bytes"):
+            read_trajectory(path, ARM)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_bag_cut_or_changed_anywhere_is_read_or_refused_in_one_sentence(tmp_path: Path, kind: str) -> None:
+    path = write(tmp_path / "b", kind, states)
+    file = path if kind == "bag" else next(one for one in path.iterdir() if one.suffix != ".yaml")
+    whole, rng = file.read_bytes(), np.random.default_rng(4)
+    step = len(whole) // 70
+    cases = [whole[:at] for at in range(0, len(whole), step)]
+    cases += [whole[:at] + rng.bytes(8) + whole[at + 8 :] for at in range(0, len(whole), step)]
+    cases += [whole[:at] + b"\xff" * 7 + b"\x00" + whole[at + 8 :] for at in range(0, len(whole), step)]
+    cuts = range(len(whole[::step]))
+    for number, content in enumerate(cases):
+        file.write_bytes(content)
+        try:
+            read_trajectory(file, ARM)
+            assert number not in cuts
+        except TrajectoryError as error:
+            said = str(error)
+            assert said.startswith(str(file))
+            assert not re.search(r"; got \w+:(;|$)", said), said
+
+
+def test_what_a_damaged_file_raises_in_python_is_said_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write(tmp_path / "b", "mcap", states)
+    for kind, words in ((MemoryError, "a record that is longer than the memory"), (AssertionError, "contradict")):
+
+        def fails(*_: Any, kind: type[Exception] = kind, **__: Any) -> None:
+            raise kind
+
+        monkeypatch.setattr("rosbags.rosbag2.Reader.open", fails)
+        with pytest.raises(TrajectoryError, match=rf"b: the bag cannot be read.*got .*{words}.*; fix: mend the bag"):
             read_trajectory(path, ARM)
 
 

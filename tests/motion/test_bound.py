@@ -8,7 +8,7 @@ from reference import arms, region
 
 from rankdrop.certify.setting import settings_for
 from rankdrop.motion.bound import Along, regular
-from rankdrop.motion.curve import curve, halves, straightened
+from rankdrop.motion.curve import Curve, curve, halves, straightened
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
@@ -177,6 +177,19 @@ def test_a_curve_lies_where_its_chord_says(degree: str) -> None:
             ratios.append(off / np.maximum(extra[4 * k + part], 1e-12))
     if degree != "linear":
         assert np.max(ratios) > 0.5
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5])
+def test_how_far_a_curve_leaves_its_chord_is_reached(degree: int) -> None:
+    """All control points but the ends equally far to one side."""
+    control = np.linspace([0.0, 1.0], [2.0, 3.0], degree + 1)[None]
+    control[:, 1:-1] += [0.3, -0.7]
+    middle, chord, extra = straightened(control)
+    share = np.linspace(0, 1, 101)
+    there = Curve(control, None).at(np.zeros(101, dtype=np.int64), share)
+    off = np.abs(there - middle - (2 * share - 1)[:, None] * chord).max(axis=0)
+    assert (off <= extra[0] * (1 + 1e-12)).all()
+    assert (off >= 0.999 * extra[0]).all()
 
 
 def test_the_curve_goes_through_samples_with_their_rates() -> None:

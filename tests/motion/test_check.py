@@ -114,6 +114,11 @@ def test_the_rates_of_a_cubic_are_not_below_those_it_has() -> None:
     most = np.max([one.rates for one in found.stretches], axis=0)
     assert (most >= rates - 1e-12).all()
     assert (most <= 3 * rates).all()
+    bent = np.array([0.1, 0.2, -0.1, 0.3, 0.1, 0.2])
+    q, v = q[0] + t[:, None] ** 2 * bent, 2 * t[:, None] * bent  # fastest at its end: the bound is reached
+    found = check_path(robot, q, t, velocities=v, interpolate="cubic")
+    most = np.max([one.rates for one in found.stretches], axis=0)
+    np.testing.assert_allclose(most, np.abs(v).max(axis=0), rtol=1e-9)
 
 
 def test_an_arm_in_millimetres_gives_the_same_answer() -> None:

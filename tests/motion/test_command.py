@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,12 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from rankdrop.cli import main
+from rankdrop.errors import ResultFileError
+from rankdrop.motion.many import judge
+from rankdrop.results.codec import robot_to_dict
+from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
+from rankdrop.task import resolve_task
 
 FREE = [[0.0, 0.5, 0.1], [0.2, 0.9, 0.3]]
 CROSSING = [[0.3, 0.4, 0.1], [0.5, -0.2, 0.3]]
@@ -21,7 +29,8 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
     def once(*argv: object) -> tuple[int, str, str]:
         monkeypatch.setenv("COLUMNS", "120")
         capsys.readouterr()
-        code = main.run(["path", "planar3r", *map(str, argv), "--quiet"])
+        arm = [] if argv and argv[0] == "--status" else ["planar3r"]
+        code = main.run(["path", *arm, *map(str, argv), "--quiet"])
         return (code, *capsys.readouterr())
 
     return once
@@ -73,6 +82,78 @@ def test_a_folder_is_a_table_and_a_broken_file_does_not_stop_it(tmp_path: Path, 
     assert code == 2
     assert "bad input" in out
     assert "c.csv, line 2, column 2 (q2): the value is not finite" in " ".join(out.split())
+
+
+def programs(folder: Path, count: int = 12) -> Path:
+    """Files of 2,000 rows, one of them broken, one with a column that is not used."""
+    folder.mkdir()
+    rng = np.random.default_rng(3)
+    for k in range(count):
+        q = rng.uniform(-2, 2, 3) + np.linspace(0, 1, 2000)[:, None] * rng.normal(size=3)
+        head = "q1,q2,q3,gripper" if k == 1 else "q1,q2,q3"
+        q = np.column_stack([q, q[:, 0]]) if k == 1 else q
+        np.savetxt(folder / f"{k:02}.csv", q, delimiter=",", header=head, comments="")
+    (folder / "00.csv").write_text("q1,q2,q3\n0,nan,0\n")
+    return folder
+
+
+def test_many_paths_are_the_same_here_in_processes_and_after_a_kill(
+    tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    programs(tmp_path / "all")
+    code, plain, err = run("all", "--json", "one.json")
+    assert code == 2
+    assert "01.csv: not used: gripper" in err
+    assert run("all", "--json", "two.json", "--workers", "2", "--out", "judged")[:2] == (code, plain)
+    wanted = (tmp_path / "one.json").read_bytes()
+    assert (tmp_path / "two.json").read_bytes() == wanted
+    parts = {part.name: part.read_bytes() for part in (tmp_path / "judged" / "parts").iterdir()}
+    assert len(parts) == 12
+
+    words = ("path", "planar3r", "all", "--json", "three.json", "--workers", "1", "--out", "killed", "--quiet")
+    process = subprocess.Popen([sys.executable, "-m", "rankdrop", *words], stdout=subprocess.DEVNULL)
+    journal, patience = tmp_path / "killed" / "journal", time.monotonic() + 120
+    while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):
+        assert time.monotonic() < patience
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    made = {part.name: part.stat().st_mtime_ns for part in (tmp_path / "killed" / "parts").iterdir()}
+    done, told, _ = run("--status", "killed")
+    assert done == 0
+    assert " of 12 chunks of the paths (12 items in all)" in told
+    assert run("all", "--json", "three.json", "--workers", "2", "--out", "killed")[:2] == (code, plain)
+    assert (tmp_path / "three.json").read_bytes() == wanted
+    killed = tmp_path / "killed" / "parts"
+    assert {part.name: part.read_bytes() for part in killed.iterdir()} == parts
+    kept = [name for name, when in made.items() if (killed / name).stat().st_mtime_ns == when]
+    assert len(kept) >= 2, "finished paths were judged again"
+    assert run("--status", "killed")[1] == "finished: 12 of 12 chunks of the paths (12 items in all)\n"
+
+    (tmp_path / "all" / "03.csv").write_text("q1,q2,q3\n0,1,0\n")
+    code, _, err = run("all", "--out", "killed")
+    assert code == 2
+    assert "killed: the folder holds another job" in err
+
+
+def test_a_cluster_judges_many_paths_alike(tmp_path: Path, run, monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.chdir(tmp_path)
+    programs(tmp_path / "all", 4)
+    code, plain, _ = run("all")
+    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as cluster:
+        assert run("all", "--scheduler", cluster.scheduler_address)[:2] == (code, plain)
+
+
+def test_a_file_that_changes_while_others_are_judged_is_told(tmp_path: Path) -> None:
+    arm = open_robot("planar3r")
+    task = resolve_task(None, arm)
+    file = saved(tmp_path, "a.npy", FREE)
+    plan = {"robot": robot_to_dict(arm, task, 3), "length_scale": 1.0, "analysis": None, "how": {},
+            "files": [["a.npy", str(file), "0" * 64]]}  # fmt: skip
+    with pytest.raises(ResultFileError, match=r"a\.npy: the file is not what it was when the job began"):
+        judge(plan, 0)
 
 
 def test_degrees_are_warned_of(tmp_path: Path, run) -> None:
@@ -129,6 +210,8 @@ REFUSED = {
     "--interpolate linear": ("free.npy", "--interpolate", "cubic"),
     "the ending names no format": ("free.npy", "--figure", "a.gif"),
     "a figure is of one path": ("free.npy", "free.npy", "--figure", "a.svg"),
+    "a page is of one path": ("free.npy", "--html", "a.html", "--out", "judged"),
+    "nowhere: there is no job in the folder": ("--status", "nowhere"),
     "--min-distance": ("free.npy", "--min-distance", "-1"),
     "remedies are those of one path": ("free.npy", "free.npy", "--remedies"),
     "--tool-tilt": ("free.npy", "--tool-tilt", "10mm"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from math import pi
 
 import numpy as np
 import pytest
@@ -18,9 +19,10 @@ from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path
 from rankdrop.motion.curve import Curve, curve
-from rankdrop.motion.meets import DETERMINANT, meetings
+from rankdrop.motion.meets import DETERMINANT, meetings, signs_at
 from rankdrop.motion.prove import Proof, Sliver, prove
 from rankdrop.results.known import known_analysis
+from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Task, resolve_task
@@ -239,6 +241,30 @@ def test_a_path_tangent_to_a_family_is_told_to_touch_or_undecided_and_never_free
         assert any(one.start.time <= -s <= one.end.time for one in met)
 
 
+def test_an_arm_with_fewer_joints_than_rows_and_no_known_family_crosses_and_touches_its_elbow() -> None:
+    """No determinant, and nobody has analysed it: the condition is found where the path is singular."""
+    table = [DHRow(d=0.3, alpha=pi / 2), DHRow(a=0.25), DHRow(a=0.23), DHRow(a=0.02, alpha=pi / 2), DHRow(d=0.1)]
+    robot = from_dh(table, convention="standard", name="five")
+    start, end = np.array([0.1, -0.5, 0.6, 0.4, 0.2]), np.array([0.4, -0.8, -0.5, -0.3, 0.5])
+    for bend, kind in ((1.0, "crossing"), (0.0, "touching")):  # to the stretched arm, and on or back
+        elbow = start + (end - start) * 6 / 11
+        found = check_path(robot, [start, elbow, bend * end + (1 - bend) * (start + 0.01)])
+        (one,) = found.crossings
+        assert (found.verdict, one.verdict, one.name) == (kind, kind, "elbow: axes 2, 3, 4 coplanar")
+        assert one.closest.q[2] == pytest.approx(0.0, abs=1e-9)
+    places = [np.array([0.1, -0.5, 0.0, 0.4, 0.2]), np.array([0.7, 0.9, 0.0, -1.1, 0.3])]
+    assert len(signs_at(robot, resolve_task(None, robot), places, DEFAULT)) == 1  # else crossings are counted twice
+
+
+def test_every_crossing_of_many_turns_is_told_once() -> None:
+    """The elbow turns 23.9 times: 48 times it stands at 0.3 or 0.3 − π."""
+    table = [DHRow(d=0.3, alpha=pi / 2), DHRow(a=0.25), DHRow(a=0.23, theta=-0.3), DHRow(a=0.02, alpha=pi / 2)]
+    robot = from_dh([*table, DHRow(d=0.1)], convention="standard", name="many")
+    found = check_path(robot, [[10.0, -60.0, 70.0, -20.0, 60.0], [40.0, -70.0, -80.0, -30.0, 20.0]])
+    assert [one.verdict for one in found.crossings] == ["crossing"] * len(found.crossings)
+    assert sum(abs(np.sin(one.closest.q[2] - 0.3)) < 1e-9 for one in found.crossings) == 48
+
+
 def test_a_path_inside_the_singular_set_is_told_so_cheaply() -> None:
     robot = open_robot("puma560")
     q = np.linspace([0.1, -1.2, 1.0, 0.5, 0.0, 0.2], [0.5, -1.0, 1.3, 0.2, 0.0, 0.1], 300)
@@ -298,6 +324,16 @@ def test_a_sliver_that_is_singular_at_one_place_only_does_not_lie_in_the_set() -
         (one,) = meetings(robot, task, path, [Sliver((0, 0), (0.3, 0.7), True)], (), DEFAULT)
         assert (one.kind, one.lies) == (kind, False)
         assert one.at[1] == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("shares", [(0.5 - 1e-9, 0.5), (0.5, 0.5 + 1e-9)])
+def test_a_zero_at_the_end_of_a_sliver_is_crossed(shares: tuple[float, float]) -> None:
+    """On one side of it there is no certain sign inside, and what lies outside is proven free."""
+    robot = open_robot("planar3r")
+    path = curve(np.array([[0.1, -0.5, 0.2], [0.3, 0.5, 0.4]]), None)
+    (one,) = meetings(robot, resolve_task(None, robot), path, [Sliver((0, 0), shares, True)], (), DEFAULT)
+    assert one.kind == "crossing"
+    assert (one.start[1], one.end[1]) == shares
 
 
 def without_gaps(stretches) -> bool:

@@ -200,7 +200,7 @@ def test_pictures_say_what_is_to_be_seen() -> None:
         assert 'role="img"' in tag
         assert len(re.findall(r'aria-label="([^"]+)"', tag)[0]) >= len("The arm")
     for family in shown("ur5").analysis.families:
-        assert f'aria-label="The arm in {family.id}, {family.name}. Lost: {family.lost_words[0]}' in text
+        assert f'aria-label="The arm in {family.id}, {family.name}. Lost, an arrow each: {family.lost_words[0]}' in text
 
 
 def test_an_analysis_shows_itself_in_a_notebook() -> None:

@@ -63,6 +63,15 @@ def test_its_numbers_are_those_of_the_path(found: PathCheck) -> None:
     assert data["pose"] is None
 
 
+def test_stretches_are_listed_with_a_time_where_they_have_one_and_free_ones_as_they_follow(found: PathCheck) -> None:
+    buttons = re.findall(r'<button data-stretch="\d+">(.*?)</button>', path_page(found), re.DOTALL)
+    when = [unescape(re.sub(r".*<br>|<[^>]*>", "", one)) for one in buttons]
+    assert [one.startswith("at ") for one in when] == [True, True, False, False, False]
+    starts = [float(one.split()[0]) for one in when[2:]]
+    assert starts == sorted(starts)
+    assert starts[0] == 0.0
+
+
 def test_poses_of_the_tip_are_counted(tmp_path: Path) -> None:
     free = check_poses(ARM, pose(ARM, [[0.3, -1.2, 1.4, -1, 1.2, 0.4], [0.6, -1, 1.2, -1.2, 1, 0.4]]),
                        start=[0.3, -1.2, 1.4, -1, 1.2, 0.4])  # fmt: skip

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from rankdrop import analyze, conditions
 from rankdrop.results.conditions.known import LONGEST, condition_sentences, shipped_conditions
 from rankdrop.results.known import known_names, shipped
+from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
@@ -68,3 +72,33 @@ def test_the_report_shows_the_exact_conditions_in_place_of_the_fitted_ones() -> 
         ("exactly", "a3 c4 (a6 + s6 (d3 + d5)) − s4 (a3² s6 − a6 d3 − d3 d5 s6) = 0")
     ]
     assert conditions_of(fifth, found.exact)[0][0] != "exactly"
+
+
+def bent() -> Robot:
+    """A planar arm whose second joint stands at −0.4 where the arm is stretched."""
+    table = [DHRow(a=0.3), DHRow(a=0.2, theta=0.4), DHRow(a=0.1)]
+    return from_dh(table, convention="standard", name="bent")
+
+
+def test_where_conditions_count_an_angle_from_elsewhere_the_joints_own_value_is_told() -> None:
+    lines = str(conditions(bent(), task="planar", points=0)).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.strip() == "θ2 = 0 or π")
+    assert lines[at + 1].strip() == "the joint's own value: q2 = −22.92° or 157.08°"
+
+
+def test_inside_limits_the_table_says_all_of_a_joint_at_one_of_its_values() -> None:
+    """A line "exactly θ2 = 0 or π" beside θ2 = −22.9° would contradict it, and tell a value that is outside."""
+    joints = [replace(joint, lower=-1.0, upper=1.0) for joint in bent().joints]
+    found = analyze(replace(bent(), joints=tuple(joints)), "planar", starts=200, limits=True)
+    (row,) = found.families
+    assert [round(value, 9) for value in row.pinned[0].values] == [-0.4]
+    assert found.exact is not None
+    assert found.exact.agrees
+    assert conditions_of(row, found.exact) == []
+
+
+def test_an_analysis_is_printed_as_its_tables() -> None:
+    said = str(analyze(bent(), "planar", starts=200))
+    assert said.startswith("bent: Verified")
+    assert "elbow: axes 1, 2, 3 coplanar" in said
+    assert "Analysis(" not in said

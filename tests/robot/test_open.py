@@ -106,6 +106,13 @@ def test_an_arm_of_unlikely_size_brings_the_question_of_millimetres(
     assert not noted or asked[0].startswith(f"the arm's reach is {length:.3g} m:")
 
 
+def test_a_pointer_of_git_lfs_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n", encoding="utf-8")
+    with pytest.raises(RobotError, match=r"a pointer of Git LFS, .*fix: fetch it: git lfs pull"):
+        open_robot(path)
+
+
 def test_a_wrist_without_length_and_the_catalogue_are_of_likely_size(tmp_path: Path) -> None:
     path = tmp_path / "wrist.toml"
     path.write_text('convention = "standard"\n[[joints]]\nalpha = "pi/2"\n[[joints]]\n', encoding="utf-8")

@@ -15,6 +15,7 @@ from rankdrop.robot.quantities import quantity
 from rankdrop.robot.screws import from_screws
 from rankdrop.robot.toml_file import robot_from_toml
 from rankdrop.robot.urdf import from_urdf
+from robot import urdf_text
 
 DH = 'convention = "standard"\n[[joints]]\na = 1\n[[joints]]\n'
 SCREWS = 'order = "linear-first"\n[[joints]]\naxis = [0, 0, 1]\npoint = [0, 0, 0]\n[[joints]]\n'
@@ -44,6 +45,26 @@ def test_limits_of_many_turns_are_kept_and_noted(text: str) -> None:
     words = "joint 'X': limits of -170 … 170 rad are many turns; write \"170 deg\" for degrees"
     assert [note for note in arm.notes if "turns" in note] == [words]
     assert not [note for note in read(text + "lower = -6.3\nupper = 6.3").notes if "turns" in note]
+
+
+@pytest.mark.parametrize(
+    ("limit", "told"),
+    [('lower="-170" upper="165"', "2.967"), ('lower="-6.3" upper="6.3"', ""), ('lower="-1000" upper="1000"', "")],
+)
+def test_limits_of_a_urdf_that_look_like_degrees_are_noted(limit: str, told: str) -> None:
+    inside = f'<axis xyz="0 0 1"/><limit {limit} velocity="3"/>'
+    arm = from_urdf(urdf_text.robot([urdf_text.joint("X", "base", "a", inside=inside)]))
+    words = f"joint 'X': limits of -170 … 165 rad are many turns; 170° is {told}"
+    assert [note for note in arm.notes if "turns" in note] == ([words] if told else [])
+
+
+@pytest.mark.parametrize(
+    ("angle", "told"),
+    [("alpha = 90", True), ("theta = -90.0", True), ('alpha = "90 deg"', False), ("theta = 7", False)],
+)
+def test_fixed_angles_that_look_like_degrees_are_noted(angle: str, told: bool) -> None:
+    notes = [note for note in read(DH + angle).notes if "turns" in note]
+    assert notes == (["a fixed angle of 90 rad is many turns; 90° is 1.571"] if told else [])
 
 
 def test_no_arm_of_the_catalogue_makes_many_turns() -> None:

@@ -92,6 +92,7 @@ def test_arrows_point_along_the_lost_directions(name: str) -> None:
         assert now.seen.corank == family.corank
         assert now.lost.shape == (family.corank, 6)
         screws = jacobian(arm, now.q)[list(task.rows)]  # base axes at the tip, as the task's frame
+        assert [arrow.number for arrow in now.arrows] == list(range(family.corank))  # one for each freedom
         for arrow in now.arrows:
             direction = now.lost[arrow.number]
             assert np.abs(direction[list(task.rows)] @ screws).max() < 1e-8  # no joint rate makes it
@@ -99,7 +100,14 @@ def test_arrows_point_along_the_lost_directions(name: str) -> None:
             way = arrow.end - arrow.start
             assert np.abs(np.cross(way, part)).max() < 1e-9
             assert way @ part > 0
-            assert np.abs(arrow.start - pose(arm, now.q)[:3, 3]).max() < 1e-9
+            tip = pose(arm, now.q)[:3, 3]
+            assert np.abs(arrow.start - tip).max() < 1e-9
+            mixed = min(np.linalg.norm(direction[:3]), np.linalg.norm(direction[3:])) >= 0.02
+            assert bool(len(arrow.ring)) == mixed
+            round_about = arrow.ring[:-3].reshape(-1, 3) - tip  # without its head
+            assert np.abs(round_about @ direction[3:]).max(initial=0.0) < 1e-9  # square to the rotation
+            turns = np.cross(round_about[::2], round_about[1::2]) @ direction[3:]
+            assert (turns > 0).all()
 
 
 def test_arrows_turn_with_a_frame_that_moves() -> None:
@@ -112,7 +120,7 @@ def test_arrows_turn_with_a_frame_that_moves() -> None:
     assert np.allclose(axes, links[-1, :3, :3])
     found = arrows(np.array([[0, 0, 1.0, 0, 0, 0], [0, 0, 0, 1.0, 0, 0]]), links, task, 1.0)
     assert [arrow.turns for arrow in found] == [False, True]
-    assert np.allclose((found[0].end - found[0].start), 0.45 * axes[:, 2])
+    assert np.allclose(found[0].end - found[0].start, 0.45 * axes[:, 2])
     assert np.allclose(found[1].start, point)
     dashes = found[1].segments()
     assert dashes.shape == (7, 2, 3)

@@ -95,6 +95,18 @@ def _singles(robot: Robot, task: Task, row: Array) -> list[float]:
     return [float(_core.enclose(chain, view, row, None, told, threads=1)[1][0]) for view, told in _looks[key]]
 
 
+def check_budget(evaluations: int) -> None:
+    """Refuse what is no number of enclosures.
+
+    Raises:
+        OptionError: no whole number, or outside what is allowed.
+    """
+    if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
+        raise OptionError(
+            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
+        )
+
+
 def certified_radius(
     robot: Robot,
     q: ArrayLike,
@@ -137,10 +149,7 @@ def certified_radius(
     centre = one_configuration(robot, q)
     if not 0.0 < at_most <= LARGEST:
         raise OptionError("no such radius", where="at_most", got=at_most, allowed="in (0, π]")
-    if isinstance(evaluations, bool) or not isinstance(evaluations, int | np.integer) or not 0 <= evaluations <= _MOST:
-        raise OptionError(
-            "no such budget", where="evaluations", got=evaluations, allowed=f"a whole number, 0 … {_MOST}"
-        )
+    check_budget(evaluations)
     resolved = resolve_task(task, robot)
     settings = settings_of(robot, resolved)
     singles = _singles(robot, resolved, centre[None, :])

@@ -110,7 +110,8 @@ def displaced_columns(
     if tuple(rows) != setting.rows:
         raise OptionError("a tolerance of the model is for whole tasks: rows that are left out are zero for this arm, "
                           "not for those near it", where="model_tolerance", got=f"rows {rows}",
-                          allowed="pose, position, orientation")  # fmt: skip
+                          allowed="pose, position, orientation", mend="task='pose': all rows, the same joints",
+                          typed="--task pose: all rows, the same joints")  # fmt: skip
     points, count = points_of(robot), len(robot.joints)
     frame = robot.home if setting.link == count + 1 else np.eye(4) if not setting.link else (
         robot.joints[setting.link - 1].frame

@@ -21,7 +21,7 @@ from rankdrop.task import Task
 _TRIED = 200  # random configurations at which settings are compared
 _ROUNDING = 1e-12  # of a determinant, per product of the lengths of its columns: a thousand times what LU loses
 _SEAM = 1e-15  # centres and corners are rounded: boxes are tested this much wider
-_ROUNDS, _MOST = 6, 1 << 22  # of a closer look: rounds, boxes
+_ROUNDS, _MOST = 8, 1 << 22  # of a closer look: rounds, boxes
 _PART = 1 << 16  # boxes tested at one go
 
 

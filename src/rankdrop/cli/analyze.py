@@ -60,7 +60,7 @@ def analyze(
         limits: Look within the joint limits only; otherwise in the whole joint space.
         within: Tell the share of the joint space within this distance of each family, such as 5deg or 0.1 (rad); 5deg
             with --limits; 0 for none.
-        exact: Derive the conditions exactly as well, and compare: auto within 5 s, on within 60 s, off.
+        exact: Derive the conditions exactly as well, and compare: auto within 30 s, on within 120 s, off.
         fresh: Derive exact conditions anew where they are shipped (the catalogue's arms).
         starts: Random starts for each corank.
         seed: Of every random choice; the same seed gives the same result.

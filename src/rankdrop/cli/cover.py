@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def cover(
-    robot: str,
+    robot: str | None = None,
     /,
     *,
     width: str = "0.05",
@@ -27,6 +27,7 @@ def cover(
     threads: Whole = 0,
     scheduler: str | None = None,
     out: str | None = None,
+    status: str | None = None,
     certificate: str | None = None,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -44,6 +45,7 @@ def cover(
         rankdrop cover my_arm.urdf --out my_arm.cover --json my_arm.json
         rankdrop cover iiwa7 --width 0.4
         rankdrop cover ur5 --corank 2
+        rankdrop cover --status my_arm.cover
 
     Exit code 0: complete, and all is explained; 3: some boxes are not, or the
     budget is spent; 130: interrupted, with --out the same command goes on; 2: bad
@@ -61,6 +63,7 @@ def cover(
         threads: Processors to use; 0 means all. The result does not depend on it.
         scheduler: Address of a Dask scheduler, whose workers make the parts (tcp://HOST:8786).
         out: Keep the boxes in this file; finished parts are in the folder FILE.parts meanwhile.
+        status: Only say how far the covering of this file is.
         certificate: Write a certificate to this file, for `rankdrop verify`; it refers to the file of --out, which must
             be in the same folder.
         json: Write the result to this file as well; - writes it to stdout in place of the text.
@@ -68,11 +71,18 @@ def cover(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.files import check_targets, hand_over, write_json
+    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
     from rankdrop.cli.terminal import reporter
+    from rankdrop.errors import OptionError
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
+    from rankdrop.verbs import how_far
 
+    if status is not None:
+        write_text(f"{how_far(status)}\n", STDOUT)
+        return exits.FINE
+    if robot is None:
+        raise OptionError("no arm is named", where="ROBOT", allowed="a name, a file, or --status FILE")
     check_targets({"--json": json, "--out": out, "--certificate": certificate})
     _check_certificate(certificate, out)
     _check_out(out)

@@ -40,7 +40,7 @@ class MendOptions:
 NO_MENDING = MendOptions()
 
 
-def check_options(options: MendOptions, count: int) -> dict[str, float | None]:
+def check_options(options: MendOptions, several: bool) -> dict[str, float | None]:
     """The bounds as numbers, before any work.
 
     Raises:
@@ -49,9 +49,8 @@ def check_options(options: MendOptions, count: int) -> dict[str, float | None]:
     from rankdrop.errors import OptionError, RobotError
     from rankdrop.robot import quantity
 
-    if options.asked and count > 1:
-        raise OptionError("remedies are those of one path", where="--remedies", got=f"{count} files",
-                          mend="name one file")  # fmt: skip
+    if options.asked and several:
+        raise OptionError("remedies are those of one path", where="--remedies", mend="name one file, without --out")
     bounds: dict[str, float | None] = {}
     for name, text, measure in (("tool_tilt", options.tool_tilt, "angle"), ("base_shift", options.base_shift, "length"),
                                 ("blend", options.blend, "length"),

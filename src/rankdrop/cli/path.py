@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -14,12 +14,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rankdrop.certify import ModelTolerance
-    from rankdrop.cli.terminal import Report
-    from rankdrop.motion import Judged, Mending, PathCheck, Trajectory
+    from rankdrop.motion import Mending, PathCheck
     from rankdrop.results import Analysis
     from rankdrop.robot import Robot
     from rankdrop.sections import Section
-    from rankdrop.task import Task
 
 _OF_ONE = {
     "--figure": "a figure is", "--html": "a page is", "--rows": "rows are", "--certificate": "a certificate is",
@@ -28,7 +26,7 @@ _OF_ONE = {
 
 
 def path(
-    robot: str,
+    robot: str | None = None,
     /,
     *files: str,
     deg: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
@@ -50,6 +48,10 @@ def path(
     rows: str | None = None,
     certificate: str | None = None,
     model_tolerance: str | None = None,
+    out: str | None = None,
+    workers: Whole = 0,
+    scheduler: str | None = None,
+    status: str | None = None,
     quiet: Annotated[bool, Parameter(negative=(), show_default=False)] = False,
 ) -> int:
     """Judge a path at every one of its points: free, crossing a singularity, touching one, or undecided.
@@ -61,14 +63,16 @@ def path(
     For example:
         rankdrop path ur5e pick.csv --deg
         rankdrop path panda plan.yaml --interpolate cubic --min-distance 5deg
-        rankdrop path ur5e programs/ --json paths.json
+        rankdrop path ur5e programs/ --json paths.json --out judged
+        rankdrop path --status judged
         rankdrop path puma560 weld.npz --figure weld.svg
         rankdrop path ur5e pick.csv --tool-tilt 10deg --fixed mended.csv
         rankdrop path ur10e recorded.mcap --topic /joint_states
         rankdrop path ur5e poses.csv --start "0,-90deg,90deg,0,90deg,0"
 
     Exit code 0: proven free, and --min-distance proven to be kept; 3: crossing,
-    touching, too near, or undecided, whatever remedies there are; 2: bad input.
+    touching, too near, or undecided, whatever remedies there are; 130:
+    interrupted, with --out the same command goes on; 2: bad input.
 
     Args:
         robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml).
@@ -96,25 +100,37 @@ def path(
         rows: Write a table, one line for each row: .parquet, .json or .csv. Units are in the names of the columns.
         certificate: Write what is proven to this file, for `rankdrop verify`: the path, its free spans and crossings.
         model_tolerance: Prove the path free for every arm so near to this one, joint by joint: 0.3mm,1mrad.
+        out: Of several files: folder in which what is finished is kept, with a journal: after an interruption, of any
+            kind, the same command goes on.
+        workers: Of several files: local processes; 0: one for every processor. The result does not depend on it.
+        scheduler: Of several files: address of a Dask scheduler, whose workers see the files under the same names
+            (tcp://HOST:8786).
+        status: Only say how far the paths kept in this folder are.
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
     from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
+    from rankdrop.cli.terminal import reporter, say
+    from rankdrop.jobs import progress_of
     from rankdrop.motion import (
         FORMATS,
         FREE,
         WRITTEN,
+        HowJudged,
+        check_file,
+        check_files,
         check_format,
-        judged,
         path_certificate,
         paths_to_dict,
         proven_for_near_arms,
     )
     from rankdrop.results import Analysis
 
+    if status is not None:
+        write_text(f"{progress_of(status).sentence}\n", STDOUT)
+        return exits.FINE
     check_targets(
         {"--json": json, "--figure": figure, "--html": html, "--rows": rows, "--fixed": mend.fixed,
          "--certificate": certificate},
@@ -123,22 +139,23 @@ def path(
     near = tolerance_of(model_tolerance)
     if rows is not None:
         check_format(rows)
-    found = _files(files)
-    bounds = check_options(mend, len(found))
-    model, task = open_arm(robot, arm, tcp, deg=deg)
-    least = _distance(min_distance, len(found), {
+    name, found = _files(robot, files)
+    several = len(found) > 1 or out is not None or scheduler is not None
+    bounds = check_options(mend, several)
+    model, task = open_arm(name, arm, tcp, deg=deg)
+    least = _distance(min_distance, several, {
         "--figure": figure, "--html": html, "--rows": rows, "--certificate": certificate,
         "--model-tolerance": model_tolerance,
     })  # fmt: skip
     families = None if analysis is None else Analysis.load(analysis)
+    how = HowJudged(deg, interpolate, least, limits, evaluations, topic, _start(start, model, deg=deg), frame)
 
-    def one(file: Path, report: Report) -> PathCheck:
-        return _check(file, model, task, families, interpolate, least, limits, evaluations, deg, topic, start, frame,
-                      report)  # fmt: skip
-
-    if len(found) == 1:
+    if not several:
         with reporter(quiet=quiet) as report:
-            result = one(found[0], report)
+            result = check_file(
+                model, found[0], task=task, analysis=families, how=how, say=say,
+                progress=lambda done, total: report(f"{found[0].name}: stretches decided", done, total),
+            )  # fmt: skip
             remedies = mended(result, bounds, families, report) if mend.asked and result.complete else None
         kept = None if near is None else bool(result.complete and result.verdict == FREE) and proven_for_near_arms(
             result, near
@@ -156,13 +173,16 @@ def path(
         )
         return _code(result, remedies) or (exits.UNEXPLAINED if kept is False else exits.FINE)
     with reporter(quiet=quiet) as report:
-        many = judged(found, lambda file: one(file, report))
+        many = check_files(model, found, task=task, analysis=families, how=how, out=out, workers=workers,
+                           scheduler=scheduler, report=report)  # fmt: skip
+    for line in (line for one in many for line in one["said"]):
+        say(line)
     hand_over(lambda: _print_many(many), (json, lambda target: write_json(paths_to_dict(model, many), target)))
-    return _worst(many, len(found))
+    return _worst(many, len(found), out)
 
 
-def _files(names: tuple[str, ...]) -> list[Path]:
-    """The files named, folders as the trajectory files in them, sorted.
+def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
+    """The arm, and the files named, folders as the trajectory files in them, sorted.
 
     Raises:
         OptionError: none is named, or a folder holds none.
@@ -172,9 +192,9 @@ def _files(names: tuple[str, ...]) -> list[Path]:
     from rankdrop.errors import OptionError
     from rankdrop.motion import ENDINGS, is_bag, trajectories_in
 
-    if not names:
-        raise OptionError("no file is named", where="FILE", allowed="trajectory files, or folders of them",
-                          mend="rankdrop path ROBOT FILE")  # fmt: skip
+    if robot is None or not names:
+        raise OptionError("no file is named", where="FILE", mend="rankdrop path ROBOT FILE",
+                          allowed="trajectory files, or folders of them; or --status FOLDER")  # fmt: skip
     found: list[Path] = []
     for name in names:
         if not Path(name).is_dir() or is_bag(Path(name)):
@@ -184,17 +204,22 @@ def _files(names: tuple[str, ...]) -> list[Path]:
         if not inside:
             raise OptionError("there is no trajectory in the folder", where=name, allowed=", ".join(ENDINGS))
         found += inside
-    return found
+    return robot, found
 
 
-def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
+def _start(text: str | None, robot: Robot, *, deg: bool) -> tuple[float, ...] | None:
+    from rankdrop.cli.configuration import parse_configuration
+
+    return None if text is None else tuple(parse_configuration(text, robot, deg=deg, option="--start"))
+
+
+def _distance(text: str, several: bool, of_one: dict[str, str | None]) -> float:
     from rankdrop.errors import OptionError, RobotError
     from rankdrop.robot import quantity
 
     for option, target in of_one.items():
-        if target is not None and count > 1:
-            what = f"{_OF_ONE[option]} of one path"
-            raise OptionError(what, where=option, got=f"{count} files", mend="name one file")
+        if target is not None and several:
+            raise OptionError(f"{_OF_ONE[option]} of one path", where=option, mend="name one file, without --out")
     try:
         value = quantity(text, "angle", where="--min-distance")
     except RobotError as error:
@@ -202,73 +227,6 @@ def _distance(text: str, count: int, of_one: dict[str, str | None]) -> float:
     if value < 0.0:
         raise OptionError("the distance is below zero", where="--min-distance", got=text, allowed="0 or more")
     return value
-
-
-def _check(
-    file: Path, robot: Robot, task: Task, analysis: Analysis | None, interpolate: str, min_distance: float,
-    limits: bool, evaluations: int, deg: bool, topic: str | None, start: str | None,
-    frame: str, report: Report,
-) -> PathCheck:  # fmt: skip
-    from rankdrop.errors import OptionError
-    from rankdrop.motion import check_path, holds_poses, read_trajectory
-
-    if topic is None and holds_poses(file, robot):
-        return _check_poses(file, robot, task, analysis, min_distance, limits, evaluations, deg, start, frame, report)
-    if start is not None:
-        raise OptionError("a start is for poses of the tip, these are joint values", where="--start", got=start)
-    read = read_trajectory(file, robot, deg=deg, topic=topic)
-    _warn(read, robot, deg=deg)
-    return check_path(
-        robot, read.q, read.times if read.timed else None, velocities=read.velocities,
-        accelerations=read.accelerations, interpolate=interpolate, task=task, min_distance=min_distance, limits=limits,
-        analysis=analysis, evaluations=evaluations, frame=frame,
-        progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
-    )  # fmt: skip
-
-
-def _check_poses(
-    file: Path, robot: Robot, task: Task, analysis: Analysis | None, min_distance: float, limits: bool,
-    evaluations: int, deg: bool, start: str | None, frame: str, report: Report,
-) -> PathCheck:  # fmt: skip
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.terminal import say
-    from rankdrop.errors import ConfigurationError, TaskError
-    from rankdrop.motion import check_poses, length_hint, read_poses
-    from rankdrop.reach import reach
-
-    read = read_poses(file, deg=deg)
-    if not read.turned and max(task.rows) >= 3:
-        raise TaskError("the file has positions alone, and the task wants orientations", where=str(file), got=task.name,
-                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
-    hint = length_hint(read, reach(robot))
-    if hint is not None:
-        say(f"warning: {read.name}: {hint}")
-    if read.unused:
-        say(f"{read.name}: not used: {', '.join(read.unused)}")
-    first = None if start is None else parse_configuration(start, robot, deg=deg, option="--start")
-    try:
-        return check_poses(
-            robot, read.matrices, read.times, start=first, task=task, min_distance=min_distance, limits=limits,
-            analysis=analysis, evaluations=evaluations, frame=frame,
-            progress=lambda done, total: report(f"{read.name}: stretches decided", done, total),
-        )  # fmt: skip
-    except ConfigurationError as error:
-        raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
-                                 mend=error.mend, typed=error.typed) from error  # fmt: skip
-
-
-def _warn(read: Trajectory, robot: Robot, *, deg: bool) -> None:
-    """A line for angles in what looks like the other unit, and for columns that are not used."""
-    from rankdrop.cli.terminal import say
-    from rankdrop.motion import unit_hint
-
-    hint = unit_hint(read.q, robot, deg=deg)
-    if hint is not None:
-        say(f"warning: {read.name}: {hint}{'' if deg else '; --deg reads them as degrees'}")
-    for note in read.notes:
-        say(f"{read.name}: {note}")
-    if read.unused:
-        say(f"{read.name}: not used: {', '.join(read.unused)}")
 
 
 def _print(
@@ -292,7 +250,7 @@ def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:
     return result.to_dict() | ({} if remedies is None else {"remedies": remedies.to_dict()})
 
 
-def _print_many(many: list[Judged]) -> None:
+def _print_many(many: list[dict[str, Any]]) -> None:
     from rankdrop.cli.sections import print_sections
     from rankdrop.motion import many_section
 
@@ -332,12 +290,14 @@ def _code(result: PathCheck, remedies: Mending | None) -> int:
     return exits.FINE if result.holds else exits.UNEXPLAINED
 
 
-def _worst(many: list[Judged], asked: int) -> int:
+def _worst(many: list[dict[str, Any]], asked: int, out: str | None) -> int:
     from rankdrop.cli.terminal import say
 
-    if len(many) < asked or any(one.result is not None and not one.result.complete for one in many):
-        say(f"interrupted: {len(many)} of {asked} files were judged")
+    if len(many) < asked:
+        kept = f"; what is done is kept in {out}: the same command goes on there" if out else "; --out keeps it"
+        say(f"interrupted: {len(many)} of {asked} files were judged{kept}")
         return exits.INTERRUPTED
-    if any(one.result is None for one in many):
+    verdicts = {one["verdict"] for one in many}
+    if "bad input" in verdicts:
         return exits.BAD_INPUT
-    return exits.FINE if all(one.result is not None and one.result.holds for one in many) else exits.UNEXPLAINED
+    return exits.FINE if verdicts == {"free"} else exits.UNEXPLAINED

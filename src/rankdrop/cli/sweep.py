@@ -61,11 +61,13 @@ def sweep(
         quiet: No progress.
     """
     from rankdrop import sweep as run
-    from rankdrop.cli.files import check_targets, hand_over, write_json
+    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
     from rankdrop.cli.terminal import reporter
+    from rankdrop.jobs import progress_of
 
     if status is not None:
-        return _status(status)
+        write_text(f"{progress_of(status).sentence}\n", STDOUT)
+        return exits.FINE
     check_targets(
         {"--json": json, "--figure": figure, "--html": html},
         {"--figure": (".svg", ".png", ".pdf"), "--html": (".html", ".htm")},
@@ -101,14 +103,6 @@ def _check(spec: str | None, out: str | None, parquet: bool) -> str:
     if parquet:
         check_tables()
     return spec
-
-
-def _status(folder: str) -> int:
-    from rankdrop.cli.files import write_text
-    from rankdrop.jobs import progress_of
-
-    write_text(f"{progress_of(folder).sentence}\n", "-")
-    return exits.FINE
 
 
 def _interrupted(out: str | None) -> int:

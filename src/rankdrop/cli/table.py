@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rankdrop.cli.terminal import BAD
-from rankdrop.robot import degrees_text
+from rankdrop.robot import witness_text
 from rankdrop.text import (
     MET,
     TESTED,
@@ -152,7 +152,7 @@ def _footnotes(
         if lost:
             notes += [("lost", text) for text in row.lost_words]
         if any("witness" in text for _, text in notes) or at_witness(row):
-            notes.append(("at", f"witness q = {degrees_text(row.witness, robot.units)}"))
+            notes.append(("at", f"witness {witness_text(robot, row.witness)}"))
         for place, (label, text) in enumerate(notes):
             grid.add_row(str(index) if place == 0 else "", label, text)
     if grid.row_count:

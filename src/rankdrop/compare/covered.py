@@ -277,8 +277,8 @@ class _Sight:
         """The same, the pinned joints at one value each; once for all leaves that differ in other joints only."""
         maker = self.maker
         columns = sorted({*self.bound, *self.pins})
-        keys = np.ravel_multi_index(tuple(cells[:, columns].T), tuple(maker.cells[at] for at in columns))
-        _, first, back = np.unique(keys, return_index=True, return_inverse=True)
+        told = keys(cells[:, columns], [maker.cells[at] for at in columns])
+        _, first, back = np.unique(told, axis=0, return_index=True, return_inverse=True)
         some, radius = cells[first], np.sqrt(room[first])
         q = np.zeros((len(some), maker.n))
         q[:, maker.place] = maker.low + (some + 0.5) * maker.width
@@ -326,3 +326,15 @@ class _Sight:
             there &= (away <= radius[open_]) & (np.abs(whole.values(end)).max(axis=1) <= SOLVED)
             near[open_] = there
         return near
+
+
+def keys(cells: Cells, counts: Sequence[int]) -> NDArray[np.int64]:
+    """(M, 1 or 2) numbers that tell cells (M, d) apart, of so many along each variable; two where one has too few bits.
+
+    Example:
+        >>> keys(np.array([[1, 2], [3, 0]]), [4, 4]).tolist()
+        [[6], [12]]
+    """
+    count = len(counts) if sum(one.bit_length() for one in counts) < 63 else len(counts) // 2
+    parts = [(cells[:, some], counts[some]) for some in (slice(count), slice(count, None)) if len(counts[some])]
+    return np.stack([np.ravel_multi_index(tuple(part.T), tuple(sizes)) for part, sizes in parts], axis=1)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rankdrop.designs.chunk import task_to_dict
-from rankdrop.designs.outcome import MEANINGS, UNITS, measure_text
+from rankdrop.designs.outcome import APART, MEANINGS, UNITS, measure_text
 from rankdrop.designs.spec import GOALS, Asks
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
@@ -24,7 +24,6 @@ from rankdrop.version import VERSION
 
 SCHEMA = "rankdrop/side-by-side/1"
 FEWEST, MOST = 2, 10
-_APART = 2.0  # standard errors by which shares of samples have to differ
 _BEST = {
     "near": "smallest share of the joint space near singularities",
     "sigma": "largest σ over the region",
@@ -83,7 +82,7 @@ class SideBySide:
         if not values:
             return ()
         first = min(values, key=values.__getitem__)
-        slack = {i: _APART * hypot(self._error(measure, i), self._error(measure, first)) for i in values}
+        slack = {i: APART * hypot(self._error(measure, i), self._error(measure, first)) for i in values}
         return tuple(i for i, value in values.items() if value - values[first] <= slack[i])
 
     def _error(self, measure: str, i: int) -> float:
@@ -157,7 +156,7 @@ class SideBySide:
                     if one["measures"].get(measure) is not None), default=0.0)  # fmt: skip
         larger = any(one.get("near", {}).get("any", {}).get("bound") for one in self.records)
         more = ", and may be larger where joints are coupled" if larger else ""
-        return f", by samples: ± {_APART * 100 * most:.2g} %{more}" if most else ""
+        return f", by samples: ± {APART * 100 * most:.2g} %{more}" if most else ""
 
     def _told(self, measure: str) -> tuple[int, ...]:
         best = self.best(measure)

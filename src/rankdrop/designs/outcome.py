@@ -23,6 +23,7 @@ SCHEMA = "rankdrop/sweep/1"
 SHOWN = 20
 """Variants of the Pareto list, and structures and kinds of change, that are told."""
 _BETWEEN = "a change lies somewhere between two variants that were searched; one that comes and goes is not seen"
+APART = 2.0  # standard errors by which shares of samples have to differ
 _ALMOST_ALL = "for almost all lengths; where two lengths are equal or one is zero more may hold"
 UNITS = {"families": "", "near": "share", "sigma": "1", "reached": "share", "path_sigma": "1", "path_distance": "rad",
          "paths_free": "share", "free": "share"}  # fmt: skip
@@ -217,9 +218,15 @@ class Designs:
         title = "Variants" if every or not self.pareto else "Variants that no other one beats"
         summary = f"{len(chosen):,} of {len(self.records):,}" + (f"; better: {wants}" if wants else "")
         after = (f"and {len(chosen) - most:,} more, with --all or in the JSON",) if len(chosen) > most else ()
-        notes = tuple(f"{name}: {MEANINGS[name]}" for name in names)
+        notes = tuple(f"{name}: {MEANINGS[name]}{self._doubt_of(name)}" for name in names)
         yield Section(title, summary, columns=("variant", *(one.name for one in self.parameters), *names), rows=rows,
                       texts=(), after=after, notes=notes)  # fmt: skip
+
+    def _doubt_of(self, measure: str) -> str:
+        """How far a share may be off, by its samples."""
+        errors = [float(one["near"]["any"]["error"]) for one in self.records if one.get("near")]
+        told = measure == "near" and max(errors, default=0.0) > 0.0
+        return f", by samples: ± {APART * 100 * max(errors):.2g} %" if told else ""
 
     def _rank(self, number: int) -> tuple[bool, float]:
         """By the first goal, best first; variants without it last."""

@@ -51,9 +51,7 @@ class Coupled:
         self.ways = [len(family.equations)]
         if 0 < robot.n - family.dimension < len(family.equations):
             self.ways.append(robot.n - family.dimension)
-        self.moves = np.zeros(robot.n, dtype=np.bool_)
-        for equation in family.equations:
-            self.moves[[number - 1 for number in equation.joints]] = True
+        self.moves = family.system.moves
         self.scale = problem.scale
         self.target = centre
         self.rng = np.random.default_rng(seed)
@@ -63,7 +61,7 @@ class Coupled:
         starts = self._starts(np.resize(_RADII, STARTS))
         first = np.concatenate([self._walk(starts, leading) for leading in self.ways])
         solved = np.abs(self.family.system.values(first)).max(axis=1) <= REACHED
-        distance = np.linalg.norm((first - self.target) / self.scale, axis=1)[solved]
+        distance = _lengths((first - self.target) / self.scale)[solved]
         if not len(distance) or distance.min() == 0:
             return first
         starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
@@ -72,7 +70,7 @@ class Coupled:
     def _starts(self, radii: Array) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
         x = self.rng.standard_normal((len(radii), self.robot.n)) * self.moves
-        x *= (radii * self.rng.random(len(radii)) ** (1 / self.moves.sum()) / np.linalg.norm(x, axis=1))[:, None]
+        x *= (radii * self.rng.random(len(radii)) ** (1 / self.moves.sum()) / _lengths(x))[:, None]
         x[0] = 0
         q = self.centre + x * self.scale
         for joint in self.family.pinned:
@@ -82,7 +80,7 @@ class Coupled:
             if len(options):
                 options = options[np.abs(options - self.centre[j]).argsort()][: len(joint.values)]
                 q[:, j] = options[self.rng.integers(len(options), size=len(q))]
-        return np.clip(q, self.box[0], self.box[1])
+        return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]))
 
     def _walk(self, q: Array, leading: int) -> Array:
         """Newton steps of all starts on the first equations until they stand still, then straight onto the family."""
@@ -98,12 +96,18 @@ class Coupled:
 
 def nearest_turns(values: Array, at: float, periodic: bool, bounds: Array) -> Array:
     """Values moved by whole turns to where they are nearest to `at` and inside the bounds."""
+    every = values.tolist()
     if periodic:
-        turns = np.round((at - values) / (2 * np.pi)) + np.arange(-2, 3)[:, None]
-        values = (values + 2 * np.pi * turns).ravel()
+        turn = 2 * np.pi
+        every = [value + turn * (round((at - value) / turn) + more) for more in range(-2, 3) for value in every]
     rounding = 1e-9  # a limit of 3.14159265359 is meant to allow π
-    inside = (values >= bounds[0] - rounding) & (values <= bounds[1] + rounding)
-    return np.asarray(values[inside])
+    low, high = float(bounds[0]) - rounding, float(bounds[1]) + rounding
+    return np.array([value for value in every if low <= value <= high])
+
+
+def _lengths(vectors: Array) -> Array:
+    """(N,) norms of vectors (N, n)."""
+    return np.asarray(np.sqrt(np.add.reduce(vectors * vectors, axis=1)))
 
 
 AGREE = 1e-6  # distances that differ by less are the same: σ that vanishes to second order leaves half the digits [rad]
@@ -188,16 +192,30 @@ def family_distances(
         return tuple(_out_of_metres(one, given[id(one.family)], robot) for one in made)
     problem = Problem(robot, task, tolerances=tolerances, limits=limits)
     box = np.stack([robot.lower, robot.upper]) if limits else np.array([[-np.inf], [np.inf]]) * np.ones(robot.n)
-    records = []
-    for family in families:
-        exact = family.named and bool(family.pinned) and not family.coupled
-        points = np.empty((0, robot.n))
-        if exact:
-            points = _pinned_point(family.pinned, robot, centre, box)
-        elif family.named and family.equations:
-            points = Coupled(family, problem, centre, box, seed).points()
-        records.append(_record(problem.at(family.corank), family, points, centre, exact=exact))
+    points = [_points(family, problem, centre, box, seed) for family in families]
+    every = np.concatenate([np.empty((0, robot.n)), *points])
+    sigma, distance = problem.sigma(every), problem.length(every - centre)
+    records, end = [], 0
+    for family, mine in zip(families, points, strict=True):
+        end += len(mine)
+        part = slice(end - len(mine), end)
+        rank = problem.generic_rank - family.corank
+        singular = sigma[part, rank] if len(mine) else np.zeros(0)
+        records.append(_record(family, mine, centre, singular, distance[part], tolerances))
     return tuple(sorted(records, key=lambda record: record.distance))
+
+
+def _in_closed_form(family: Family) -> bool:
+    return family.named and bool(family.pinned) and not family.coupled
+
+
+def _points(family: Family, problem: Problem, centre: Array, box: Array, seed: int) -> Array:
+    """(N, n) points of a family, or nearly so, of which the nearest is taken; none where it has no equations."""
+    if _in_closed_form(family):
+        return _pinned_point(family.pinned, problem.robot, centre, box)
+    if family.named and family.equations:
+        return Coupled(family, problem, centre, box, seed).points()
+    return np.empty((0, problem.n))
 
 
 def _out_of_metres(distance: FamilyDistance, family: Family, robot: Robot) -> FamilyDistance:
@@ -240,15 +258,16 @@ def _more(unnamed: int) -> str:
     return f" ({unnamed} families have no conditions and were not asked)"
 
 
-def _record(problem: Problem, family: Family, points: Array, centre: Array, *, exact: bool) -> FamilyDistance:
-    """The nearest of the points that solve the equations and are singular."""
+def _record(
+    family: Family, points: Array, centre: Array, sigma: Array, distance: Array, tolerances: Tolerances
+) -> FamilyDistance:
+    """The nearest of the points (N, n) that solve the equations and are singular; sigma and distance of each (N,)."""
+    exact = _in_closed_form(family)
     nothing = FamilyDistance(family, np.inf, (), (), np.inf, np.inf, exact)
     if not len(points):
         return nothing
     residual = np.abs(family.system.values(points)).max(axis=1)
-    sigma = problem.sigma(points)[:, problem.rank]
-    distance = problem.length(points - centre)
-    good = (residual <= REACHED) & (sigma <= problem.tolerances.singular)
+    good = (residual <= REACHED) & (sigma <= tolerances.singular)
     if not good.any():
         return nothing
     best = int(np.where(good, distance, np.inf).argmin())

@@ -43,8 +43,9 @@ _ITERATIONS = 10
 _LONGEST = 0.7  # step [rad]
 _STILL = 1e-6  # steps shorter than this change the distance by their square [rad]
 _LANDING = 3  # Newton steps onto the family at the end
+_DOUBLE = 40  # … where it has double zeros: each halves the rest
 _BATCH = 512  # configurations walked together
-_LOST = 1e-7  # σ at a foot: equations hold there to 1e-9 [1]
+_LOST = 1e-6  # σ at a foot: equations hold there to 1e-9, where a family has a fold the place to 3e-7 [1]
 _TIE = 1e-9  # families at the same distance, to rounding [rad]
 _CLEARLY = 0.99  # a share of the distance from a family
 _LONG = 100  # terms of a family's equations beyond which walking on the singular set itself is quicker
@@ -397,7 +398,7 @@ class _Walk:
         return np.asarray((values >= self.box[0, at]) & (values <= self.box[1, at]))
 
     def _walked(self, q: Array, targets: Array) -> Array:
-        """Tangent planes, then straight onto the family."""
+        """Tangent planes, then straight onto the family, where it has double zeros in more steps."""
 
         def to_tangent_plane(q: Array, active: Index) -> Array:
             f, a = self.led.linear(q)
@@ -405,4 +406,10 @@ class _Walk:
 
         near = iterate(to_tangent_plane, q, iterations=_ITERATIONS, longest=_LONGEST, still=_STILL, scale=self.scale,
                        box=self.box)  # fmt: skip
-        return newton(self.led.residuals, near, scale=self.scale, iterations=_LANDING, step=np.inf, box=self.box)
+        ends = newton(self.led.residuals, near, scale=self.scale, iterations=_LANDING, step=np.inf, box=self.box)
+        off = np.abs(self.system.values(ends)).max(axis=1) > REACHED
+        if off.any():  # other zeros of the equations that led: on by all of them
+            ends[off] = newton(
+                self.system.residuals, ends[off], scale=self.scale, iterations=_DOUBLE, step=np.inf, box=self.box
+            )
+        return ends

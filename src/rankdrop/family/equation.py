@@ -147,6 +147,10 @@ class Equation:
 
     def text(self) -> str:
         """f as a Python expression in q1 … qn, sin, cos and pi; exact to the last digit, for numbers and arrays."""
+        return self._text
+
+    @cached_property
+    def _text(self) -> str:
         text = ""
         for i, term in enumerate(self.terms):
             sign = "-" if term.coefficient < 0 else "+"
@@ -172,6 +176,10 @@ class Equation:
         return first + "".join(f" {sign} {body}" for sign, body in parts[1:])
 
     def __str__(self) -> str:
+        return self._pretty
+
+    @cached_property
+    def _pretty(self) -> str:
         return self.pretty()
 
     def to_dict(self) -> dict[str, Any]:

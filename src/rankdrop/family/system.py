@@ -42,6 +42,14 @@ class System:
         """The equations as the core takes them; there is at least one."""
         return compiled(self.equations)
 
+    @cached_property
+    def moves(self) -> Mask:
+        """(n,) joints that occur; there is at least one equation."""
+        occurs = [(np.abs(m) + p).sum(axis=0) > 0 for m, _, _, _, p in (one.tables for one in self.equations)]
+        found = np.asarray(np.logical_or.reduce(occurs))
+        found.flags.writeable = False
+        return found
+
     def values(self, q: Array) -> Array:
         """(N, e) values at q (N, n)."""
         return _core.equations(self.compiled, np.ascontiguousarray(q, dtype=np.float64), slopes=False)

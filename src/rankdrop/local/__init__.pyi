@@ -43,8 +43,10 @@ from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy
 from .relations import relations_at as relations_at
 from .representation import representation_at as representation_at
+from .screws import arrow_of as arrow_of
 from .screws import constraint as constraint
 from .screws import in_short as in_short
+from .screws import ring_about as ring_about
 from .screws import words as words
 from .second_order import proof_of as proof_of
 from .systems import systems_at as systems_at

@@ -172,7 +172,11 @@ def joint_scale(robot: Robot, task: Task) -> Array:
     Norms of joint motions and distances in joint space are taken of Δ divided by it.
     """
     length = task.scale(robot)
-    return np.array([length if joint.kind is JointKind.PRISMATIC else 1.0 for joint in robot.variables])
+    scales = handles_of(robot).scales
+    if length not in scales:
+        scales[length] = np.array([length if one.kind is JointKind.PRISMATIC else 1.0 for one in robot.variables])
+        scales[length].flags.writeable = False
+    return scales[length]
 
 
 def row_scale(robot: Robot, task: Task) -> Array:
@@ -197,11 +201,11 @@ def generic_rank(robot: Robot, task: Task) -> int:
 
     Below min(m, n) the arm is singular at every configuration for this task. Found once for each robot and task.
     """
-    if not isinstance(robot, UnitRobot):
-        return generic_rank(in_units(robot), task_in_units(task, robot))
     ranks = handles_of(robot).ranks
     key = (task.frame, task.rows, task.scale(robot))
-    if key not in ranks:
+    if key not in ranks and not isinstance(robot, UnitRobot):
+        ranks[key] = generic_rank(in_units(robot), task_in_units(task, robot))
+    elif key not in ranks:
         sigma = singular_values(robot, structural_sample(robot, task, 64), task)
         noise = 1e3 * np.finfo(float).eps * sigma[:, :1]
         ranks[key] = int((sigma > noise).sum(axis=1).max())

@@ -26,8 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
-from rankdrop.local.block import decompose, singular_values
 from rankdrop.local.bracket import unit
 from rankdrop.local.place import Place, judge_steps, room
 from rankdrop.local.taylor import taylor
@@ -190,7 +188,7 @@ _RANDOM = 24  # random starts of it
 def measured_gains(place: Place, directions: Array) -> Array:
     """(d,) rank after a finite motion along each direction (d, n), minus the rank before: the largest of several."""
     motions = judge_steps(place, directions)[..., None] * directions  # (4, d, n)
-    sigma = singular_values(place.robot, place.q + motions * place.scale, place.task)
+    sigma = place.singular_values(place.q + motions * place.scale)
     ranks = np.minimum((sigma > place.floor).sum(axis=-1), place.generic)
     return np.asarray(ranks.max(axis=0) - place.rank)
 
@@ -212,7 +210,7 @@ def single_motions(place: Place, step: float) -> tuple[Array, Array]:
 def fitted(place: Place, motions: Array) -> Array:
     """Motions (..., n) in scaled coordinates, cut off at the limits."""
     down, up = room(place)
-    return np.asarray(np.clip(motions, -down, up))
+    return np.minimum(np.maximum(motions, -down), up)
 
 
 def best_pair(place: Place, step: float) -> Array:
@@ -271,7 +269,7 @@ def best_motion(place: Place, step: float, seed: int, tried: Array) -> Array:
 
 def scores(place: Place, motions: Array) -> Array:
     """(..., 2) what motions (..., n) reach: rank, and the singular value that holds it."""
-    sigma = singular_values(place.robot, place.q + motions * place.scale, place.task)[..., : place.generic]
+    sigma = place.singular_values(place.q + motions * place.scale)[..., : place.generic]
     out = np.empty((*sigma.shape[:-1], 2))
     if (sigma[..., -1] > place.floor).all():  # most often
         out[..., 0], out[..., 1] = place.generic, sigma[..., -1]
@@ -328,13 +326,13 @@ def _gradient(place: Place, motions: Array) -> Array:
     and this does not.
     """
     rows = np.ascontiguousarray(place.q + motions * place.scale)
-    parts = decompose(place.robot, rows, place.task)
-    derivative = _core.derivative(chain_of(place.robot), task_view(place.robot, place.task), rows)
+    u, sigma, v = _core.decompose(place.chain, place.view, rows)
+    derivative = _core.derivative(place.chain, place.view, rows)
     derivative = derivative.reshape(len(rows), place.task.m, place.robot.n, place.robot.n)
     lost = slice(min(place.rank, place.generic - 1), place.generic)
-    sigma = np.maximum(parts.sigma[:, lost], 1e-12)
+    sigma = np.maximum(sigma[:, lost], 1e-12)
     weights = (sigma[:, -1:] / sigma) ** _SOFT
-    left, right = parts.u[..., lost].swapaxes(1, 2), parts.v[..., lost].swapaxes(1, 2)  # (c, k, m), (c, k, n)
+    left, right = u[..., lost].swapaxes(1, 2), v[..., lost].swapaxes(1, 2)  # (c, k, m), (c, k, n)
     turned = (left @ derivative.reshape(len(rows), place.task.m, -1)).reshape(*right.shape, place.robot.n)
     slopes = (right[:, :, None] @ turned)[:, :, 0]  # (c, k, n)
     return np.asarray((weights[:, None] @ slopes)[:, 0] * place.scale)

@@ -93,7 +93,7 @@ class FramedDirections:
     Attributes:
         directions: (k, 6) as from `lost_directions`, in `frame`.
         frame: axes and reference point.
-        name: of the frame, to end a sentence with: "the base", "the end effector", "link 4", "link 4 at its origin".
+        name: of the frame, to end a sentence with: "the base", "the tool", "link 4", "link 4 at its origin".
     """
 
     directions: Array
@@ -142,8 +142,8 @@ def lost_in_sparsest_frame(
     """`lost_directions` in the frame in which they have the fewest non-zero entries.
 
     Tried in this order, a later one only if it is strictly sparser: the task's frame; base, end effector and each
-    link's axes (`Joint.frame`) at the task's point; each link's axes at its own origin. Change of frame is that of a
-    wrench.
+    link's axes (`Joint.frame`) at the task's point; base and end effector's axes at the origin of each link; each
+    link's axes at its own origin. Change of frame is that of a wrench.
 
     Args, Raises: as `lost_directions`; and
         without: a joint (from 0) that stands still: what the others cannot make; k counts from the whole arm's rank.
@@ -251,12 +251,12 @@ def seen_in_frames(wrenches: Array, links: Array, own: Frame, frames: Sequence[F
 
 def frame_name(frame: Frame, power: int = 0) -> str:
     """A frame in words, to end a sentence with; numbers of its point are told times 10 to a power."""
-    axes = {BASE: "the base", TIP: "the end effector"}.get(frame.axes, f"link {frame.axes}")
+    axes = {BASE: "the base", TIP: "the tool"}.get(frame.axes, f"link {frame.axes}")
     if frame.origin == TIP and not any(frame.point):
         return axes
     if frame.origin == frame.axes and not any(frame.point):
         return f"{axes} at its origin"
-    carrier = {BASE: "the base", TIP: "the end effector"}.get(frame.origin, f"link {frame.origin}")
+    carrier = {BASE: "the base", TIP: "the tool"}.get(frame.origin, f"link {frame.origin}")
     given = [shifted(x, power) for x in frame.point]
     where = "the origin" if not any(frame.point) else f"({', '.join(f'{x:g}' for x in given)}) m"
     return f"{axes} at {where} of {carrier}"
@@ -325,7 +325,8 @@ def _sparsest(directions: Array) -> int:
 @lru_cache(maxsize=64)
 def _candidates(own: Frame, joints: int) -> tuple[Frame, ...]:
     links = range(joints, 0, -1)  # from the tip down: a point near the tip says more
-    return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *(Frame(i, i) for i in links))
+    there = (Frame(axes, origin) for origin in links for axes in (BASE, TIP))
+    return (own, *(replace(own, axes=axes) for axes in (BASE, TIP, *links)), *there, *(Frame(i, i) for i in links))
 
 
 def _point(links: Array, frame: Frame, joints: int) -> Array:

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, one_configuration, task_view
+from rankdrop._handles import chain_of, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.local.notebook import nearest_html
 from rankdrop.problem import Problem, whole_turns
@@ -162,13 +163,23 @@ def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Walk:
     """One question, the configuration to stay near to, and the corners (2, n) of the box to stay in."""
 
     problem: Problem
     centre: Array
     box: Array | None
+
+    @cached_property
+    def chain(self) -> _core.Chain:
+        """The arm as the core takes it."""
+        return chain_of(self.problem.robot)
+
+    @cached_property
+    def view(self) -> _core.View:
+        """The task as the core takes it."""
+        return task_view(self.problem.robot, self.problem.task)
 
     def distance(self, q: Array) -> float:
         return float(self.problem.length(q - self.centre))
@@ -191,7 +202,7 @@ class _Walk:
         """Uniform in balls (N, 1 radii) around q, over the joints that matter."""
         moves = ~self.problem.idle
         x = rng.standard_normal((len(radii), self.problem.n)) * moves
-        length = np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-300)
+        length = np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)
         x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(moves.sum()))) / length
         return np.asarray(self.centre + x * self.problem.scale)
 
@@ -201,28 +212,38 @@ class _Walk:
         Returns:
             (C, n) where starts ended, (C,) their distances.
         """
-        problem = self.problem
-        rows, _ = configurations(problem.robot, starts)
         if self.box is not None:
-            rows = np.clip(rows, *self.box)
-        chain, view = chain_of(problem.robot), task_view(problem.robot, problem.task)
-        rank, scale, limit = problem.rank, problem.scale, problem.tolerances.singular
-        onto = _core.SearchSettings(
-            method=0, rank=rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
-            stationary=problem.tolerances.stationary, seed=0, scale=scale, limits=self.box, tie=TIE,
-        )  # fmt: skip
-        q, _, outcome, *_ = _core.search(chain, view, rows, onto, threads=1)
+            starts = np.clip(starts, *self.box)
+        q, _, outcome, *_ = _core.search(self.chain, self.view, starts, self.onto, threads=1)
         near = self._brought_near(q[outcome == 0])
-        q, distance, _, _ = _core.nearest(chain, view, near, self._along(_NEARLY, polish=False), threads=1)
-        kept = problem.singular(q) & np.isfinite(distance)
-        return q[kept], problem.length(q[kept] - self.centre)
+        q, distance, _, _ = _core.nearest(self.chain, self.view, near, self.along, threads=1)
+        q = q[self._singular(q) & np.isfinite(distance)]
+        return q, self.problem.length(q - self.centre)
+
+    @cached_property
+    def onto(self) -> _core.SearchSettings:
+        """Onto the singular set."""
+        problem, limit = self.problem, self.problem.tolerances.singular
+        return _core.SearchSettings(
+            method=0, rank=problem.rank, iterations=_LM_ITERATIONS, singular=limit, target=limit,
+            stationary=problem.tolerances.stationary, seed=0, scale=problem.scale, limits=self.box, tie=TIE,
+        )  # fmt: skip
+
+    @cached_property
+    def along(self) -> _core.NearestSettings:
+        """Along it, to half the digits."""
+        return self._along(_NEARLY, polish=False)
+
+    def _singular(self, q: Array) -> NDArray[np.bool_]:
+        """(N,) whether rank is lost at q (N, n)."""
+        sigma = _core.singular_values(self.chain, self.view, q, None)
+        return np.asarray(sigma[:, self.problem.rank] <= self.problem.tolerances.singular)
 
     def finest(self, ends: Array) -> tuple[Array, float]:
         """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""
-        problem = self.problem
-        chain, view = chain_of(problem.robot), task_view(problem.robot, problem.task)
-        q, distance, stationarity, _ = _core.nearest(chain, view, ends, self._along(), threads=1)
-        distance = np.where(problem.singular(q) & np.isfinite(distance), problem.length(q - self.centre), np.inf)
+        q, distance, stationarity, _ = _core.nearest(self.chain, self.view, ends, self._along(), threads=1)
+        sound = self._singular(q) & np.isfinite(distance)
+        distance = np.where(sound, self.problem.length(q - self.centre), np.inf)
         number = int(distance.argmin())
         return q[number], float(stationarity[number])
 

@@ -21,15 +21,17 @@ and not only on how it moves.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
+from rankdrop._handles import chain_of, frame_view
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import jacobian, link_poses, pose
+from rankdrop.kinematics import link_poses, pose
 from rankdrop.local.block import joint_scale, row_scale
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
@@ -72,7 +74,7 @@ def orientation_coordinates(rotation: ArrayLike, representation: str) -> Array:
     r = np.asarray(rotation, dtype=np.float64)
     check_known(representation)
     if representation in EULER:
-        return _euler(r, representation)
+        return euler_angles(r, (representation,))[..., 0, :]
     if representation == "quaternion":
         return _quaternion(r)
     if representation in ("rodrigues", "mrp"):
@@ -139,11 +141,7 @@ def rate_matrix(coordinates: ArrayLike, representation: str) -> Array:
         cubic = np.where(small, 1 / 6 - angle**2 / 120 + angle**4 / 5040, (safe - np.sin(safe)) / safe**3)
         return np.asarray(np.eye(3) + 0.5 * half**2 * turned + cubic * (turned @ turned))
     if representation in EULER:
-        i, j, k = _axes(representation)
-        first = _turn(i, c[..., 0])
-        second = first @ _turn(j, c[..., 1])
-        axis = np.broadcast_to(np.eye(3)[i], (*c.shape[:-1], 3))
-        return np.stack([axis, first[..., :, j], second[..., :, k]], axis=-1)
+        return euler_rates(c[..., None, :], (representation,))[..., 0, :, :]
     if representation in ("rodrigues", "mrp"):
         square = np.sum(c * c, axis=-1)[..., None, None]
         if representation == "rodrigues":
@@ -187,33 +185,56 @@ def _parity(i: int, j: int) -> int:
     return 1 if (j - i) % 3 == 1 else -1
 
 
-def _turn(axis: int, angle: Array) -> Array:
-    """(..., 3, 3) a turn about one axis."""
-    found = np.zeros((*np.shape(angle), 3, 3))
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    found[..., axis, axis] = 1.0
-    found[..., i, i] = found[..., j, j] = np.cos(angle)
-    found[..., j, i], found[..., i, j] = np.sin(angle), -np.sin(angle)
+_Axes = NDArray[np.intp]
+
+
+def _turns(axis: _Axes, angle: Array) -> Array:
+    """(..., o, 3, 3) turns about one axis each (o,) by angles (..., o)."""
+    found = np.zeros((*angle.shape, 3, 3))
+    each, i, j = np.arange(len(axis)), (axis + 1) % 3, (axis + 2) % 3
+    sine, cosine = np.sin(angle), np.cos(angle)
+    found[..., each, axis, axis] = 1.0
+    found[..., each, i, i] = found[..., each, j, j] = cosine
+    found[..., each, j, i], found[..., each, i, j] = sine, -sine
     return found
 
 
-def _euler(r: Array, order: str) -> Array:
-    """α, β, γ of R = Ra(α) Rb(β) Rc(γ); where only α ± γ is determined, γ = 0."""
-    i, j, k = _axes(order)
-    other, sign = 3 - i - j, _parity(i, j)
-    if i == k:
-        middle = np.arctan2(np.hypot(r[..., j, i], r[..., other, i]), r[..., i, i])
-        first = np.arctan2(r[..., j, i], -sign * r[..., other, i])
-        gimbal = np.sin(middle) <= DEFAULT.singular
-    else:
-        middle = np.arctan2(sign * r[..., i, k], np.hypot(r[..., j, k], r[..., k, k]))
-        first = np.arctan2(-sign * r[..., j, k], r[..., k, k])
-        gimbal = np.cos(middle) <= DEFAULT.singular
+def _every_axis(orders: Sequence[str]) -> tuple[_Axes, _Axes, _Axes]:
+    i, j, k = np.array([_axes(order) for order in orders]).T
+    return i, j, k
+
+
+def euler_angles(r: Array, orders: Sequence[str]) -> Array:
+    """(..., o, 3) α, β, γ of rotations (..., 3, 3) = Ra(α) Rb(β) Rc(γ) for several of `EULER`.
+
+    Where only α ± γ is determined, γ = 0.
+    """
+    i, j, k = _every_axis(orders)
+    other, sign = 3 - i - j, np.where((j - i) % 3 == 1, 1.0, -1.0)
+    back = i == k  # the first axis comes back
+    size = np.hypot(r[..., j, k], np.where(back, r[..., other, k], r[..., k, k]))
+    middle = np.arctan2(np.where(back, size, sign * r[..., i, k]), np.where(back, r[..., i, i], size))
+    first = np.arctan2(
+        np.where(back, r[..., j, i], -sign * r[..., j, k]), np.where(back, -sign * r[..., other, i], r[..., k, k])
+    )
+    gimbal = np.where(back, np.sin(middle), np.cos(middle)) <= DEFAULT.singular
     first = np.where(gimbal, np.arctan2(sign * r[..., other, j], r[..., j, j]), first)
-    left = np.swapaxes(_turn(i, first) @ _turn(j, middle), -1, -2) @ r  # Rc(γ)
-    u, v = (k + 1) % 3, (k + 2) % 3
-    last = np.where(gimbal, 0.0, np.arctan2(left[..., v, u], left[..., u, u]))
+    left = np.swapaxes(_turns(i, first) @ _turns(j, middle), -1, -2) @ r[..., None, :, :]  # Rc(γ)
+    each, u, v = np.arange(len(i)), (k + 1) % 3, (k + 2) % 3
+    last = np.where(gimbal, 0.0, np.arctan2(left[..., each, v, u], left[..., each, u, u]))
     return np.stack([first, middle, last], axis=-1)
+
+
+def euler_rates(angles: Array, orders: Sequence[str]) -> Array:
+    """(..., o, 3, 3) E of angles (..., o, 3) of several of `EULER`: its columns are the three axes as they stand."""
+    i, j, k = _every_axis(orders)
+    first = _turns(i, angles[..., 0])
+    second = first @ _turns(j, angles[..., 1])
+    each, found = np.arange(len(i)), np.zeros((*angles.shape, 3))
+    found[..., each, i, 0] = 1.0
+    axes = np.eye(3)
+    found[..., 1], found[..., 2] = (first @ axes[j][..., None])[..., 0], (second @ axes[k][..., None])[..., 0]
+    return found
 
 
 def _outer() -> Array:
@@ -290,11 +311,11 @@ class Displacement:
                 "the reference point of this task does not move with the tip", got=f"link {task.frame.origin}",
                 allowed="TIP", mend="give the task a frame with its origin at the tip",
             )  # fmt: skip
-        self.robot, self.start = robot, start
+        self.robot, self.start, self._chain = robot, start, chain_of(robot)
         self.rows = list(task.rows)
         self.row_scale, self.joints = row_scale(robot, task), joint_scale(robot, task)
         point = (0.0, 0.0, 0.0) if anywhere else task.frame.point
-        self._frame = Frame(BASE, TIP, point)
+        self._view = frame_view(robot, Frame(BASE, TIP, point))
         self._point = np.array([*point, 1.0])
         self._home = pose(robot, start)
         self._axes = link_poses(robot, start)[link_index(task.frame.axes, len(robot.joints), "axes"), :3, :3]
@@ -320,18 +341,21 @@ class Displacement:
         now = q.reshape(-1, q.shape[-1]).copy()
         arrived, size, left = np.zeros(len(now), dtype=bool), np.full(len(now), np.inf), np.arange(len(now))
         for _ in range(_ROUNDS):
-            where = pose(self.robot, now[left])
+            here = now[left]
+            where = _core.pose(self._chain, here, None).reshape(-1, 4, 4)
             turn = self._turn(where)
             error = self._error(where, turn)
-            last, new = size[left], np.linalg.norm(error, axis=-1)
+            last, new = size[left], np.sqrt(np.add.reduce(error * error, axis=-1))
             size[left] = new
             done = (new <= _GOAL) | ((new <= _ACCEPTED) & (new > 0.5 * last))
             arrived[left[done]] = True
             going = ~done & (new <= 10.0 * last)
-            left, error = left[going], error[going]
+            if not going.all():
+                left, error, turn = left[going], error[going], turn[going]
+                here = now[left]
             if not left.size:
                 break
-            u, sigma, v = _split(self._derivative(now[left], turn[going]))
+            u, sigma, v = _split(self._derivative(here, turn))
             count = sigma.shape[-1]
             gains = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > WEAK)
             steps = gains * np.einsum("cm,cmk->ck", error, u[..., :count])
@@ -356,7 +380,9 @@ class Displacement:
         return np.asarray(both[..., self.rows] * self.row_scale)
 
     def _derivative(self, q: Array, turn: Array) -> Array:
-        columns = jacobian(self.robot, q, self._frame) * self.joints
+        rows = np.ascontiguousarray(q).reshape(-1, q.shape[-1])
+        columns = _core.jacobian(self._chain, self._view, rows, None).reshape(*q.shape[:-1], 6, q.shape[-1])
+        columns = columns * self.joints
         turning = self._rates(turn, columns[..., 3:, :])
         both = np.concatenate([self._axes.T @ columns[..., :3, :], self._axes.T @ turning], axis=-2)
         return np.asarray(both[..., self.rows, :] * self.row_scale[:, None])

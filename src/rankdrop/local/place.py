@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
+from rankdrop import _core
+from rankdrop._handles import chain_of, one_configuration, task_view
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.local.block import decompose, joint_scale, singular_values
+from rankdrop.local.block import decompose, joint_scale
 from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
@@ -33,6 +34,7 @@ class Place:
         u, v: (m, m), (n, n) singular vectors as columns; the first `rank` belong to what is kept.
         scale: (n,) what one unit of joint motion is measured by [rad, m].
         floor: a singular value at or below it is not a rank regained.
+        chain, view: arm and task as the core takes them.
     """
 
     robot: Robot
@@ -45,6 +47,8 @@ class Place:
     v: Array
     scale: Array
     floor: float
+    chain: _core.Chain
+    view: _core.View
 
     @property
     def corank(self) -> int:
@@ -71,9 +75,25 @@ class Place:
         r = self.rank
         return np.asarray((self.v[:, :r] / self.sigma[:r]) @ self.u[:, :r].T)
 
+    def singular_values(self, configurations: Array) -> Array:
+        """(..., min(m, n)) singular values at other configurations (..., n), which are finite."""
+        rows = np.ascontiguousarray(configurations).reshape(-1, len(self.q))
+        sigma = _core.singular_values(self.chain, self.view, rows, None)
+        return sigma.reshape(*configurations.shape[:-1], sigma.shape[1])
+
     def last(self, configurations: Array) -> Array:
         """(...) σ_r at other configurations (..., n), r the generic rank."""
-        return singular_values(self.robot, configurations, self.task)[..., self.generic - 1]
+        return self.singular_values(configurations)[..., self.generic - 1]
+
+
+def check_moves(robot: Robot, task: Task, generic_rank: int) -> None:
+    """Refuse an arm that makes no motion of the task anywhere.
+
+    Raises:
+        TaskError: the generic rank is 0.
+    """
+    if not generic_rank:
+        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
 
 
 def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, corank: int | None = None) -> Place:
@@ -88,8 +108,7 @@ def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, cor
     task = replace(task, length_scale=task.scale(robot))  # the reach is worked out once
     verdict = rank_at(robot, configuration, task, tolerances)
     generic = verdict.generic_rank
-    if not generic:
-        raise TaskError("the arm does not move any row of this task", where=f"robot {robot.name!r}", got=task.name)
+    check_moves(robot, task, generic)
     lost = verdict.corank if corank is None else corank
     if not verdict.corank <= lost <= generic:
         raise OptionError("q has no such corank", got=corank, allowed=f"{verdict.corank} (what is lost) … {generic}")
@@ -98,7 +117,7 @@ def place_at(robot: Robot, q: ArrayLike, task: Task, tolerances: Tolerances, cor
     noise = float(parts.sigma[rank]) if lost else 0.0
     return Place(
         robot, configuration, task, rank, generic, parts.sigma, parts.u, parts.v, joint_scale(robot, task),
-        floor=max(tolerances.singular, _NOISE * noise),
+        floor=max(tolerances.singular, _NOISE * noise), chain=chain_of(robot), view=task_view(robot, task),
     )  # fmt: skip
 
 

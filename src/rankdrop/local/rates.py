@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, inf
+from math import comb, inf, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -269,17 +269,18 @@ def _along(
     rates = twists @ parts.inverse(parts.reciprocal).T
     null = parts.joints[:, None] * parts.v[:, rank:]
     speeds, exact = largest_speeds(rates, null, limits)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(rates == 0.0, 0.0, np.abs(rates) / limits)
+    sizes, largest = np.abs(rates / parts.joints), shares.max(axis=1)
+    worst = np.where(largest > 0.0, shares.argmax(axis=1), sizes.argmax(axis=1)).tolist()
     found = []
-    for rate, speed, can in zip(rates, speeds, possible, strict=True):
-        if not can:
+    for row in range(len(twists)):
+        if not possible[row]:
             found.append(_Found(None, inf, None, 0.0, 0.0, True))
             continue
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.where(rate == 0.0, 0.0, np.abs(rate) / limits)
-        size = np.abs(rate / parts.joints)
-        worst = int(np.argmax(share if share.any() else size))
-        smallest = 1.0 / share.max() if share.any() else inf
-        found.append(_Found(rate, float(np.linalg.norm(size)), worst, float(smallest), float(speed), exact))
+        norm, most = sqrt(float(sizes[row] @ sizes[row])), float(largest[row])
+        smallest = 1.0 / most if most else inf
+        found.append(_Found(rates[row], norm, worst[row], smallest, float(speeds[row]), exact))
     return found
 
 

@@ -26,6 +26,8 @@ from rankdrop.local.orientation import (
     MAIN,
     NAMES,
     check_known,
+    euler_angles,
+    euler_rates,
     orientation_coordinates,
     rate_determinant,
     rate_matrix,
@@ -162,7 +164,8 @@ def representation_at(robot: Robot, q: ArrayLike, *, tolerances: Tolerances = DE
     configuration = one_configuration(robot, q)
     arm = rank_at(robot, configuration, resolve_task("pose", robot), tolerances)
     rotation = pose(robot, configuration)[:3, :3]
-    coordinates = {name: orientation_coordinates(rotation, name) for name in NAMES}
+    angles = dict(zip(EULER, euler_angles(rotation, EULER), strict=True))
+    coordinates = {name: angles[name] if name in angles else orientation_coordinates(rotation, name) for name in NAMES}
     sigma = _smallest(coordinates)
     turned = float(np.linalg.norm(coordinates["rotvec"]))
     found = {name: _describe(name, coordinates[name], sigma[name], turned, tolerances) for name in NAMES}
@@ -183,7 +186,9 @@ def _smallest(coordinates: dict[str, Array]) -> dict[str, float]:
     finite = [name for name, values in coordinates.items() if np.isfinite(values).all()]
     square = [name for name in finite if len(coordinates[name]) == 3]
     found = dict.fromkeys(coordinates, 0.0)
-    sigma = _core.svd(np.stack([rate_matrix(coordinates[name], name) for name in square]), vectors=False)
+    rates = dict(zip(EULER, euler_rates(np.stack([coordinates[name] for name in EULER]), EULER), strict=True))
+    every = [rates[name] if name in rates else rate_matrix(coordinates[name], name) for name in square]
+    sigma = _core.svd(np.stack(every), vectors=False)
     found |= dict(zip(square, sigma[:, -1].tolist(), strict=True))
     for name in finite:
         if name not in square:

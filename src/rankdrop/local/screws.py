@@ -177,7 +177,7 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
 
     Args:
         direction: (6,) vx vy vz wx wy wz of any length and sign, metres and radians.
-        frame_name: whose axes: "the base", "the end effector", "link 4".
+        frame_name: whose axes: "the base", "the tool", "link 4".
         length: the direction's own unit of length, `units.counted_length` [m].
 
     Raises:
@@ -186,8 +186,8 @@ def words(direction: ArrayLike, frame_name: str = "the base", length: float = 1.
     Example:
         >>> words([0, 0, 0, 1, 0, 0])
         'cannot rotate about X of the base'
-        >>> words([0, -0.91, 0, 0, 0, -0.1], "the end effector")
-        'can only move so that vy + 0.11 m·ωz = 0 in axes of the end effector: nearly no motion along Y'
+        >>> words([0, -0.91, 0, 0, 0, -0.1], "the tool")
+        'can only move so that vy + 0.11 m·ωz = 0 in axes of the tool: nearly no motion along Y'
     """
     v, w = _parts(direction)
     slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
@@ -226,6 +226,58 @@ def blocked_words(direction: ArrayLike, frame_name: str = "the base", length: fl
     rate = _number(abs(line.pitch) * length)
     sign = "−" if line.pitch > 0.0 else ""
     return f"{where} moves along {along} of {frame_name} only by {sign}{rate} m for every rad of rotation about it"
+
+
+_NOTHING = 0.02  # parts of a unit direction that are shorter are not drawn
+_TURN = 300.0  # degrees of a ring
+
+
+def arrow_of(direction: ArrayLike) -> tuple[Array, Array, bool]:
+    """One lost freedom as one arrow at the reference point, with a ring about its foot where it mixes both motions.
+
+    Args:
+        direction: (6,) a lost direction (v; ω), of any length and sign, metres and radians.
+
+    Returns:
+        (3,) the arrow, at most of length one; (3,) the axis of its ring, as long as the ring is wide, zero for none;
+        whether the arrow is a turning about it (dotted) and not a motion along it.
+
+    Raises:
+        OptionError: not six finite numbers, or all of them zero.
+
+    Example:
+        >>> arrow, ring, turns = arrow_of([0, 0.8, 0, 0, 0, 0.6])
+        >>> arrow.round(3).tolist(), ring.round(3).tolist(), turns
+        ([0.0, 0.87, 0.0], [0.0, 0.0, 0.22], False)
+    """
+    v, w = _parts(direction)
+    whole = float(np.linalg.norm(np.concatenate([v, w])))
+    v, w = v / whole, w / whole
+    slide, turn = float(np.linalg.norm(v)), float(np.linalg.norm(w))
+    if turn < _NOTHING:
+        return v / slide, np.zeros(3), False
+    if slide < _NOTHING:
+        return w / turn, np.zeros(3), True
+    return (0.35 + 0.65 * slide) * v / slide, (0.07 + 0.25 * turn) * w / turn, False
+
+
+def ring_about(axis: Array) -> Array:
+    """(P, 3) points of a ring about an axis through the origin, its radius the axis's length, with a head at its end.
+
+    It turns as the right hand does about the axis.
+
+    Args:
+        axis: (3,) not zero.
+    """
+    radius = float(np.linalg.norm(axis))
+    z = axis / radius
+    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    angles = np.radians(np.linspace(0.0, _TURN, 41))[:, None]
+    round_about = radius * (np.cos(angles) * x + np.sin(angles) * np.cross(z, x))
+    end = round_about[-1]
+    back = end - 0.36 * np.cross(z, end)
+    return np.vstack([round_about, back + 0.2 * end, end, back - 0.2 * end])
 
 
 def _parts(direction: ArrayLike) -> tuple[Array, Array]:

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.local.block import singular_values
 from rankdrop.local.bracket import unit
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.orientation import Displacement, determined_by_pose
@@ -303,7 +302,7 @@ def trace(place: Place, tangents: Array, length: float) -> Trace:
         path.append(reached)
         valid &= arrived
     q = np.stack(path, axis=1)
-    sigma = singular_values(place.robot, q, place.task)[..., : place.generic]
+    sigma = place.singular_values(q)[..., : place.generic]
     gone = np.linalg.norm((q[:, -1] - place.q) / place.scale, axis=1)
     return Trace(
         q=q,

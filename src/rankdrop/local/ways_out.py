@@ -194,8 +194,7 @@ def escape(
         found = escape(in_metres(robot), q, task, tolerances=tolerances, seed=seed, step=step, corank=corank)
         return _out_of_metres(found, robot)
     place = place_at(robot, q, resolve_task(task, robot), tolerances, corank)
-    if not 1e-3 <= step <= 1.0:
-        raise OptionError("the step is outside the range", got=step, allowed="1e-3 … 1 (rad, or length scales)")
+    check_step(step)
     if seed < 0:
         raise OptionError("seed is outside the range", got=seed, allowed="a whole number from 0 up")
     basis = null_basis(place)
@@ -220,6 +219,16 @@ def escape(
         boundary_words=edge_words,
         floor=place.floor,
     )
+
+
+def check_step(step: float) -> None:
+    """Refuse a length of motions that is not compared.
+
+    Raises:
+        OptionError: outside 1e-3 … 1.
+    """
+    if not 1e-3 <= step <= 1.0:
+        raise OptionError("the step is outside the range", got=step, allowed="1e-3 … 1 (rad, or length scales)")
 
 
 def _out_of_metres(escape: Escape, robot: Robot) -> Escape:

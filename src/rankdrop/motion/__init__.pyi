@@ -10,9 +10,11 @@ from .data import TOO_NEAR as TOO_NEAR
 from .data import TOUCHING as TOUCHING
 from .data import UNDECIDED as UNDECIDED
 from .data import Place as Place
+from .data import Stretch as Stretch
 from .data import ToolMotion as ToolMotion
-from .many import Judged as Judged
-from .many import judged as judged
+from .many import HowJudged as HowJudged
+from .many import check_file as check_file
+from .many import check_files as check_files
 from .many import many_section as many_section
 from .many import paths_to_dict as paths_to_dict
 from .mend import mend_path as mend_path

@@ -25,6 +25,15 @@ _STATE, _PLAN = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajecto
 _KINDS = {_STATE: "JointState", _PLAN: "JointTrajectory"}
 _MEND = "mend the bag first: rosbag reindex, ros2 bag reindex, or mcap recover"
 _LISTED = 12  # topics that an error names
+_MEANT = {
+    MemoryError: "a record that is longer than the memory",
+    OverflowError: "a record that is longer than any file",
+    AssertionError: "records that contradict each other",
+    KeyError: "a record about one that is not there",
+    IndexError: "a record about one that is not there",
+    UnicodeDecodeError: "a name that is no text",
+}
+"""What the errors of Python mean that a damaged file raises; readers say the others themselves."""
 
 
 def is_bag(path: Path) -> bool:
@@ -121,7 +130,7 @@ def _reading(where: str) -> Iterator[None]:
     except RankdropError:
         raise
     except Exception as error:
-        got = " ".join(f"{type(error).__name__}: {error}".split())[:160]
+        got = _MEANT.get(type(error)) or " ".join(f"{type(error).__name__}: {error}".split())[:160]
         raise TrajectoryError("the bag cannot be read, it is damaged or cut off", where=where, got=got,
                               mend=_MEND) from error  # fmt: skip
 

@@ -134,11 +134,13 @@ def boxes(control: Array) -> tuple[Array, Array]:
 def straightened(control: Array) -> tuple[Array, Array, Array]:
     """Each curve as c + Δ τ + e, |τ| ≤ 1, |e_k| ≤ ε_k: middle c, half the chord Δ, and ε, each (P, n).
 
-    e is the same polynomial with control points b_j − (c + Δ (2j/d − 1)): the largest of them bounds it.
+    e is the same polynomial with control points e_j = b_j − (c + Δ (2j/d − 1)), the first and the last of them zero.
+    The weights of the others are at most 1 − 2^(1 − d) together, half way, so that |e| ≤ (1 − 2^(1 − d)) max |e_j|.
     """
     degree = control.shape[1] - 1
     middle, chord = (control[:, 0] + control[:, -1]) / 2, (control[:, -1] - control[:, 0]) / 2
     if degree == 1:
         return middle, chord, np.zeros_like(middle)
     at = 2 * np.arange(degree + 1)[None, :, None] / degree - 1
-    return middle, chord, np.abs(control - middle[:, None] - at * chord[:, None]).max(axis=1)
+    off = np.abs(control - middle[:, None] - at * chord[:, None]).max(axis=1)
+    return middle, chord, (1 - 2.0 ** (1 - degree)) * off

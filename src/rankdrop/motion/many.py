@@ -1,110 +1,288 @@
-"""Many paths of one arm: a table, worst first."""
+"""Many paths of one arm: a job in chunks, one for each file (`rankdrop.jobs`), told as a table, worst first."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from math import isfinite
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from hashlib import file_digest, sha256
 from pathlib import Path
 
-from rankdrop.errors import RankdropError
-from rankdrop.motion.data import CROSSING, TOUCHING, VERDICTS
+from rankdrop.errors import ConfigurationError, OptionError, RankdropError, ResultFileError, TaskError
+from rankdrop.jobs import Engine, Job, finish
+from rankdrop.local.block import generic_rank
+from rankdrop.motion.cartesian import check_poses
+from rankdrop.motion.check import EVALUATIONS, check_path
+from rankdrop.motion.data import CROSSING, FREE, TOUCHING, VERDICTS
+from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
+from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.result import PathCheck
-from rankdrop.results.codec import Record, number_or_null
+from rankdrop.motion.trajectory import unit_hint
+from rankdrop.reach import reach
+from rankdrop.results.analysis import Analysis
+from rankdrop.results.codec import Record, number_or_null, plain, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading
 
 SCHEMA = "rankdrop/paths/1"
+_BAD = "bad input"
+_HERE = 1 << 20  # bytes of files below which processes take longer to begin than the work takes
 
 
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """One file.
+@dataclass(frozen=True, slots=True)
+class HowJudged:
+    """How files are read and judged: what `read_trajectory`, `read_poses`, `check_path` and `check_poses` take.
 
     Attributes:
-        file: as it was named.
-        result: None where it could not be read.
-        error: why.
+        deg: angles without a unit are in degrees.
+        interpolate: between samples; not for poses.
+        min_distance: to be kept from every singularity [rad; slides divided by the length scale].
+        limits: distances within the joint limits only.
+        evaluations: enclosures that a path may cost.
+        topic: of a bag.
+        start: configuration near the first pose [rad, m]; for files of poses.
+        frame: in whose axes lost motions are told.
     """
 
-    file: Path
-    result: PathCheck | None
-    error: str
-
-    @property
-    def verdict(self) -> str:
-        """Of the path; "bad input" where there is none."""
-        return "bad input" if self.result is None else self.result.verdict
-
-    @property
-    def nearest(self) -> float:
-        """Least distance from a singularity known, 0 where one is met; inf where none is known."""
-        if self.result is None:
-            return float("inf")
-        return min((one.closest.distance for one in self.result.stretches), default=float("inf"))
+    deg: bool = False
+    interpolate: str = "linear"
+    min_distance: float = 0.0
+    limits: bool = False
+    evaluations: int = EVALUATIONS
+    topic: str | None = None
+    start: tuple[float, ...] | None = None
+    frame: str = "base"
 
 
-def judged(files: Sequence[Path], check: Callable[[Path], PathCheck]) -> list[Judged]:
-    """Every file judged, worst first; Ctrl-C ends it and keeps those that are done.
+PLAINLY = HowJudged()
+
+
+def check_file(
+    robot: Robot,
+    file: Path,
+    *,
+    task: Task | None = None,
+    analysis: Analysis | None = None,
+    how: HowJudged = PLAINLY,
+    say: Callable[[str], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> PathCheck:
+    """One file, read and judged: joint values, or poses of the tip.
 
     Args:
-        files: to be read.
-        check: reads one and judges it.
+        robot, task, analysis: as for `check_path`.
+        file: trajectory or poses.
+        how: it is read and judged.
+        say: told what a reader of the file should know: columns that are not used, angles in the wrong unit.
+        progress: told (stretches decided, stretches).
+
+    Raises:
+        RankdropError: the file cannot be read, with the place in it, or an option does not fit it.
     """
-    done: list[Judged] = []
-    try:
-        for file in files:
-            try:
-                done.append(Judged(file, check(file), ""))
-            except RankdropError as error:
-                done.append(Judged(file, None, error.on_command_line()))
-            if (last := done[-1].result) is not None and not last.complete:
-                break
-    except KeyboardInterrupt:
-        pass  # the table says how many of the files there are in it
-    order = ("bad input", *VERDICTS)
-    return sorted(done, key=lambda one: (order.index(one.verdict), one.nearest, str(one.file)))
-
-
-def many_section(many: Sequence[Judged]) -> Section:
-    """The table."""
-    holds = sum(one.result is not None and one.result.holds for one in many)
-    rows = []
-    for one in many:
-        if one.result is None:
-            rows.append((str(one.file), one.verdict, "", "", "", ""))
-            continue
-        met = [part for part in one.result.stretches if part.verdict in (CROSSING, TOUCHING)]
-        first = one.result.stretches[0] if one.result.stretches else None
-        near = short(one.nearest, 3) if isfinite(one.nearest) and not met else ""
-        rows.append((
-            str(one.file), one.verdict, str(one.result.rows), str(len(met)), near, first.name if first else "",
-        ))  # fmt: skip
-    return Section(
-        f"{holds} of {len(many)} paths proven free",
-        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
-        after=tuple(one.error for one in many if one.error),
+    tell = say or (lambda line: None)
+    if how.topic is None and holds_poses(file, robot):
+        return _check_poses(robot, file, task, analysis, how, tell, progress)
+    if how.start is not None:
+        raise OptionError("a start is for poses of the tip, these are joint values", where="--start",
+                          got=", ".join(f"{x:.6g}" for x in how.start))  # fmt: skip
+    read = read_trajectory(file, robot, deg=how.deg, topic=how.topic)
+    hint = unit_hint(read.q, robot, deg=how.deg)
+    if hint is not None:
+        tell(f"warning: {read.name}: {hint}{'' if how.deg else '; --deg reads them as degrees'}")
+    for note in read.notes:
+        tell(f"{read.name}: {note}")
+    if read.unused:
+        tell(f"{read.name}: not used: {', '.join(read.unused)}")
+    return check_path(
+        robot, read.q, read.times if read.timed else None, velocities=read.velocities,
+        accelerations=read.accelerations, interpolate=how.interpolate, task=task, min_distance=how.min_distance,
+        limits=how.limits, analysis=analysis, evaluations=how.evaluations, frame=how.frame, progress=progress,
     )  # fmt: skip
 
 
-def paths_to_dict(robot: Robot, many: Sequence[Judged]) -> Record:
+def _check_poses(
+    robot: Robot, file: Path, task: Task | None, analysis: Analysis | None, how: HowJudged,
+    tell: Callable[[str], None], progress: Callable[[int, int], None] | None,
+) -> PathCheck:  # fmt: skip
+    read = read_poses(file, deg=how.deg)
+    asked = resolve_task(task, robot)
+    if not read.turned and max(asked.rows) >= 3:
+        raise TaskError("the file has positions alone, and the task wants orientations", got=asked.name,
+                        where=str(file),
+                        mend="add qx, qy, qz, qw or roll, pitch, yaw, or use --task position")  # fmt: skip
+    hint = length_hint(read, reach(robot))
+    if hint is not None:
+        tell(f"warning: {read.name}: {hint}")
+    if read.unused:
+        tell(f"{read.name}: not used: {', '.join(read.unused)}")
+    try:
+        return check_poses(
+            robot, read.matrices, read.times, start=how.start, task=task, min_distance=how.min_distance,
+            limits=how.limits, analysis=analysis, evaluations=how.evaluations, frame=how.frame, progress=progress,
+        )  # fmt: skip
+    except ConfigurationError as error:
+        raise ConfigurationError(error.what, where=f"{file}, {error.where}", got=error.got, allowed=error.allowed,
+                                 mend=error.mend, typed=error.typed) from error  # fmt: skip
+
+
+def check_files(
+    robot: Robot,
+    files: Sequence[str | Path],
+    *,
+    task: Task | str | None = None,
+    analysis: Analysis | None = None,
+    how: HowJudged = PLAINLY,
+    out: str | Path | None = None,
+    workers: int = 0,
+    scheduler: str | None = None,
+    report: Callable[[str, int, int], None] | None = None,
+) -> list[Record]:
+    """Every file judged, worst first, each for itself, so that one that cannot be read does not stop the others.
+
+    Args:
+        robot, task, analysis: as for `check_path`.
+        files: trajectories, or poses of the tip (`check_file`).
+        how: they are read and judged.
+        out: folder in which what is finished is kept, with a journal; the same call goes on there after an
+            interruption of any kind, and ends with the same result. None: in memory.
+        workers: local processes; 0 for one of every processor. The result does not depend on it.
+        scheduler: address of a Dask scheduler, whose workers see the files under the same names (extra `cluster`).
+        report: report(label, done, total) of progress.
+
+    Returns:
+        One record for each file, fewer where Ctrl-C ended it: `file`, as it was named; `verdict`, "bad input" where it
+        could not be read; `sentence`, then the error; `rows`, `free_share`, `met`, `nearest_rad`, None where there is
+        no path or nothing is known; `name` of the family met or nearest; `said`, what a reader should know.
+
+    Raises:
+        OptionError: workers outside what is allowed, an analysis of another arm.
+        MissingExtraError: a scheduler, and Dask's distributed is not installed.
+        ResultFileError: `out` holds another job (other files, or their bytes changed), or cannot be written.
+    """
+    there, names = resolve_task(task, robot), [Path(one) for one in files]
+    plan = {
+        "robot": robot_to_dict(robot, there, generic_rank(robot, there)),
+        "length_scale": there.length_scale,
+        "analysis": None if analysis is None else analysis.to_dict(),
+        "how": plain(asdict(how)),
+        "files": [[str(one), str(one.absolute()), _digest(one)] for one in names],
+    }
+    job = Job("paths", "rankdrop.motion.many:judge", plan, len(names), len(names))
+    quick = not workers and scheduler is None and sum(map(_size, names)) <= _HERE
+    tell = report or (lambda label, done, total: None)
+    done: list[Record] = []
+
+    def each(chunk: int, content: bytes) -> None:
+        done.append({"file": str(names[chunk]), **json.loads(content)})
+
+    try:
+        for _ in finish(job, Engine(workers, scheduler, quick), folder=out, each=each,
+                        report=lambda count, total: tell("paths judged", count, total)):  # fmt: skip
+            pass
+    except KeyboardInterrupt:
+        pass  # the table says how many of the files there are in it
+    order = (_BAD, *VERDICTS)
+    return sorted(done, key=lambda one: (order.index(one["verdict"]), _nearest(one), one["file"]))
+
+
+def _nearest(told: Record) -> float:
+    known = told["nearest_rad"]
+    return float("inf") if known is None else float(known)
+
+
+def judge(plan: Record, chunk: int) -> bytes:
+    """One file, as workers judge it.
+
+    Raises:
+        ResultFileError: it is not what it was when the job began.
+    """
+    name, place, digest = plan["files"][chunk]
+    if _digest(Path(place)) != digest:
+        raise ResultFileError("the file is not what it was when the job began", where=name,
+                              mend="begin again; workers of a cluster see files under the same names")  # fmt: skip
+    robot, task, analysis = _asked(json.dumps([plan[key] for key in ("robot", "length_scale", "analysis")]))
+    said: list[str] = []
+    try:
+        found = check_file(robot, Path(place), task=task, analysis=analysis, how=HowJudged(**plan["how"]),
+                           say=said.append)  # fmt: skip
+    except RankdropError as error:
+        sentence = error.on_command_line().replace(place, name)
+        record = {"verdict": _BAD, "sentence": sentence, "rows": None, "free_share": None, "met": None,
+                  "nearest_rad": None, "name": "", "said": said}  # fmt: skip
+    else:
+        if not found.complete:  # Ctrl-C: no result of this file
+            raise KeyboardInterrupt
+        record = _record(found) | {"said": said}
+    return json.dumps(record, ensure_ascii=False, allow_nan=False).encode()
+
+
+@lru_cache(1)
+def _asked(text: str) -> tuple[Robot, Task, Analysis | None]:
+    record, length_scale, analysis = json.loads(text)
+    return robot_from_dict(record), task_from_dict(record, length_scale), (
+        None if analysis is None else Analysis.from_dict(analysis)
+    )
+
+
+def _record(found: PathCheck) -> Record:
+    near = min((one.closest.distance for one in found.stretches), default=float("inf"))
+    met = sum(one.verdict in (CROSSING, TOUCHING) for one in found.stretches)
+    return {
+        "verdict": found.verdict, "sentence": found.sentence, "rows": found.rows, "free_share": found.free_share,
+        "met": met, "nearest_rad": number_or_null(near), "name": found.stretches[0].name if found.stretches else "",
+    }  # fmt: skip
+
+
+def _parts(file: Path) -> list[Path]:
+    """The file itself; of the folder of a recording those in it."""
+    return sorted(one for one in file.iterdir() if one.is_file()) if file.is_dir() else [file]
+
+
+def _digest(file: Path) -> str:
+    """SHA-256 of what a file holds; "" where it cannot be read, which is told when it is judged."""
+    whole = sha256()
+    try:
+        for one in _parts(file):
+            with one.open("rb") as stream:
+                whole.update(file_digest(stream, "sha256").digest())
+    except OSError:
+        return ""
+    return whole.hexdigest()
+
+
+def _size(file: Path) -> int:
+    try:
+        return sum(one.stat().st_size for one in _parts(file))
+    except OSError:
+        return 0
+
+
+def many_section(many: Sequence[Record]) -> Section:
+    """The table."""
+    rows = []
+    for one in many:
+        near = "" if one["met"] or one["nearest_rad"] is None else short(one["nearest_rad"], 3)
+        cells = ("" if x is None else str(x) for x in (one["rows"], one["met"]))
+        rows.append((one["file"], one["verdict"], *cells, near, one["name"]))
+    holds = sum(one["verdict"] == FREE for one in many)
+    return Section(
+        f"{holds} of {len(many)} paths proven free",
+        columns=("file", "verdict", "rows", "met", "nearest [rad]", "family"), rows=tuple(rows), texts=(0, 1, 5),
+        after=tuple(one["sentence"] for one in many if one["verdict"] == _BAD),
+    )  # fmt: skip
+
+
+def paths_to_dict(robot: Robot, many: Sequence[Record]) -> Record:
     """For a file: each path in short."""
+    told = ("file", "verdict", "sentence", "rows", "free_share", "met", "nearest_rad")
     return {
         **heading(SCHEMA),
         "robot": robot.name,
         "paths": [
-            {
-                "file": str(one.file),
-                "verdict": one.verdict,
-                "sentence": one.error if one.result is None else one.result.sentence,
-                "rows": None if one.result is None else one.result.rows,
-                "free_share": None if one.result is None else one.result.free_share,
-                "met": None if one.result is None else len(one.result.crossings),
-                "nearest_rad": number_or_null(one.nearest),
-                "complete": one.result is not None and one.result.complete,
-            }
-            for one in many
+            {**{key: one[key] for key in told}, "complete": one["verdict"] != _BAD} for one in many
         ],
     }

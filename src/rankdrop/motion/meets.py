@@ -2,7 +2,8 @@
 
 Crossing, proven by the intermediate value theorem: a function that is continuous along the path has opposite signs at
 two points where its sign is beyond rounding. For as many joints as task rows the function is det J; for every family of
-one condition f, whatever the number of joints, it is f, whose zeros are singular. Halving brackets the zero.
+one condition f, whatever the number of joints, it is f, whose zeros are singular; where no family is known, f is found
+around a configuration that is touched. Halving brackets the zero.
 
 Touching: σ_r is within the tolerance at a configuration of the path, without such a change of sign. That is a
 measurement: a path that passes at 1e-10, or crosses twice within as little, looks the same.
@@ -19,10 +20,14 @@ from numpy.typing import NDArray
 
 from rankdrop import _core
 from rankdrop._handles import chain_of, task_view
+from rankdrop.errors import RankdropError
+from rankdrop.families.on_the_spot import name_on_the_spot
+from rankdrop.families.row import soundness
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.prove import Sliver
+from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
@@ -35,6 +40,7 @@ _CERTAIN = 1e3 * np.finfo(float).eps  # σ_r/σ_1 above it: LU tells the sign of
 _CERTAIN_F = 1e-11  # |f| above it, of coefficients of size one: the sign of a condition is beyond rounding
 _HALVINGS = 60
 _SAME = 1e-5  # zeros of two functions nearer to each other are one meeting: rounding blurs touching ones so far [rad]
+_SPOTS = 12  # touched configurations around which a condition is looked for: some 0.1 s each
 _LYING = 1e-3  # slivers longer than this, singular wherever looked at, lie in the singular set [rad]
 
 
@@ -45,7 +51,7 @@ class Meeting:
     Attributes:
         kind: "crossing", "touching" or "undecided".
         start, end: (stretch, share) of the part of the path that is not proven free and belongs to it.
-        bracket: (stretch, share) twice, inside that part: a zero lies between them where it is a crossing.
+        bracket: (stretch, share) twice, in that part or next to it: a zero lies between them where it is a crossing.
         at: (stretch, share) of `q`.
         q: (n,) configuration: at the zero, where σ_r is least, or in the middle [rad, m].
         sigma: (min(m, n),) singular values there [1].
@@ -83,9 +89,20 @@ def meetings(
         tolerances: `singular`.
     """
     functions = signs(robot, task, families)
-    return tuple(
-        one for sliver in slivers for one in _Judge(robot, task, path, sliver, functions, tolerances).meetings()
-    )
+    found: list[Meeting] = []
+    looks = _SPOTS
+    for sliver in slivers:
+        judge = _Judge(robot, task, path, sliver, functions, tolerances)
+        met = judge.meetings()
+        touched = [one for one in met if one.kind == TOUCHING and one.corank == 1 and not one.lies][:looks]
+        looks -= len(touched)
+        known = {how for how, _ in functions}
+        more = [one for one in signs_at(robot, task, [one.q for one in touched], tolerances) if one[0] not in known]
+        if more:
+            functions = functions + more
+            met = replace(judge, functions=functions).meetings()
+        found += met
+    return tuple(found)
 
 
 def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[str, Signs]]:
@@ -97,6 +114,26 @@ def signs(robot: Robot, task: Task, families: Sequence[Family]) -> list[tuple[st
     for family in families:
         if family.dimension == robot.n - 1 and len(family.equations) == 1 and family.soundness.holds:
             found.append((f"the condition {family.equations[0].text()} = 0 changes its sign", _condition(family)))
+    return found
+
+
+def signs_at(robot: Robot, task: Task, there: Sequence[Array], tolerances: Tolerances) -> list[tuple[str, Signs]]:
+    """As `signs`, of families of one condition that no list has: through configurations (n,) of corank 1.
+
+    The condition is taken from the neighbourhood, and believed where random solutions of it, anywhere, are singular.
+    """
+    found: list[tuple[str, Signs]] = []
+    problem = Problem(robot, task, 1, tolerances)
+    for q in there:
+        try:
+            family = name_on_the_spot(robot, q, task, 1, fit=True, tolerances=tolerances)
+        except RankdropError:  # rounding: singular to the tolerance and not to that of its neighbours
+            continue
+        if family.dimension == robot.n - 1 and len(family.equations) == 1:
+            sound, _ = soundness(problem, family.system, 1, np.random.default_rng(0))
+            how = f"the condition {family.equations[0].text()} = 0 changes its sign"
+            if sound.holds and how not in {said for said, _ in found}:
+                found.append((how, _condition(family)))
     return found
 
 
@@ -135,8 +172,10 @@ class _Judge:
         places = self._places()
         q = self._at(places)
         met: list[Meeting] = []
+        wide = self._widened(places)
+        there = self._at(wide)
         for how, function in self.functions:
-            for low, high in self._brackets(places, function(q), function):
+            for low, high in self._brackets(wide, function(there), function):
                 met.append(self._crossing(low, high, how))
         met = self._distinct(met)
         if not self.sliver.finished:
@@ -180,6 +219,14 @@ class _Judge:
         if last - first < count:
             places = np.concatenate([places, np.arange(1, last - first + 1, dtype=np.float64)])
         return np.unique(np.clip(places, start, end))
+
+    def _widened(self, places: Array) -> Array:
+        """With a place beside each end, in what is proven free: a zero at an end has no certain sign on both sides."""
+        if not self.sliver.finished:
+            return places
+        first, last = self.sliver.stretches
+        beside = [places[0] - (places[-1] - places[0]), *places, places[-1] + (places[-1] - places[0])]
+        return np.unique(np.clip(beside, 0.0, last - first + 1.0))
 
     def _split(self, places: Array) -> tuple[Index, Array]:
         first, last = self.sliver.stretches

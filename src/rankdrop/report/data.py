@@ -22,7 +22,7 @@ from rankdrop.report.content import Content, standing
 from rankdrop.report.meshes import meshes_data
 from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
-from rankdrop.robot import Array, Robot
+from rankdrop.robot import Array, Robot, lost_told
 from rankdrop.task import Task
 from rankdrop.text import conditions_of, joint_cell, joint_symbol
 
@@ -43,7 +43,7 @@ def page_data(content: Content) -> dict[str, Any]:
         "view": first_view(analysis.robot),
         "start": start_posture(analysis.robot, analysis.task).tolist(),
         "families": [
-            _family(family, numbers, words, out) | {"standing": standing(analysis, family)}
+            _family(family, numbers, words, out, analysis.robot) | {"standing": standing(analysis, family)}
             for family, numbers, words, out in blame
         ],
         "solids": [_solid(one, content.colours[one.family], analysis.robot) for one in content.solids],
@@ -124,7 +124,7 @@ def _rows(pose: Array) -> list[float]:
 
 
 def _family(
-    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...]
+    family: Family, numbers: tuple[int, ...], words: tuple[str, ...], ways: tuple[Way, ...], robot: Robot
 ) -> dict[str, Any]:
     return {
         "id": family.id,
@@ -133,19 +133,21 @@ def _family(
         "witness": list(family.witness),
         "lost_directions": family.lost_directions.tolist(),
         "blamed": list(numbers),
-        "told": family_html(family, words),
+        "told": family_html(family, words, robot),
         "ways": [{"label": one.label, "after": one.after, "q": list(one.q)} for one in ways],
     }
 
 
-def family_html(family: Family, words: tuple[str, ...]) -> str:
-    """A family in sentences: what is lost and who is to blame."""
+def family_html(family: Family, words: tuple[str, ...], robot: Robot) -> str:
+    """A family in sentences: what is lost, in which axes, and who is to blame."""
     lost = "".join(
         f'<li><span class="dot" style="background:var(--lost{1 + index % 4})"></span>{escape(one)}</li>'
         for index, one in enumerate(family.lost_words)
     )
     blame = f"<p><b>To blame:</b> {escape('; '.join(words))}</p>" if words else ""
-    return f"<b>{escape(family.name)}</b><ul>{lost}</ul>{blame}"
+    note = lost_told(robot, family.lost_words)
+    axes = f'<p class="small">{escape(note)}</p>' if note else ""
+    return f"<b>{escape(family.name)}</b><ul>{lost}</ul>{axes}{blame}"
 
 
 def _solid(solid: Solid, colour: int, robot: Robot) -> dict[str, Any]:

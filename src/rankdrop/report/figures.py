@@ -19,7 +19,7 @@ from rankdrop.local import drawn_at
 from rankdrop.reach import reach
 from rankdrop.report.content import Content, arrows
 from rankdrop.report.data import pieces
-from rankdrop.report.solids import draw_arm, draw_arrow
+from rankdrop.report.solids import draw_arm, draw_lost
 from rankdrop.report.svg import angle_ticks
 from rankdrop.results import Analysis
 from rankdrop.robot import Array, Robot
@@ -217,7 +217,7 @@ _ARROW = 0.32  # length per reach
 
 
 def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -> Figure:
-    """The arm at the witness of a family; solid arrows: translation lost, dotted: rotation.
+    """The arm at the witness of a family; an arrow for each lost motion, solid, dotted, or with a ring.
 
     Args:
         analysis: of the arm.
@@ -238,11 +238,11 @@ def arm_figure(analysis: Analysis, family: Family, blamed: Sequence[int] = ()) -
     size = reach(robot)
     draw_arm(axes, arm, size, blamed)
     at, twists = arrows(analysis, family)
-    for twist, tone in zip(twists, ARROWS * len(twists), strict=False):
-        for vector, dotted in ((twist[:3], False), (twist[3:], True)):
-            if np.linalg.norm(vector) > 0.02:
-                draw_arrow(axes, at, _ARROW * size * vector, tone, size, dotted=dotted)
-    _framed(axes, np.vstack([arm.links, at[None]]), size)
+    ends = [
+        draw_lost(axes, at, twist, tone, size, _ARROW * size)
+        for twist, tone in zip(twists, ARROWS * len(twists), strict=False)
+    ]
+    _framed(axes, np.vstack([arm.links, at[None], *ends]), size)
     drawn.suptitle(f"{family.id}: {family.name}", fontsize=8, y=0.96)
     return drawn
 

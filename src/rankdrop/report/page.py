@@ -131,8 +131,8 @@ def _arm(content: Content) -> str:
         '<section id="see"><h2>The arm, live</h2><div class="see"><div class="go" role="group" tabindex="0" '
         f'aria-label="families">{buttons}<button id="home">start posture</button></div><div class="stage">'
         '<canvas id="arm" role="img" tabindex="0" aria-label="The arm"></canvas>'
-        '<div class="key">Solid arrow: translation lost. Dotted: rotation lost. Both in one '
-        "colour: one lost direction that mixes them. Orange: axes to blame."
+        '<div class="key">One arrow for each lost motion. Solid: translation. Dotted: rotation. A ring about the '
+        "foot of an arrow: the two are mixed, as the sentence says. Orange: axes to blame."
         '<span class="screen"> Drag or use the arrow keys to turn, double click to turn back.</span></div></div>'
         '<div class="panel"><div id="verdict" role="status"></div><div id="sigma"></div><div id="told"></div>'
         f'<div id="ways" role="group" aria-label="ways out"></div>{_limits_box(robot)}{_meshes_box(content)}'
@@ -182,7 +182,7 @@ def _beside(content: Content) -> str:
 
 def _seen(family: Family) -> str:
     """What a picture of a family shows, for those who do not see it."""
-    return escape(f"The arm in {family.id}, {family.name}. Lost: {'; '.join(family.lost_words)}.")
+    return escape(f"The arm in {family.id}, {family.name}. Lost, an arrow each: {'; '.join(family.lost_words)}.")
 
 
 def _tables(content: Content) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rankdrop.kinematics import pose
 from rankdrop.local import generic_rank
-from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place
+from rankdrop.motion import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathCheck, Place, Stretch
 from rankdrop.report.data import LIVE, first_view, robot_data
 from rankdrop.report.page import whole_page
 from rankdrop.robot import Array
@@ -54,8 +54,8 @@ def _stage(check: PathCheck) -> str:
     buttons = "".join(
         f'<button data-stretch="{i}"><i class="dot" style="background:var({INKS[one.verdict]})"></i>'
         f"<b>{escape(one.verdict)}</b> {escape(one.name or 'no family known')}<br>"
-        f'<span class="small">{escape(_when(check, one.start))} – {escape(_when(check, one.end))}</span></button>'
-        for i, one in enumerate(check.stretches[:_LISTED])
+        f'<span class="small">{escape(_span(check, one))}</span></button>'
+        for i, one in sorted(enumerate(check.stretches[:_LISTED]), key=lambda pair: _order(pair[1]))
     )
     left = len(check.stretches) - _LISTED
     more = f'<span class="small">and {left} more</span>' if left > 0 else ""
@@ -68,13 +68,24 @@ def _stage(check: PathCheck) -> str:
         '<section id="see"><h2>The arm on its path</h2><div class="see"><div class="go" aria-label="stretches">'
         f'{buttons}{more}</div><div class="stage"><canvas id="arm" tabindex="0" aria-label="The arm in three '
         'dimensions; drag to turn"></canvas><div class="key">The line is the way of the tip. Faint arrow: the '
-        'direction that would be lost first; solid or dotted: lost translation, rotation.</div></div>'
+        'direction that would be lost first; solid: translation, dotted: rotation, with a ring: mixed.</div></div>'
         '<div class="readout"><div id="verdict"></div>'
         '<dl id="numbers"></dl></div></div><div class="player"><button id="play" aria-label="play">▶ play</button>'
         '<input type="range" id="at" min="0" max="1" step="any" value="0" aria-label="place on the path">'
         f'<output id="place"></output></div><div class="legend">{legend}</div>'
         '<div id="plots"></div></section>'
     )
+
+
+def _order(one: Stretch) -> tuple[bool, int, float]:
+    """What meets a singularity first, worst first; then free stretches as they follow each other."""
+    free = one.verdict == FREE
+    return (free, one.start.row, one.start.share) if free else (free, 0, 0.0)
+
+
+def _span(check: PathCheck, one: Stretch) -> str:
+    start, end = _when(check, one.start), _when(check, one.end)
+    return f"at {start}" if start == end else f"{start} – {end}"
 
 
 def _when(check: PathCheck, place: Place) -> str:

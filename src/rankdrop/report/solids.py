@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop.local import Drawn
+from rankdrop.local import Drawn, arrow_of, ring_about
 from rankdrop.robot import Array
 
 LINK, BODY, AXIS, MARKED = "#7C8B9B", "#4F6073", "#A9B4C0", "#E07B00"
@@ -54,6 +54,23 @@ def draw_arrow(axes: Any, start: Array, vector: Array, colour: str, size: float,
     axes.plot(*np.stack([start, end - 0.9 * _HEAD * size * along]).T, color=colour, lw=2.0, ls=":" if dotted else "-",
               label=label)  # fmt: skip
     _add(axes, cone(end, along, _WIDTH * size, _HEAD * size), colour)
+
+
+def draw_lost(axes: Any, at: Array, direction: Array, colour: str, size: float, long: float) -> Array:
+    """One lost freedom as one arrow with its ring, as `rankdrop.local.arrow_of` makes it; (3,) where it ends.
+
+    Args:
+        axes: of matplotlib, with projection="3d".
+        at: (3,) the reference point [m].
+        direction: (6,) (v; ω) in the base frame.
+        colour, size: as for `draw_arrow`.
+        long: of an arrow of length one [m].
+    """
+    arrow, axis, turns = arrow_of(direction)
+    if axis.any():
+        axes.plot(*(at + long * ring_about(axis)).T, color=colour, lw=1.3, zorder=900)
+    draw_arrow(axes, at, long * arrow, colour, size, dotted=turns)
+    return np.asarray(at + long * arrow)
 
 
 def spread_out(drawn: Drawn, apart: float) -> Array:

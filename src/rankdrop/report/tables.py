@@ -7,7 +7,7 @@ from html import escape
 
 from rankdrop.family import CorankSummary, Family
 from rankdrop.results import Analysis, Conditions
-from rankdrop.robot import Robot, degrees_text
+from rankdrop.robot import Robot, witness_text
 from rankdrop.sections import html
 from rankdrop.text import (
     COUPLED,
@@ -108,7 +108,7 @@ def _notes(robot: Robot, row: Family, notes: Sequence[tuple[str, str]]) -> Itera
         css = "bad" if label in (COUPLED, "limits") else "good"
         yield f'<i class="{css}">{label}</i>&ensp;{escape(text)}'
     if at_witness(row):
-        yield f"witness q = {degrees_text(row.witness, robot.units)}"
+        yield f"witness {witness_text(robot, row.witness)}"
 
 
 def _cell(text: str) -> str:

@@ -35,7 +35,7 @@ from rankdrop.results.codec import (
 from rankdrop.results.verdict import Verdict, of_analysis
 from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
-from rankdrop.sections import html
+from rankdrop.sections import html, text
 from rankdrop.task import Task
 from rankdrop.text.cells import inside_limits, share_text
 from rankdrop.text.families import overview
@@ -250,6 +250,12 @@ class Analysis:
             exact=at("$.exact", lambda: restored(Comparison, record["exact"])) if "exact" in record else None,
             near=at("$.near", lambda: restored(Near, record["near"])) if "near" in record else None,
         )
+
+    def __str__(self) -> str:
+        """What may be claimed, and one table for each corank."""
+        told = overview(self.robot, self.generic_rank, self.coranks, self.families, self.exact,
+                        limits=self.settings.limits)  # fmt: skip
+        return f"{self.robot.name}: {self.verdict.sentence}\n\n{text(told)}"
 
     def _repr_html_(self) -> str:
         """For notebooks: one table per corank."""

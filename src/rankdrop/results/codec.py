@@ -95,15 +95,19 @@ def plain(value: Any) -> Any:
         return value
     if kind is float:
         return number_or_null(value)
-    if kind is tuple or kind is list:
-        return [plain(one) for one in value]
+    if kind is tuple or kind is list:  # of numbers and words, mostly: no call for each
+        return [
+            one if type(one) in _AS_IT_IS or (type(one) is float and isfinite(one)) else plain(one) for one in value
+        ]
     names = _fields_of(kind)
     if names is not None:
-        return {name: plain(getattr(value, name)) for name in names}
+        entries = zip(names, map(value.__getattribute__, names), strict=True)
+        return {name: one if type(one) in _AS_IT_IS else plain(one) for name, one in entries}
     if isinstance(value, Equation):
         return value.text()
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        finite = value.dtype != np.float64 or bool(np.isfinite(value).all())
+        return value.tolist() if finite else plain(value.tolist())
     if isinstance(value, np.generic):
         return plain(value.item())
     if isinstance(value, list | tuple):

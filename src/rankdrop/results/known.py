@@ -13,11 +13,13 @@ from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from rankdrop.errors import ResultFileError
 from rankdrop.family.record import Family, Pin, family_from_metres
+from rankdrop.frames import Frame
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.screws import words
 from rankdrop.results.codec import Record
@@ -38,6 +40,8 @@ ANSWERS = 2
 one, and every file that is shipped is stale. A release alone changes no answer."""
 INDEX = "index.json"
 """File beside them: coarse fingerprint, with the tip and without -> names of the arms that have it."""
+_names: WeakKeyDictionary[Robot, dict[tuple[tuple[int, ...], Frame, bool], str | None]] = WeakKeyDictionary()
+"""Of arms met so far: the name that their analysis is shipped under, by rows, frame, and whether any tip will do."""
 _SAME = 1e-12  # geometry that agrees to this is the same arm: σ ≤ 1e-9 holds for both
 
 
@@ -68,13 +72,25 @@ def known_analysis(robot: Robot, task: Task, *, any_tip: bool = False) -> Analys
         9
     """
     there = in_metres(robot)
+    names = _names.setdefault(robot, {})
+    key = (task.rows, task.frame, any_tip)
+    if key not in names:
+        names[key] = _known_name(there, task, any_tip=any_tip)
+    name = names[key]
+    if name is None:
+        return None
+    named = _named_after(shipped(name), there)
+    return named if there is robot else _out_of_metres(named, robot)
+
+
+def _known_name(robot: Robot, task: Task, *, any_tip: bool) -> str | None:
+    """Of an arm in metres: the name that its analysis is shipped under."""
     for tip in (True, False)[: 1 + (any_tip and task.m == 6)]:
-        mine = geometry(there, tip=tip)
-        for name in candidates(there, tip=tip):
+        mine = geometry(robot, tip=tip)
+        for name in candidates(robot, tip=tip):
             found = shipped(name)
             if np.abs(geometry(found.robot, tip=tip) - mine).max() <= _SAME and _same_task(found.task, task):
-                named = _named_after(found, there)
-                return named if there is robot else _out_of_metres(named, robot)
+                return name
     return None
 
 

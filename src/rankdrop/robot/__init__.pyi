@@ -7,6 +7,8 @@ from .model import Array as Array
 from .model import Joint as Joint
 from .model import JointKind as JointKind
 from .model import Robot as Robot
+from .model import lost_told as lost_told
+from .model import witness_text as witness_text
 from .models.mujoco import from_mujoco as from_mujoco
 from .models.mujoco import to_mujoco as to_mujoco
 from .models.pinocchio import from_pinocchio as from_pinocchio

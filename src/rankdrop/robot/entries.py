@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import inf, isfinite, pi
+from math import inf, isfinite, pi, radians
 from typing import Any
 
 from rankdrop.errors import RobotError
@@ -14,6 +14,7 @@ Where = Callable[[str], str]
 """Place of a key (or of the whole entry, for "") in words, for errors: "pa10.toml, line 12, joint 3, alpha"."""
 
 _MANY_TURNS = 8 * pi  # [rad]; cables of real arms allow a few turns, and 30 deg is more than this
+_LARGEST_DEGREES = 720.0
 _LETTERS = {"R": JointKind.REVOLUTE, "P": JointKind.PRISMATIC, "H": JointKind.HELICAL}
 
 
@@ -66,15 +67,20 @@ def limits(given: Mapping[str, Any], kind: JointKind, where: Where) -> dict[str,
     return {"lower": lower, "upper": upper, "velocity": velocity}
 
 
-def turn_notes(joints: Iterable[Joint]) -> list[str]:
-    """Notes on revolute joints whose limits look like degrees taken for radians."""
+def turn_notes(joints: Iterable[Joint], *, units: bool = True) -> list[str]:
+    """Notes on revolute joints whose limits look like degrees taken for radians.
+
+    Args:
+        joints: of the arm.
+        units: the file may say units; a URDF cannot, and its exporters write numbers above 720 where no limit is.
+    """
     notes = []
     for joint in joints:
         most = max((abs(x) for x in (joint.lower, joint.upper) if isfinite(x)), default=0.0)
-        if joint.kind is JointKind.REVOLUTE and most > _MANY_TURNS:
+        if joint.kind is JointKind.REVOLUTE and _MANY_TURNS < most <= (inf if units else _LARGEST_DEGREES):
+            mend = f'write "{most:g} deg" for degrees' if units else f"{most:g}° is {radians(most):.4g}"
             notes.append(
-                f"joint {joint.name!r}: limits of {joint.lower:g} … {joint.upper:g} rad are many turns; "
-                f'write "{most:g} deg" for degrees'
+                f"joint {joint.name!r}: limits of {joint.lower:g} … {joint.upper:g} rad are many turns; {mend}"
             )
     return notes
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import atan2, pi, sqrt
+from math import atan2, pi, radians, sqrt
 
 import numpy as np
 
@@ -274,9 +274,13 @@ def as_meant(robot: Robot, angles: Angles) -> Robot:
     """The arm with exact structure where its file's numbers hold it but for noise, and a note on what was changed.
 
     Args:
-        robot: read with `angles`.
-        angles: what the reader took decimals for; with `as_written` the robot is returned as it is.
+        robot: read with `angles`; a fixed angle of more than two turns brings a note.
+        angles: what the reader took decimals for; with `as_written` the numbers stay as they are.
     """
+    if angles.largest > 4 * pi:
+        most = angles.largest
+        note = f"a fixed angle of {most:g} rad is many turns; {most:g}° is {radians(most):.4g}"
+        robot = replace(robot, notes=(*robot.notes, note))
     if angles.as_written:
         return robot
     found, changes = squared(robot)

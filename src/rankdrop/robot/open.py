@@ -25,6 +25,7 @@ _BLANK = "\ufeff \t\r\n"
 _FORMATS = "DH or screw TOML, URDF, xacro or MJCF, or plain screws (six numbers a line)"
 _SEVERAL = {"cylindrical": 2, "spherical": 3}  # variables of the joints of a screw file that are not one
 _SUGGESTED, _TELLING = 3, 2  # names that an error suggests; letters of a text from which it is looked for inside names
+_POINTER = "version https://git-lfs.github.com/"
 _FROM_SDF = "convert it to MJCF with sdf2mjcf (PyPI: sdformat-mjcf), or give the URDF or xacro that it was made from"
 
 
@@ -194,6 +195,9 @@ def _from_text(text: str, path: Path, tip: str | None, base: str | None, as_writ
         if path.suffix.lower() != ".toml" and is_screw_list(text):
             _refuse_links(str(path), tip, base)
             return from_screw_list(path, name=visible(path.stem), as_written=as_written)
+        if text.startswith(_POINTER):
+            raise RobotError("the file is a pointer of Git LFS, not the file itself", where=str(path),
+                             mend="fetch it: git lfs pull")  # fmt: skip
         if path.suffix.lower() != ".toml" and not _is_toml(text):
             raise RobotError(
                 "the file is neither TOML nor XML", where=str(path), allowed=", ".join(_SUFFIXES[:-1]),

@@ -156,8 +156,10 @@ def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
     Example:
         >>> degrees_text([0.0, -1.5707963267948966, 0.1], ["rad", "rad", "m"])
         '(0°, −90°, 0.1 m)'
+        >>> degrees_text([1e-14, -2.2e-13], ["rad", "m"])  # what rounding left of zero
+        '(0°, 0 m)'
     """
-    parts = (f"{degrees(x) + 0.0:.4g}°" if unit == "rad" else f"{x + 0.0:.4g} m"
+    parts = (f"{round(degrees(x), 9) + 0.0:.4g}°" if unit == "rad" else f"{round(x, 9) + 0.0:.4g} m"
              for x, unit in zip(q, units, strict=True))  # fmt: skip
     return f"({', '.join(parts)})".replace("-", "−")
 
@@ -234,16 +236,19 @@ class Angles:
     Attributes:
         as_written: take every number literally.
         changes: angle taken less angle written [rad], for each number that was changed.
+        largest: of the numbers without a unit that were read, without sign [rad].
     """
 
     as_written: bool = False
     changes: list[float] = field(default_factory=list)
+    largest: float = 0.0
 
     def take(self, text: str) -> float:
         """The angle [rad] that a decimal text stands for."""
         value, change = (float(text), 0.0) if self.as_written else angle(text)
         if change:
             self.changes.append(change)
+        self.largest = max(self.largest, abs(value))
         return value
 
     def quantity(self, value: Any, *, where: str) -> float:
@@ -253,6 +258,8 @@ class Angles:
             RobotError: as `quantity`.
         """
         read = quantity(value, "angle", where=where)
+        if isinstance(value, int | float):
+            self.largest = max(self.largest, abs(read))
         text = value.text if isinstance(value, Written) else _RADIANS.sub("", value) if isinstance(value, str) else ""
         return self.take(text.strip()) if _DECIMAL.fullmatch(text.strip()) else read
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from rankdrop.errors import RobotError, visible
 from rankdrop.robot.budgets import LONGEST_TEXT, RANGE
+from rankdrop.robot.entries import turn_notes
 from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
@@ -215,6 +216,7 @@ def from_tree(
             screw = _screw(motion, _axis(tree, joint), pose)
             mimic = mimics.get(joint.name)
             joints.append(Joint(joint.name, motion, screw, lower, upper, velocity, pose, mimic, joint.child))
+    notes += turn_notes(joints, units=False)
     found = Robot(
         tree.name or visible(Path(place).stem), tuple(joints), pose, source=Source(kind, place),
         base=ends.base, tip=ends.tip, notes=(*ends.notes, *notes), about=f"{ends.base} to {ends.tip}",

@@ -14,7 +14,7 @@ import numpy as np
 from rankdrop.families.distance import nearest_turns
 from rankdrop.family.equation import Equation, pretty_angle
 from rankdrop.family.record import Check, Family, Pin
-from rankdrop.robot.model import Robot
+from rankdrop.robot.model import Robot, lost_told
 from rankdrop.units import counted_length
 
 FREE, COUPLED, NOTHING = "×", "c", "–"
@@ -27,16 +27,15 @@ _LEGEND = (
     "lost: the motion taken away, anywhere on the family unless it says otherwise. "
     "Turning by 1 rad counts as much as moving by {length} m."
 )
-_TWIST = " v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]."
 _SAME = 1e-9
 _MOST_TERMS = 30  # a longer condition is for programs
 _FOLDED = 8  # terms of a condition from which on it is only counted where an exact one stands beside it
 
 
 def legend(robot: Robot, families: Iterable[Family] = ()) -> str:
-    """What the marks and columns of a table of families mean, and the letters in what is lost on them."""
-    letters = any(" = 0 " in words for one in families for words in one.lost_words)
-    return _LEGEND.format(length=f"{counted_length(robot):g}") + _TWIST * letters
+    """What the marks and columns of a table of families mean, and letters and links in what is lost on them."""
+    lost = lost_told(robot, [words for one in families for words in one.lost_words])
+    return f"{_LEGEND.format(length=f'{counted_length(robot):g}')} {lost}".rstrip()
 
 
 def joint_symbol(number: int, kind: str) -> str:

@@ -17,8 +17,7 @@ from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.share import Near, NearShare
 from rankdrop.family.record import Check, CorankSummary, Family
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.sections import Section, count
 from rankdrop.text.cells import (
     COUPLED,
@@ -202,7 +201,7 @@ def exact_conditions(row: Family, comparison: Comparison | None) -> tuple[list[s
 
 
 def _line(row: Family, family: ExactRow, *, alone: bool) -> str:
-    """A family's conditions, without those of joints that the row has at the same values."""
+    """A family's conditions, without those of joints that the row has at these values, or at some of them."""
     same = [_has(row, pinned.number, pinned.values) for pinned in family.pinned]
     others = [readable(text) for text in family.conditions[len(same) :]]
     pins = [text for text, known in zip(family.conditions, same, strict=False) if not known]
@@ -219,8 +218,9 @@ def readable(text: str) -> str:
 
 def _has(row: Family, number: int, values: tuple[float, ...]) -> bool:
     for pinned in row.pinned:
-        if pinned.number == number and len(pinned.values) == len(values):
-            return bool(np.abs(np.sort(pinned.values) - np.sort(values)).max() <= _SAME)
+        if pinned.number == number:
+            off = np.abs(np.subtract.outer(pinned.values, values))
+            return bool((off.min(axis=1, initial=np.inf) <= _SAME).all())
     return False
 
 
@@ -302,7 +302,7 @@ def overview(
             for row, outside in shown
             for label, text in (*((("limits", outside),) if outside else ()), *conditions_of(row, exact))
         ]
-        under += [f"{row.id} witness q = {degrees_text(row.witness, robot.units)}" for row in rows if at_witness(row)]
+        under += [f"{row.id} witness {witness_text(robot, row.witness)}" for row in rows if at_witness(row)]
         heads = columns(robot, summary.corank)
         yield Section(
             title(summary, generic_rank), f"{number_of(rows)}, {explained(summary.completeness)}", columns=heads,

@@ -12,8 +12,7 @@ from collections.abc import Iterator, Sequence
 
 from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.family.record import CorankSummary, Family
-from rankdrop.robot.model import JointKind, Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import JointKind, Robot, lost_told, witness_text
 from rankdrop.text.cells import COUPLED, FREE, share_text
 from rankdrop.text.families import at_witness, columns, joint_cells, row_cells, within
 
@@ -90,10 +89,13 @@ def _table(
         lines.append(" & ".join(_cells(robot, number, inside)) + r" \tabularnewline")
         told = list(_conditions(family, exact))
         if at_witness(family):
-            told.append(as_text(f"witness q = {degrees_text(family.witness, robot.units)}"))
+            told.append(as_text(f"witness {witness_text(robot, family.witness)}"))
         if told:
             notes.append(f"\\noindent Row {number}: {'; '.join(told)}.\\par")
     lines += [r"\hline", r"\end{tabular}"]
+    links = lost_told(robot, [words for family in rows for words in family.lost_words])
+    if links:
+        notes.append(f"\\noindent {as_text(links)}\\par")
     if notes:
         lengths = ", ".join(f"${mathematics(name)} = {value:.6g}$ m" for name, value in _letters_in(notes, exact))
         if lengths:

@@ -8,4 +8,5 @@ from .beside import moved_section as moved_section
 from .beside import nearby as nearby
 from .beside import there_section as there_section
 from .covering import cover as cover
+from .covering import how_far as how_far
 from .jacobian_in_frame import link_jacobian as link_jacobian

@@ -39,7 +39,7 @@ from rankdrop.certify.enclosed import BudgetSpent
 from rankdrop.compare.covered import Explainer, spots
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
-from rankdrop.jobs import Engine, Job, check_engine, finish
+from rankdrop.jobs import Engine, Job, check_engine, finish, progress_of
 from rankdrop.local.block import joint_scale
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
@@ -128,6 +128,22 @@ def cover(
     return Covered(robot, resolved, found, _account(found, robot, resolved, families, source, threads, tell))
 
 
+def how_far(out: str | Path) -> str:
+    """How far the covering of a file is, as a sentence, read from what is on the disk alone.
+
+    Raises:
+        ResultFileError: nothing of a covering is there.
+    """
+    file, folder = Path(out), _parts_of(Path(out))
+    if file.is_file() and not folder.is_dir():
+        return f"finished: {load(file)[1].leaves:,} boxes in {file}"
+    return progress_of(file if file.is_dir() else folder).sentence
+
+
+def _parts_of(out: Path) -> Path:
+    return out.with_name(f"{out.name}.parts")
+
+
 def _silent(label: str, done: int, total: int) -> None:
     return None
 
@@ -140,7 +156,7 @@ def _made(
         there = Covering(*load(out))
         if there.plan.line() == plan.line():
             return there
-    folder = None if out is None else out.with_name(f"{out.name}.parts")
+    folder = None if out is None else _parts_of(out)
     if plan.shape.leaves <= (_QUICK if plan.method == SPLIT else _QUICK_BY_ENCLOSURES) and engine.scheduler is None:
         engine = Engine(here=True)
     found = _by_chunks(robot, task, plan, folder, budget, engine, tell)

@@ -31,7 +31,7 @@ class Now:
         at_least: no singular configuration is nearer than this: proven [rad].
         links: (N + 2, 4, 4) from `link_poses`.
         lost: (k, 6) lost directions in the task's frame; at a configuration that is not singular the weakest one.
-        arrows: they as arrows.
+        arrows: they as arrows, one each.
         blamed: circuits to blame; empty where the configuration is not singular.
         outside: joints (from 1) beyond a limit.
     """

@@ -152,8 +152,9 @@ def circuit_text(circuit: Circuit) -> str:
 def legend_html() -> str:
     """What the arrows and colours mean."""
     items = [
-        (VERMILION, "━▶ solid: translation that is lost; ┅▶ dotted: rotation that is lost"),
-        (SKY, "the same arrows, at a regular configuration: the weakest motion, which is lost first"),
+        (VERMILION, "one arrow for each lost motion. ━▶ solid: translation; ┅▶ dotted: rotation; a ring about the foot "
+         "of an arrow: the two are mixed, as the sentence says"),
+        (SKY, "the same arrow, at a regular configuration: the weakest motion, which is lost first"),
         (ORANGE, "joints to blame and their axes: the smallest circuit"),
         (PURPLE, "the second circuit; a joint of both is drawn in the colour of the first"),
     ]

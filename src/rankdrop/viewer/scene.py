@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.frames import link_index
+from rankdrop.local import arrow_of, ring_about
 from rankdrop.robot import Array
 from rankdrop.task import Task
 from rankdrop.viewer.body import Body
 
-LENGTH = 0.45  # of an arrow for a unit direction, as a share of the size
-_NOTHING = 0.02  # parts of a unit direction that are shorter have no arrow
+LENGTH = 0.45  # of an arrow, as a share of the size
 DASHES = 7  # of a dotted arrow
 HEAD = 0.18  # share of an arrow that is its head
 RINGS = 6  # capsule ends
@@ -23,18 +23,20 @@ AROUND = 20  # capsule sides
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """One arrow in the base frame.
+    """The arrow of one lost freedom in the base frame.
 
     Attributes:
         start, end: (3,) [m].
         turns: a rotation, drawn dotted (AM); a translation is solid.
         number: of the direction it belongs to, from 0.
+        ring: (S, 2, 3) a ring about its foot, where a rotation is tied to the translation; else empty.
     """
 
     start: Array
     end: Array
     turns: bool
     number: int
+    ring: Array
 
     @property
     def neck(self) -> Array:
@@ -62,7 +64,7 @@ def task_frame(links: Array, task: Task) -> tuple[Array, Array]:
 
 
 def arrows(directions: Array, links: Array, task: Task, size: float) -> tuple[Arrow, ...]:
-    """Arrows of directions (k, 6) of the task's frame: solid along v, dotted along ω, each as long as its share.
+    """One arrow for each of the directions (k, 6) of the task's frame, as `arrow_of` makes it.
 
     Args:
         directions: unit rows (v; ω) in the task's frame, from `lost_directions`.
@@ -73,9 +75,12 @@ def arrows(directions: Array, links: Array, task: Task, size: float) -> tuple[Ar
     axes, point = task_frame(links, task)
     found = []
     for number, direction in enumerate(np.asarray(directions, dtype=np.float64)):
-        for turns, part in ((False, direction[:3]), (True, direction[3:])):
-            if np.linalg.norm(part) >= _NOTHING:
-                found.append(Arrow(point, point + LENGTH * size * (axes @ part), turns, number))
+        arrow, axis, turns = arrow_of(direction)
+        ring = np.empty((0, 2, 3))
+        if axis.any():
+            round_about = point + LENGTH * size * ring_about(axes @ axis)
+            ring = np.stack([round_about[:-1], round_about[1:]], axis=1)
+        found.append(Arrow(point, point + LENGTH * size * (axes @ arrow), turns, number, ring))
     return tuple(found)
 
 

@@ -95,7 +95,9 @@ class Stage:
         self._solid = scene.add_arrows("/lost/translations", _NONE, red, **shape, visible=False)
         self._heads = scene.add_arrows("/lost/rotation heads", _NONE, red, **shape, visible=False)
         self._dashes = scene.add_line_segments("/lost/rotations", _NONE, red, thickness=0.022 * size, visible=False)
-        self._axes = scene.add_line_segments("/blamed", _NONE, rgb(ORANGE), thickness=0.012 * size, visible=False)
+        self._rings = scene.add_line_segments("/lost/rings", _NONE, red, thickness=0.014 * size, visible=False)
+        each = np.array([[rgb(ORANGE)] * 2], dtype=np.uint8)  # of each end: one colour cannot become many later
+        self._axes = scene.add_line_segments("/blamed", _NONE, each, thickness=0.012 * size, visible=False)
 
     def _add_ghost(self) -> None:
         """The arm once more, seen through: where the nearest singular configuration is."""
@@ -199,6 +201,7 @@ class Stage:
         self._set(self._heads, np.array([[_tail(arrow.start, arrow.end), arrow.end] for arrow in turning]), lit)
         dashes = [arrow.segments() for arrow in turning]
         self._set(self._dashes, np.concatenate(dashes) if dashes else np.zeros(0), colour)
+        self._set(self._rings, np.concatenate([arrow.ring for arrow in shown]) if shown else np.zeros(0), colour)
 
     def _set(self, handle: viser.ArrowsHandle | viser.LineSegmentsHandle, points: Array, colour: Rgb) -> None:
         handle.visible = bool(len(points))

@@ -25,7 +25,7 @@ class EscapeTab:
         with controls.tabs.add_tab("Escape"):
             self._best = controls.button("best direction", lambda: self._along("best_direction"), colour="blue")
             self._pair = controls.button("best two joints", lambda: self._along("best_pair"))
-            self._still = controls.button("with the end effector still", self._keep_still)
+            self._still = controls.button("with the tool held still", self._keep_still)
             self._single = [self._joint_button(number) for number in range(1, controls.robot.n + 1)]
             controls.button("stop", controls.session.stop)
 
@@ -49,8 +49,8 @@ class EscapeTab:
         pair = out.best_pair
         self._label(self._pair, "best two joints" if pair is None else _direction_label(
             f"joints {' and '.join(map(str, pair.numbers))}", pair, r), pair is not None and pair.step > 0)  # fmt: skip
-        self._label(self._still, "with the end effector still" if out.still else "end effector still: none found"
-                    if out.avoidable is None else "end effector still: impossible", out.still is not None)  # fmt: skip
+        self._label(self._still, "with the tool held still" if out.still else "tool held still: none found"
+                    if out.avoidable is None else "tool held still: impossible", out.still is not None)  # fmt: skip
 
     def _label(self, button: viser.GuiButtonHandle, text: str, usable: bool) -> None:
         button.label = text

@@ -12,7 +12,7 @@ import numpy as np
 from rankdrop.families import Walk, family_distances
 from rankdrop.family import Family
 from rankdrop.results import angle, condition_sentences
-from rankdrop.robot import Array
+from rankdrop.robot import Array, lost_told
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 
@@ -71,7 +71,8 @@ class FamiliesTab:
         family = self.family
         conditions = map(plain, condition_sentences(self.controls.robot, self.controls.live.task, family))
         lines = [f"corank {family.corank}, dimension {family.dimension}", *conditions,
-                 *(f"lost: {plain(words)}" for words in family.lost_words)]  # fmt: skip
+                 *(f"lost: {plain(words)}" for words in family.lost_words),
+                 plain(lost_told(self.controls.robot, family.lost_words))]  # fmt: skip
         self._about.content = panel.lines_html(lines)
 
     def _nearest(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.family import Family
+from rankdrop.robot import lost_told
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 
@@ -40,7 +41,8 @@ class TourTab:
         """To another stop, round and round."""
         self.place = (max(self.place, 0 if steps < 0 else -1) + steps) % len(self.stops)
         family = self.stops[self.place]
+        note = lost_told(self.controls.robot, family.lost_words)
         self._told.content = panel.large_html(
-            f"{self.place + 1} of {len(self.stops)} · {family.name}", "; ".join(family.lost_words)
-        )
+            f"{self.place + 1} of {len(self.stops)} · {family.name}", f"The tool {'; it '.join(family.lost_words)}."
+        ) + panel.message_html(note)
         self.controls.session.go(np.array(family.witness))

@@ -1,7 +1,15 @@
-// The arm as capsules, its axes, and the lost directions as arrows: solid for translation, dotted for rotation.
+// The arm as capsules, its axes, and an arrow for each lost direction: solid for translation, dotted for rotation.
 
-const ARROW = 0.34; // length of a unit vector, per reach
+const ARROW = 0.34; // length of an arrow, per reach
 const ARROW_COLOURS = ["--lost1", "--lost2", "--lost3", "--lost4"];
+
+// One lost freedom (v; ω) as one arrow and the axis of its ring, as `rankdrop.local.arrow_of` makes it.
+function arrowOf({ v, w }) {
+  const whole = Math.hypot(length(v), length(w)), slide = length(v) / whole, turn = length(w) / whole;
+  if (turn < 0.02) return { along: unit(v), ring: [0, 0, 0], turns: false };
+  if (slide < 0.02) return { along: unit(w), ring: [0, 0, 0], turns: true };
+  return { along: unit(v).map((x) => x * (0.35 + 0.65 * slide)), ring: unit(w).map((x) => x * (0.07 + 0.25 * turn)), turns: false };
+}
 
 class Arm {
   constructor(robot, canvas, view) {
@@ -46,10 +54,8 @@ class Arm {
     const scene = this.scene, robot = this.robot, unitSize = robot.reach, moved = displacements(robot, this.state.q);
     const point = taskFrame(robot, moved).point, small = scene.width <= 260;
     for (const one of this.state.arrows) { // the view grows where an arrow would leave it
-      for (const vector of [one.v, one.w]) {
-        const far = length(plus(plus(point, vector, ARROW * unitSize), scene.centre, -1));
-        if (!one.faint) scene.radius = Math.max(scene.radius, far + (small ? 0.05 : 0.03) * unitSize);
-      }
+      const far = length(plus(plus(point, arrowOf(one).along, ARROW * unitSize), scene.centre, -1));
+      if (!one.faint) scene.radius = Math.max(scene.radius, far + (small ? 0.05 : 0.03) * unitSize);
     }
     scene.begin();
     this.ground(unitSize);
@@ -132,14 +138,24 @@ class Arm {
     });
   }
 
+  // As `rankdrop.local.ring_about`: a ring about an axis, with a head at its end.
+  ring(at, axis, size) {
+    const z = unit(axis), x = unit(cross(z, Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), y = cross(z, x), radius = length(axis);
+    const points = Array.from({ length: 41 }, (_, i) => {
+      const turn = (i * 7.5 * Math.PI) / 180;
+      return plus(x.map((c) => c * radius * Math.cos(turn)), y, radius * Math.sin(turn));
+    });
+    const end = points[40], back = plus(end, cross(z, end), -0.36);
+    return [...points, plus(back, end, 0.2), end, plus(back, end, -0.2)].map((p) => plus(at, p, size));
+  }
+
   arrows(point, size) {
     const small = this.scene.width <= 260;
     this.state.arrows.forEach((one, i) => {
       const colour = ink(ARROW_COLOURS[i % 4]), width = small ? 2 : 3.4, alpha = one.faint ? 0.35 : 1;
-      for (const [vector, dash] of [[one.v, []], [one.w, small ? [0.1, 4] : [0.1, 6.5]]]) {
-        if (length(vector) < 0.02) continue;
-        this.scene.arrow(point, plus(point, vector, ARROW * size), colour, { width, dash, alpha });
-      }
+      const { along, ring, turns } = arrowOf(one), dash = turns ? [0.1, small ? 4 : 6.5] : [];
+      if (length(ring)) this.scene.line(this.ring(point, ring, ARROW * size), colour, 0.6 * width, { alpha, over: true });
+      this.scene.arrow(point, plus(point, along, ARROW * size), colour, { width, dash, alpha });
     });
   }
 }

@@ -22,8 +22,7 @@ from rankdrop.family.record import Check
 from rankdrop.results.codec import Record, counted, plain, robot_to_dict, save_record
 from rankdrop.results.conditions.text import sections_of
 from rankdrop.results.verdict import Verdict, of_conditions
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, witness_text
 from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
 from rankdrop.units import heading
@@ -249,7 +248,7 @@ class Conditions:
     def _witness(self, family: ExactFamily) -> Iterator[str]:
         """Where a lost motion that is told for the witness is told."""
         if any("witness" in words for words in family.lost_words):
-            yield f"witness: q = {degrees_text(family.witness, self.robot.units)}"
+            yield f"witness: {witness_text(self.robot, family.witness)}"
 
     def _told(self) -> tuple[Section, ...]:
         """The verdict first and last."""

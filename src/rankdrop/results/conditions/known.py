@@ -20,7 +20,6 @@ from fractions import Fraction
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
-from math import degrees
 from typing import Any
 
 import numpy as np
@@ -32,10 +31,11 @@ from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.condition import AnglePin, Condition
 from rankdrop.exact.writing.notation import Step
-from rankdrop.family.equation import Equation, pretty_angle
+from rankdrop.family.equation import Equation
 from rankdrop.family.record import Check, Family
 from rankdrop.results.codec import Record, restored
 from rankdrop.results.conditions.conditions import SCHEMA, Conditions, ConditionSettings, conditions_to_dict
+from rankdrop.results.conditions.text import values_in_degrees
 from rankdrop.results.known import ANSWERS, candidates
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
@@ -314,15 +314,6 @@ def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, 
         values = ", ".join(f"{name} = {letters[name]:.6g} m".replace("-", "−") for name in there)
         told[-1 - bool(long)] += f", {values}"
     return tuple(told)
-
-
-def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
-    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
-    if robot.variables[number - 1].unit != "rad":
-        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
-    told = [pretty_angle(value) for value in values]
-    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(told, values, strict=True)]
-    return " or ".join(plain).replace("-", "−")
 
 
 def _symbol(robot: Robot, number: int) -> str:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import degrees
 from typing import TYPE_CHECKING
 
 from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.family.equation import pretty_angle
-from rankdrop.robot.model import Robot
-from rankdrop.robot.quantities import degrees_text
+from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
@@ -210,6 +210,8 @@ def _no_coranks(conditions: Conditions, _width: int | None) -> Iterator[Section]
         yield Section(name, _none(conditions))
     texts = [text for family in conditions.families for text in family.texts[len(family.pins) :]]
     notes = [_LEGEND] if texts else []
+    lost = lost_told(conditions.robot, [words for family in conditions.families for words in family.lost_words])
+    notes += [lost] * bool(lost)
     if any(_ROUNDED.search(text) for text in texts):
         notes.append("decimals are shown with six digits; --python, --c and --json have all of them")
     if last < r:
@@ -228,6 +230,11 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
     """One family: name, conditions, dimension, what is lost."""
     yield from sentence(f"{family.id}  {family.name}", width, len(_INSET))
     yield from (piece for line in condition_lines(family) for piece in either(f"{_INSET}{line}", width))
+    shifted = {pin.joint for pin in family.pins if family.shifts[pin.joint - 1]}
+    if shifted:
+        own = [one for one in family.pinned(robot) if one.number in shifted]
+        told = "; ".join(f"q{one.number} = {values_in_degrees(robot, one.number, one.values)}" for one in own)
+        yield from sentence(f"{_INSET}the joint's own value: {told}", width, len(_INSET))
     if family.reality:
         yield from formula(f"{_INSET}{family.reality}; here it is", width)
     yield f"{_INSET}dimension {family.dimension}, codimension {family.codimension}"
@@ -235,8 +242,16 @@ def _family(family: ExactFamily, robot: Robot, width: int | None) -> Iterator[st
         told = words if words.startswith("can only") else f"lost: {words.removeprefix('cannot ')}"
         yield from sentence(f"{_INSET}{told}", width, len("lost: "))
     if any("witness" in words for words in family.lost_words):
-        at = degrees_text(family.witness, robot.units)
-        yield from sentence(f"{_INSET}witness: q = {at}", width, len("witness: "))
+        yield from sentence(f"{_INSET}witness: {witness_text(robot, family.witness)}", width, len("witness: "))
+
+
+def values_in_degrees(robot: Robot, number: int, values: Sequence[float]) -> str:
+    """ "0 or π", "−26.76° or 153.24°", "0.25 m"."""
+    if robot.variables[number - 1].unit != "rad":
+        return " or ".join(f"{value:.6g} m".replace("-", "−") for value in values)
+    told = [pretty_angle(value) for value in values]
+    plain = [one if "π" in one or one == "0" else f"{degrees(x):.2f}°" for one, x in zip(told, values, strict=True)]
+    return " or ".join(plain).replace("-", "−")
 
 
 def condition_lines(family: ExactFamily) -> list[str]:

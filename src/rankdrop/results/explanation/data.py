@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from rankdrop.certify.ball import Certificate
+from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
+from rankdrop.errors import OptionError
 from rankdrop.families.distance import FamilyDistance
 from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence
@@ -20,6 +22,7 @@ from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
 from rankdrop.tolerances import Tolerances
 
+_AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 AT_LIMIT = 1e-3
 """A joint so close to its limit stands at it [rad; slides in length scales]: `escape` does not move it that way."""
 
@@ -153,18 +156,43 @@ class Far:
     """How far the next singularity is.
 
     Attributes:
+        asked: the question.
         nearest: the nearest singular configuration that was found; None where none was.
         nearest_family: a family it belongs to.
         families: distance to each known family that does not hold here, nearest first.
-        certificate: ball proven free of singularities; None where the task cannot be certified (`uncertified` says
-            why) or the configuration is singular.
-        uncertified: the reason.
+        unasked: why no radius is certified at all; empty where one is.
         near_miss: σ_r of the smallest nonzero local minimum met from here; None unless that is what is near.
     """
 
+    asked: Asked
     nearest: Nearest | None
     nearest_family: Incidence | None
     families: tuple[FamilyDistance, ...]
-    certificate: Certificate | None
-    uncertified: str = ""
+    unasked: str = ""
     near_miss: float | None = None
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """Ball proven free of singularities, worked out when it is first asked for; None where the task cannot be
+        certified (`uncertified` says why) or the configuration is singular."""
+        return self._certified[0]
+
+    @property
+    def uncertified(self) -> str:
+        """Why there is no certificate; empty where there is one."""
+        return self._certified[1]
+
+    @cached_property
+    def _certified(self) -> tuple[Certificate | None, str]:
+        """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
+        if self.unasked:
+            return None, self.unasked
+        asked, settings = self.asked, self.asked.settings
+        distance = self.nearest.distance if self.nearest is not None and not settings.limits else float("inf")
+        try:
+            return certified_radius(
+                asked.robot, asked.q, asked.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
+                enough=distance * (1 - _AS_GOOD), evaluations=settings.evaluations,
+            ), ""  # fmt: skip
+        except OptionError as error:  # a task that cannot be certified
+            return None, error.what

@@ -6,7 +6,7 @@ An explanation as plain data: the names of docs/json.md and schema/explanation.s
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,17 +15,19 @@ import numpy as np
 
 from rankdrop.certify.ball import Certificate
 from rankdrop.family.which import Incidence
-from rankdrop.local.ellipsoids import Ellipsoids
-from rankdrop.local.failures import Failures
-from rankdrop.local.rates import Rates
-from rankdrop.local.redundant import Redundancy
-from rankdrop.local.relations import Relation
-from rankdrop.local.representation import Representations
+from rankdrop.local.ellipsoids import Ellipsoids, ellipsoids
+from rankdrop.local.failures import Failures, failures_at
+from rankdrop.local.nearest import Nearest
+from rankdrop.local.rates import Rates, joint_rates
+from rankdrop.local.redundant import Redundancy, redundancy
+from rankdrop.local.relations import Relation, relations_at
+from rankdrop.local.representation import Representations, representation_at
 from rankdrop.local.verdict import Rank
-from rankdrop.local.ways_out import Escape
+from rankdrop.local.ways_out import Escape, escape
 from rankdrop.results.codec import Record, plain, robot_to_dict, save_record
-from rankdrop.results.explanation.data import AT_LIMIT, Blame, ExplainSettings, Far, Lost
+from rankdrop.results.explanation.data import AT_LIMIT, Asked, Blame, ExplainSettings, Far, Lost
 from rankdrop.results.explanation.failures import failures_to_dict
+from rankdrop.results.explanation.parts import blame_at, disagreements, incidences_at, lost_of, turned_task
 from rankdrop.results.explanation.text import DETAILS, PARTS, sections_of
 from rankdrop.results.verdict import of_explanation
 from rankdrop.robot.model import Array, Robot
@@ -38,18 +40,11 @@ SCHEMA = "rankdrop/explanation/1"
 
 def explanation_to_dict(explanation: Explanation) -> Record:
     """Every part; what is asked for most stands at the top level."""
-    rank = explanation.rank
     return {
         **heading(SCHEMA),
-        "robot": robot_to_dict(explanation.robot, explanation.task, rank.generic_rank),
-        "settings": plain(explanation.settings),
-        "q": explanation.q.tolist(),
-        "outside_limits": list(explanation.outside_limits),
-        "at_limits": list(explanation.at_limits),
-        "verdict": explanation.verdict,
-        "reason": explanation.reason,
+        **_head(explanation),
         "sentence": of_explanation(explanation),
-        **plain(rank),
+        **plain(explanation.rank),
         "nearly_lost": explanation.nearly_lost,
         "focus": explanation.focus.tolist(),
         "family": incidence_to_dict(explanation.met[0]) if explanation.met else None,
@@ -57,30 +52,47 @@ def explanation_to_dict(explanation: Explanation) -> Record:
         "family_source": explanation.source,
         "relations": plain(explanation.relations),
         **_lost(explanation.lost),
-        "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
-        "blame": plain(explanation.blame),
-        "escape": plain(explanation.escape),
+        **_ways(explanation),
         "joint_rates": plain(explanation.rates),
-        "nearest": nearest_to_dict(explanation),
-        "families_away": [
-            {
-                "id": one.family.id,
-                "name": one.family.name,
-                **{key: value for key, value in plain(one).items() if key != "family"},
-            }
-            for one in explanation.far.families
-        ],
-        "certified_radius": explanation.certified_radius,
-        "certificate": None
-        if explanation.far.certificate is None
-        else certificate_to_dict(explanation.far.certificate),
-        "uncertified": explanation.far.uncertified,
-        "near_miss": plain(explanation.far.near_miss),
+        **_far(explanation),
         **failures_to_dict(explanation.failures),
         "ellipsoids": plain(explanation.ellipsoids),
         "redundancy": plain(explanation.redundancy),
         "representations": plain(explanation.representations),
         "disagreements": list(explanation.disagreements),
+    }
+
+
+def _head(explanation: Explanation) -> Record:
+    return {
+        "robot": robot_to_dict(explanation.robot, explanation.task, explanation.rank.generic_rank),
+        "settings": plain(explanation.settings),
+        "q": explanation.q.tolist(),
+        "outside_limits": list(explanation.outside_limits),
+        "at_limits": list(explanation.at_limits),
+        "verdict": explanation.verdict,
+        "reason": explanation.reason,
+    }
+
+
+def _ways(explanation: Explanation) -> Record:
+    return {
+        "circuits": [list(circuit.numbers) for circuit in explanation.blame.circuits],
+        "blame": plain(explanation.blame),
+        "escape": plain(explanation.escape),
+    }
+
+
+def _far(explanation: Explanation) -> Record:
+    far = explanation.far
+    away = (({key: value for key, value in plain(one).items() if key != "family"}, one.family) for one in far.families)
+    return {
+        "nearest": nearest_to_dict(explanation),
+        "families_away": [{"id": family.id, "name": family.name, **entries} for entries, family in away],
+        "certified_radius": explanation.certified_radius,
+        "certificate": None if far.certificate is None else certificate_to_dict(far.certificate),
+        "uncertified": far.uncertified,
+        "near_miss": plain(far.near_miss),
     }
 
 
@@ -138,23 +150,20 @@ def nearest_to_dict(explanation: Explanation) -> Record | None:
 
 def far_to_dict(explanation: Explanation) -> Record:
     """What `rankdrop nearest --json` writes: the entries of an explanation that say how far."""
-    return _picked(explanation, "rankdrop/nearest/1", "nearest", "families_away", "certified_radius", "certificate",
-                   "uncertified", "near_miss")  # fmt: skip
+    return _picked(explanation, "rankdrop/nearest/1", _far(explanation))
 
 
 def way_out_to_dict(explanation: Explanation, procedure: Any) -> Record:
     """What `rankdrop escape --json` writes: the entries of an explanation that lead out; `lie` GR's procedure."""
-    picked = _picked(explanation, "rankdrop/escape/1", "circuits", "blame", "escape")
-    return {**picked, "lie": plain(procedure)}
+    return {**_picked(explanation, "rankdrop/escape/1", _ways(explanation)), "lie": plain(procedure)}
 
 
-def _picked(explanation: Explanation, schema: str, *names: str) -> Record:
-    whole = explanation_to_dict(explanation)
-    always = (
-        "robot", "settings", "q", "outside_limits", "at_limits", "verdict", "reason", "rank", "generic_rank", "corank",
-        "nullity", "sigma",
-    )  # fmt: skip
-    return {**heading(schema), **{name: whole[name] for name in (*always, *names, "disagreements")}}
+def _picked(explanation: Explanation, schema: str, entries: Record) -> Record:
+    rank = plain(explanation.rank)
+    ranks = {name: rank[name] for name in ("rank", "generic_rank", "corank", "nullity", "sigma")}
+    return {
+        **heading(schema), **_head(explanation), **ranks, **entries, "disagreements": list(explanation.disagreements)
+    }
 
 
 def certificate_to_dict(certificate: Certificate) -> Record:
@@ -167,46 +176,120 @@ _SHOWN = tuple(name for name in PARTS if name not in DETAILS | {"more"})
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Explanation:
-    """Everything rankdrop can say of one configuration.
+    """Everything rankdrop can say of one configuration; parts that take long are made when first asked for, and kept.
 
     Attributes:
-        robot, task, q: what was asked about.
-        settings: thresholds, seed, version.
+        asked: the question: arm, configuration, task, rank, known families, settings.
         verdict: "regular", "near", "singular" or "always-singular".
         reason: one sentence for it.
-        rank: singular values, rank, generic rank, corank, nullity.
-        focus: (n,) the configuration that family, relations and blame speak of: q itself, or the nearest singular one
-            where q is near it.
-        met: families that hold at the focus; the first is the one that says most.
-        source: where the families come from.
-        relations: what the axes have in common at the focus.
-        lost, blame, escape, rates, far: the parts.
-        failures: what the failure of each single joint leaves at q.
-        ellipsoids, redundancy, representations: further parts.
-        disagreements: where two methods disagree; empty when all is well.
+        far: how far the next singularity is.
     """
 
-    robot: Robot
-    task: Task
-    q: Array
-    settings: ExplainSettings
+    asked: Asked
     verdict: str
     reason: str
-    rank: Rank
-    focus: Array
-    met: tuple[Incidence, ...]
-    source: str
-    relations: tuple[Relation, ...]
-    lost: Lost
-    blame: Blame
-    escape: Escape
-    rates: Rates
     far: Far
-    failures: Failures
-    ellipsoids: Ellipsoids
-    redundancy: Redundancy
-    representations: Representations
-    disagreements: tuple[str, ...] = ()
+
+    @property
+    def robot(self) -> Robot:
+        """The arm that was asked about."""
+        return self.asked.robot
+
+    @cached_property
+    def task(self) -> Task:
+        """What the tool is to do, with the length scale that was used."""
+        return replace(self.asked.task, length_scale=self.asked.settings.length_scale)
+
+    @property
+    def q(self) -> Array:
+        """(n,) the configuration [rad, m]."""
+        return self.asked.q
+
+    @property
+    def settings(self) -> ExplainSettings:
+        """Thresholds, seed, version."""
+        return self.asked.settings
+
+    @property
+    def rank(self) -> Rank:
+        """Singular values, rank, generic rank, corank, nullity."""
+        return self.asked.rank
+
+    @property
+    def source(self) -> str:
+        """Where the families come from."""
+        return self.asked.source
+
+    @cached_property
+    def focus(self) -> Array:
+        """(n,) what family, relations and blame speak of: q itself, or the nearest singular one where q is near it."""
+        return self.q if self._at_hand is None else np.array(self._at_hand.q)
+
+    @property
+    def _at_hand(self) -> Nearest | None:
+        return self.far.nearest if self.verdict == "near" and self.far.near_miss is None else None
+
+    @property
+    def _corank(self) -> int:
+        return self.rank.corank if self._at_hand is None else self._at_hand.corank
+
+    @cached_property
+    def met(self) -> tuple[Incidence, ...]:
+        """Families that hold at the focus; the first is the one that says most."""
+        return incidences_at(self.asked, self.focus, self._corank) if self._corank else ()
+
+    @cached_property
+    def relations(self) -> tuple[Relation, ...]:
+        """What the axes have in common at the focus."""
+        return relations_at(self.robot, self.focus)
+
+    @cached_property
+    def lost(self) -> Lost:
+        """Directions of the tool that are lost at the focus."""
+        return lost_of(self.asked, self.focus, self._corank or (1 if self.far.near_miss is not None else 0))
+
+    @cached_property
+    def blame(self) -> Blame:
+        """Which joints make the dependency at the focus."""
+        return blame_at(self.asked, self.focus, self._corank)
+
+    @cached_property
+    def escape(self) -> Escape:
+        """Which motions lead out."""
+        settings = self.settings
+        return escape(
+            self.robot, self.q, self.asked.task, tolerances=settings.tolerances, seed=settings.seed, step=settings.step
+        )
+
+    @cached_property
+    def rates(self) -> Rates:
+        """What motion costs the joints."""
+        return joint_rates(self.robot, self.q, turned_task(self.asked.task, self.settings.frame, self.lost))
+
+    @cached_property
+    def failures(self) -> Failures:
+        """What the failure of each single joint leaves at q."""
+        return failures_at(self.robot, self.q, self.asked.task, tolerances=self.settings.tolerances)
+
+    @cached_property
+    def ellipsoids(self) -> Ellipsoids:
+        """How motion and force compare by direction."""
+        return ellipsoids(self.robot, self.q, self.asked.task)
+
+    @cached_property
+    def redundancy(self) -> Redundancy:
+        """What motions of the joints leave the tool still."""
+        return redundancy(self.robot, self.q, self.asked.task)
+
+    @cached_property
+    def representations(self) -> Representations:
+        """How far the coordinates of the orientation are from singularities of their own."""
+        return representation_at(self.robot, self.q, tolerances=self.settings.tolerances)
+
+    @cached_property
+    def disagreements(self) -> tuple[str, ...]:
+        """Where two methods disagree; empty when all is well."""
+        return tuple(disagreements(self.far, self.escape.single))
 
     @property
     def nearly_lost(self) -> int:

@@ -12,9 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.certify.ball import LARGEST, Certificate, certified_radius
 from rankdrop.errors import OptionError
-from rankdrop.families.distance import FamilyDistance, family_distances
+from rankdrop.families.distance import FamilyDistance, agreement, family_distances
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
@@ -22,6 +21,8 @@ from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence, families_at
 from rankdrop.frames import BASE, TIP
 from rankdrop.local.block import decompose
+from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
+from rankdrop.local.cofactors import hunt
 from rankdrop.local.directions import (
     FramedDirections,
     lost_directions,
@@ -30,10 +31,13 @@ from rankdrop.local.directions import (
     readable_basis,
 )
 from rankdrop.local.nearest import Nearest, nearest_singularity
+from rankdrop.local.ordered import ordered_subsets
 from rankdrop.local.screws import blocked_words, constraint, in_short, screw_of, words
+from rankdrop.local.systems import always_singular_reason, systems_at
 from rankdrop.local.verdict import Rank
+from rankdrop.local.ways_out import JointEscape
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.explanation.data import Asked, Far, Lost, Seen
+from rankdrop.results.explanation.data import Asked, Blame, Far, Lost, Seen
 from rankdrop.results.explanation.words import angle, angle_below, short
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot, geometry
@@ -143,14 +147,15 @@ def checked_frame(frame: str | None) -> str:
 
 
 def axes_text(robot: Robot, framed: FramedDirections) -> str:
-    """Whose axes: "base axes", "tool axes", "axes of link 5 (wrist_2_link) at its origin"."""
+    """Whose axes: "base axes", "tool axes", "axes of the tool at the origin of link 5 (wrist_2_link)"."""
     frame = framed.frame
     if frame.origin == TIP and frame.axes in (BASE, TIP):
         return f"{'base' if frame.axes == BASE else 'tool'} axes"
     text = framed.name
-    if frame.axes in (BASE, TIP):
+    number = frame.origin if frame.axes in (BASE, TIP) else frame.axes
+    if number in (BASE, TIP):
         return f"axes of {text}"
-    joint, link = robot.joints[frame.axes - 1], f"link {frame.axes}"
+    joint, link = robot.joints[number - 1], f"link {number}"
     known = joint.link or f"after {joint.name}"
     return f"axes of {text.replace(link, f'{link} ({known})', 1)}"
 
@@ -184,7 +189,6 @@ def _never(robot: Robot, q: Array, task: Task, rank: Rank) -> Array:
     return readable_basis(rows.T).T
 
 
-_AS_GOOD = 1e-4  # what a radius may stay below the distance of the singularity that was found, as a share of it
 _SEEDS = 8  # nearest points of families that the search begins from
 
 
@@ -192,23 +196,20 @@ def how_far(asked: Asked) -> Far:
     """Distances from the configuration asked about."""
     away, rank, settings = _families_away(asked), asked.rank, asked.settings
     if rank.corank:
-        return Far(None, None, away, None, "the configuration is singular")
-    if rank.generic_rank == 0:
-        return Far(None, None, away, None, "the arm moves nothing")
+        return Far(asked, None, None, away, "the configuration is singular")
     try:
         nearest = nearest_singularity(
             asked.robot, asked.q, asked.task, limits=settings.limits, seed=settings.seed,
             seeds=tuple(one.q for one in away[:_SEEDS]), tolerances=settings.tolerances,
         )  # fmt: skip
     except OptionError as error:  # a long arm: rank, σ and all that is said at q itself do not need the distance
-        return Far(None, None, away, None, f"{error.what}: {error.got}")
-    certificate, reason = _certificate(asked, nearest)
+        return Far(asked, None, None, away, f"{error.what}: {error.got}")
     miss = _near_miss(asked) if float(rank.sigma[rank.generic_rank - 1]) <= settings.small else None
     if nearest is None:
-        return Far(None, None, away, certificate, reason, miss)
+        return Far(asked, None, None, away, near_miss=miss)
     there = incidences_at(asked, np.array(nearest.q), nearest.corank)
     closer = sorted((_no_farther(one, nearest, there) for one in away), key=lambda one: one.distance)
-    return Far(nearest, there[0], tuple(closer), certificate, reason, miss)
+    return Far(asked, nearest, there[0], tuple(closer), near_miss=miss)
 
 
 def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
@@ -220,28 +221,46 @@ def _families_away(asked: Asked) -> tuple[FamilyDistance, ...]:
     return tuple(one for one in every if least < one.distance < np.inf)
 
 
+def blame_at(asked: Asked, q: Array, corank: int) -> Blame:
+    """Which joints make the dependency at q, where `corank` freedoms are lost."""
+    robot, task = asked.robot, asked.task
+    dependencies = robot.n - asked.rank.generic_rank + corank
+    few = robot.n <= LARGEST_CHAIN
+    circuits = circuits_at(robot, q, task) if few else ()
+    return Blame(
+        circuits=circuits,
+        smallest=make_all(circuits, robot.n, dependencies) if corank else (),
+        ordered=ordered_subsets(robot, q, task),
+        systems=systems_at(robot, q),
+        always=always_singular_reason(robot, task),
+        complete=few,
+        hunt=hunt(robot, q, task, asked.settings.tolerances) if corank else None,
+    )
+
+
+def disagreements(far: Far, single: Sequence[JointEscape]) -> Iterator[str]:
+    """Two methods, two answers: on what a joint alone regains, and on how far."""
+    for one in single:
+        if not one.agrees:
+            yield (
+                f"joint {one.number} alone: a rank gain of {one.gain} was predicted, finite motion gains "
+                f"{one.measured_gain}"
+            )
+    nearest, certificate = far.nearest, far.certificate
+    if nearest is not None and certificate is not None and certificate.radius > nearest.distance * (1 + 1e-8):
+        yield f"certified radius {certificate.radius:.6g} beyond a singularity at {nearest.distance:.6g}"
+    if nearest is not None and far.families and all(one.family.named for one in far.families):
+        same = agreement(far.families, nearest)
+        if not same.agree:
+            yield same.words
+
+
 def _no_farther(record: FamilyDistance, nearest: Nearest, there: Sequence[Incidence]) -> FamilyDistance:
     """A family through the point that the search found is no farther away than that point."""
     through = any(met.family is record.family for met in there)
     if not through or record.distance <= nearest.distance:
         return record
     return replace(record, distance=nearest.distance, q=nearest.q, delta=nearest.delta, sigma=nearest.sigma)
-
-
-def _certificate(asked: Asked, nearest: Nearest | None) -> tuple[Certificate | None, str]:
-    """Within the limits the nearest singularity may lie farther than one outside them, and bounds nothing."""
-    bounded = nearest is not None and not asked.settings.limits
-    distance = nearest.distance if nearest is not None and bounded else np.inf
-    evaluations = asked.settings.evaluations
-    try:
-        return certified_radius(
-            asked.robot, asked.q, asked.task, at_most=min(LARGEST, distance * (1 + 1e-9)),
-            enough=distance * (1 - _AS_GOOD), evaluations=evaluations,
-        ), ""  # fmt: skip
-    except OptionError as error:
-        if error.got == evaluations:  # no budget; else a task that cannot be certified
-            raise
-        return None, error.what
 
 
 def _near_miss(asked: Asked) -> float | None:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
 _FEWER = "a task with fewer rows (planar, position, …) asks only for what the arm is made for"
-_TWIST = "v: velocity of the tool, or of the link's origin where that is named [m/s]; ω: its turning [rad/s]"
+_TWIST = "v: velocity of the tool, at the link's origin where one is named [m/s]; ω: its turning [rad/s]"
 _COUNTED = "nearly: turning by 1 rad counts as much as moving by 1 m"
 _HUGE = 100.0  # an arm that reaches farther was hardly meant in m
 
@@ -171,7 +171,7 @@ def _seen(explanation: Explanation) -> str:
     assert explanation.lost.framed is not None
     frame, name = explanation.lost.framed.frame, explanation.lost.framed.name
     at_tip = frame.origin == TIP and not any(frame.point)
-    return f"axes of {name}" + (", reference point at the end effector" if at_tip else "")
+    return f"axes of {name}" + (", reference point at the tool" if at_tip else "")
 
 
 def _blame(explanation: Explanation, full: bool) -> Iterator[Section]:

@@ -114,3 +114,26 @@ def test_equations_are_solved_where_only_held_joints_reach() -> None:
     tested, strangers = elsewhere(at, linear, [()], (alone,), {}, np.random.default_rng(0))
     assert tested > 10
     assert not len(strangers)
+
+
+def test_equations_are_solved_together_from_anywhere() -> None:
+    """PUMA's wrist, sin θ5 = 0, times sin(θ1 − 0.7), sin(θ3 − 0.4) and sin(θ5 − 0.9): three equations that also vanish
+    where these three joints stand so. The first equation alone leads to the wrist; no right angle leads there."""
+    at, linear = problem("puma560", 1), Linear.of(open_robot("puma560"), [])
+    equations = tuple(wrist_times(joint, value) for joint, value in ((0, 0.7), (2, 0.4), (4, 0.9)))
+    found, _ = soundness(at, System(equations), 1, np.random.default_rng(0))
+    assert found.holds
+    assert found.tested > 50
+    _, strangers = elsewhere(at, linear, [()], equations, {}, np.random.default_rng(0))
+    assert len(strangers) > 0
+    assert np.allclose(np.sin(strangers[:, [0, 2, 4]] - (0.7, 0.4, 0.9)), 0, atol=1e-9)
+
+
+def wrist_times(joint: int, value: float) -> Equation:
+    """sin θ5 · sin(θ − value) = (cos(θ5 − θ + value) − cos(θ5 + θ − value))/2, of a joint from 0."""
+    terms = []
+    for sign in (-1, 1):
+        turned = tuple(2 * (i == 4) + sign * 2 * (i == joint) for i in range(6))
+        terms.append(Term(-sign * cos(value) / 2, "cos", turned, (0,) * 6))
+        terms.append(Term(-np.sin(value) / 2, "sin", turned, (0,) * 6))
+    return normalised(terms)

@@ -6,7 +6,8 @@ What else solves a row's equations are parts of lower dimension, which no random
 joints may all vanish where some joints stand at special values: A·cos θ4 + B·sin θ6 with A and B long, say, at θ4 =
 ±π/2, θ6 = 0, whatever the others do. Newton's method from random starts ends on the family itself, almost surely. So
 some joints are held at right angles, or where other rows stand, and the equations are solved in the others. A solution
-there that is not singular belongs to no family: the row is not sound, though random starts say so.
+there that is not singular belongs to no family: the row is not sound, though random starts say so. Such a part may
+also be where all equations together lead from random starts, though the first few of them lead to the family.
 """
 
 from __future__ import annotations
@@ -185,6 +186,8 @@ ROUND = 0.1  # free angles stand at multiples of this [rad], free lengths at mul
 RIGHT = (0.0, pi, pi / 2, -pi / 2)
 SINGLE, SEVERAL = 24, 40  # sets of one joint held, and of two or more, at most
 EACH = 8  # random starts for each
+LOOSE = 64  # random starts with no joint held
+CERTAIN = 1e-14  # |f| at their solutions: where sheets touch, a point near all of them comes to 1e-12 and is no zero
 REGULAR = 1e-2
 """σ above this is not zero, however badly the solution is known: |f| ≤ 1e-12 leaves 1e-3 rad at a fourfold zero."""
 
@@ -223,12 +226,16 @@ def elsewhere(
         q = problem.random(EACH, rng)
         q[:, numbers] = list(held.values())
         begun.setdefault(tuple(sorted(held)), []).append(linear.place(q, values[chosen], rng))
+    loose = problem.random(LOOSE, np.random.default_rng(0))  # nothing held: a place that draws all equations at once
+    begun[()] = [linear.place(loose, values[np.arange(LOOSE) % len(combinations)], np.random.default_rng(0))]
     ends, solved = [none], [np.zeros(0, dtype=np.bool_)]
     for same, starts in begun.items():  # all starts that hold the same joints at once
         along = _free(linear, list(same), n)
         if not along.shape[1]:
             continue
         q, good = system.solve(np.concatenate(starts), along=along, iterations=60)
+        if not same:
+            good &= (np.abs(system.values(q)) <= CERTAIN).all(axis=1)
         ends.append(q)
         solved.append(good)
     q = np.concatenate(ends)
@@ -258,7 +265,7 @@ def _free(linear: Linear, held: list[int], n: int) -> Array:
     """(n, d) orthonormal basis of the motions that keep the linear values and the joints held."""
     rows = np.concatenate([linear.covectors.astype(np.float64).reshape(-1, n), np.eye(n)[held]])
     _, sigma, vt = np.linalg.svd(rows)
-    return np.asarray(vt[int((sigma > sigma[0] * max(rows.shape) * np.finfo(np.float64).eps).sum()) :].T)
+    return np.asarray(vt[int((sigma > sigma.max(initial=0.0) * max(rows.shape) * np.finfo(np.float64).eps).sum()) :].T)
 
 
 def witness(problem: Problem, row: Row, rng: np.random.Generator) -> Array | None:

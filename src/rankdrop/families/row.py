@@ -234,8 +234,8 @@ def elsewhere(
         if not along.shape[1]:
             continue
         q, good = system.solve(np.concatenate(starts), along=along, iterations=60)
-        if not same:
-            good &= (np.abs(system.values(q)) <= CERTAIN).all(axis=1)
+        if not same:  # counted only where they speak against the row: random starts have spoken for it
+            good &= (np.abs(system.values(q)) <= CERTAIN).all(axis=1) & (problem.sigma(q)[:, problem.rank] > REGULAR)
         ends.append(q)
         solved.append(good)
     q = np.concatenate(ends)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.compare.match import Agreement, match
+from rankdrop.compare.match import Agreement, match, solutions
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import vanishing_on
 from rankdrop.families.row import soundness
@@ -199,3 +199,19 @@ def product_with_sine(waves: dict[int, complex]) -> Equation:
             if abs(value) > 1e-17:
                 terms.append(Term(float(value), kind, (0, 2 * k, 0), (0, 0, 0)))
     return Equation(tuple(terms))
+
+
+def test_conditions_that_are_all_but_one_another_are_solved_and_squares_are_not() -> None:
+    """PUMA: sin θ5 = 0 and sin θ5 + 1e-5 sin θ3 = 0 have gradients 1e-5 rad apart at every solution, whose joints are
+    exact to 1e-10 all the same (xArm 7's first family is like that); of 1 − cos θ5 = 0 they are to 1e-8 only."""
+    zero = (0,) * 6
+    wrist, elbow = Term(1.0, "sin", (0, 0, 0, 0, 2, 0), zero), Term(1e-5, "sin", (0, 0, 2, 0, 0, 0), zero)
+    square = Equation((Term(1.0, "cos", zero, zero), Term(-1.0, "cos", (0, 0, 0, 0, 2, 0), zero)))
+    found = shipped("puma560")
+    problem, witness = Problem(found.robot, found.task, 1), (0.1, 0.2, 0.0, 0.4, 0.0, 0.6)
+    flat = Given("flat", 1, 4, (Equation((wrist,)), Equation((wrist, elbow))), witness)
+    points = solutions(problem, flat, np.random.default_rng(0))
+    assert points.solved > 100
+    assert points.elsewhere == 0
+    assert np.abs(np.sin(points.q[:, [2, 4]])).max() < 1e-8
+    assert solutions(problem, Given("square", 1, 5, (square,), witness), np.random.default_rng(0)).solved == 0

@@ -24,6 +24,7 @@ from rankdrop.family.system import System
 from rankdrop.frames import BODY
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
+from rankdrop.results.conditions.known import conditions_names, shipped_conditions
 from rankdrop.results.known import ANSWERS, SEED, STARTS, known_analysis, known_names, shipped, shipped_record
 from rankdrop.robot.model import Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
@@ -56,6 +57,19 @@ def test_the_file_holds_the_arm_of_the_catalogue_to_the_bit(name):
     assert found.residual().holds(found.settings.tolerances)
     known = known_analysis(robot, resolve_task(None, robot))
     assert known == found
+
+
+@pytest.mark.shipped
+@pytest.mark.parametrize("name", robot_names())
+def test_the_example_of_a_family_is_of_no_other_one(name):
+    """Of the same corank; in the atlas and among the exact conditions."""
+    exact = shipped_conditions(name).families if name in conditions_names() else ()
+    for families in (shipped(name).families, exact):
+        systems = {one.id: System(one.equations) for one in families if one.equations}
+        for one in families:
+            others = [systems[it.id] for it in families if it.id in systems and it.corank == one.corank and it is not one]
+            at = np.array([one.witness])
+            assert all(np.abs(other.values(at)).max() > 1e-6 for other in others), one.id
 
 
 def test_a_file_that_other_code_made_is_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -89,6 +89,16 @@ def test_a_posed_family_tells_what_is_lost_where_it_stands() -> None:
     assert not np.allclose(family.lost_directions, before.lost_directions)
 
 
+def test_an_example_of_two_families_is_given_up_for_one_of_its_own() -> None:
+    """PA-10: axes 1 and 3 aligned, and the arm stretched as well, in a posture that has no other fault."""
+    found = shipped("pa10")
+    family = next(one for one in found.families if one.id == "k1.f2")
+    both = replace(family, witness=tuple(0.0 if i == 3 else x for i, x in enumerate(family.witness)))
+    after = posed(found.robot, found.task, both, found.families)
+    assert abs(np.sin(after.witness[3])) > 0.1
+    assert family.system.zero(np.array([after.witness])).all()
+
+
 def test_the_first_joint_counts_twice_in_how_far_an_arm_is_turned() -> None:
     robot = open_robot("planar3r")
     first, second, none = _turned(robot, np.array([[np.pi / 2, 0.0, 0.0], [0.0, -np.pi / 2, 0.0], [0.0, 0.0, 0.0]]))
@@ -114,9 +124,9 @@ def test_what_is_printed_is_what_is_drawn(name: str) -> None:
     exactly = known_conditions(found.robot, found.task)
     assert exactly is not None
     for family in found.families:
-        assert posed(found.robot, found.task, family) == family
-    for one in exactly.families:
-        assert posed_exactly(found.robot, found.task, one).witness == one.witness
+        assert posed(found.robot, found.task, family, found.families) == family
+    again = posed_exactly(found.robot, found.task, exactly.families)
+    assert [one.witness for one in again] == [one.witness for one in exactly.families]
     good = fault(found.robot, [family.witness for family in found.families]) < 0.5
     assert good.sum() >= len(good) - 1
 
@@ -125,7 +135,7 @@ def test_an_analysis_made_now_has_its_witnesses_in_good_postures(monkeypatch: py
     arm = open_robot("puma560")
     found = rankdrop.analyze(arm, starts=300, exact="off")
     good = fault(arm, [family.witness for family in found.families])
-    monkeypatch.setattr("rankdrop.verbs.analyze.posed", lambda robot, task, family: family)
+    monkeypatch.setattr("rankdrop.verbs.analyze.posed", lambda robot, task, family, others: family)
     plain = rankdrop.analyze(arm, starts=300, exact="off")
     assert (good < 0.5).sum() > (fault(arm, [family.witness for family in plain.families]) < 0.5).sum()
     assert found.residual().holds(found.settings.tolerances)

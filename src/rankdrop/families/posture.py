@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from rankdrop.family.naming import lost_motions
 from rankdrop.family.record import Family, family_from_metres, family_in_metres
+from rankdrop.family.system import System
 from rankdrop.local.posture import candidates, fault
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task
+from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, metre_exponent, task_in_metres
 
 _CANDIDATES = 256
 _WORTH = 0.15  # the witness stays unless another member is better by this much of `fault`
 _POINTS = 24  # members from which the frame of the words is chosen
 _ROOM = 1e-3  # the singular value that is kept is at least this [1]: not on a more special family
+_SHARED = 1.0  # added to `fault` of a member that lies on another family too: it is an example of both
 
 
-def posed(robot: Robot, task: Task, family: Family) -> Family:
+def posed(robot: Robot, task: Task, family: Family, others: Sequence[Family] = ()) -> Family:
     """The family with its witness in a good posture: inside the limits, above the base, not self-folded.
 
     The equations are solved from round configurations inside the limits; of the members found, each checked in the
@@ -31,6 +35,7 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
     Args:
         robot, task: the arm.
         family: of this arm and task.
+        others: all families of the arm; a member that lies on none of these of the same corank is preferred.
 
     Example:
         >>> from rankdrop.results.known import shipped
@@ -43,10 +48,14 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
     """
     own = np.array(family.witness)
     if metre_exponent(robot):
-        there = posed(in_metres(robot), task_in_metres(task, robot), family_in_metres(family, robot))
+        there = posed(
+            in_metres(robot), task_in_metres(task, robot), family_in_metres(family, robot),
+            [family_in_metres(one, robot) for one in others],
+        )  # fmt: skip
         moved = family_from_metres(there, robot, metre_exponent(robot))
         return replace(moved, lost_words=there.lost_words)  # which are told in the arm's own unit already
-    least = fault(robot, own[None])[0] - _WORTH
+    beside = [one.system for one in others if one.id != family.id and one.corank == family.corank and one.equations]
+    least = fault(robot, own[None])[0] + _SHARED * _shared(beside, own[None])[0] - _WORTH
     found = _members(robot, task, family) if least >= 0.0 else np.empty((0, robot.n))
     if not len(found):
         return family
@@ -55,12 +64,20 @@ def posed(robot: Robot, task: Task, family: Family) -> Family:
     found, gap = found[gap > _ROOM], gap[gap > _ROOM]
     if not len(found):
         return family
-    faults = fault(robot, found)
+    faults = fault(robot, found) + _SHARED * _shared(beside, found)
     best = int((faults - 0.3 * gap / gap.max() + 0.1 * _turned(robot, found)).argmin())
     if faults[best] > least:
         return family
     directions, words = lost_motions(problem, found[best], found[:_POINTS])
     return replace(family, witness=tuple(float(x) for x in found[best]), lost_directions=directions, lost_words=words)
+
+
+def _shared(systems: Sequence[System], q: Array) -> Array:
+    """(N,) 1 where a configuration solves one of the systems, else 0."""
+    on = np.zeros(len(q))
+    for system in systems:
+        on[(np.abs(system.values(q)) <= DEFAULT.explained).all(axis=1)] = 1.0
+    return on
 
 
 def _members(robot: Robot, task: Task, family: Family) -> Array:

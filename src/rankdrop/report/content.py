@@ -109,7 +109,7 @@ def content(
         meshes: shapes of the links (`rankdrop.report.meshes.simplified`).
     """
     robot, task = analysis.robot, analysis.task
-    families = tuple(posed(robot, task, family) for family in analysis.families)
+    families = tuple(posed(robot, task, family, analysis.families) for family in analysis.families)
     analysis = replace(analysis, families=families)
     tell = progress or (lambda label, done, total: None)
     tell("report", 0, _PARTS)

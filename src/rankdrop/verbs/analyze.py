@@ -257,9 +257,8 @@ def analyze(
             robot, resolved, rank, found, exact=exact, limits=limits, seed=seed, fresh=fresh, tolerances=tolerances,
             progress=_prefixed(progress, "exact"),
         )  # fmt: skip
-    rows = tuple(
-        posed(robot, resolved, family_out_of_units(family, robot)) for one in found for family in one.families
-    )
+    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
+    rows = tuple(posed(robot, resolved, row, rows) for row in rows)
     if unfinished is None and within is not None:
         near = near_shares(rows, robot, resolved, within, limits=limits, seed=seed,
                            progress=_labelled(progress, "shares"))  # fmt: skip

@@ -81,7 +81,7 @@ def derived(
         reason=first.reason,
         steps=first.steps,
         determinants=said,
-        families=tuple(posed_exactly(robot, chain.task, family) for family in found),
+        families=posed_exactly(robot, chain.task, found),
         lowest=lowest,
         assumptions=tuple(assumed),
         not_real=tuple(not_real),
@@ -96,15 +96,22 @@ def derived(
     )
 
 
-def posed_exactly(robot: Robot, task: Task, family: ExactFamily) -> ExactFamily:
-    """The family with the witness that `analyze` shows: in a good posture, see `rankdrop.families.posed`."""
-    sampled = posed(robot, task, Family(
-        id=family.id, name=family.name, corank=family.corank, dimension=family.dimension, pinned=family.pinned(robot),
-        free=family.free, coupled=family.coupled, equations=family.equations, witness=family.witness,
-        lost_directions=np.empty((0, 6)), lost_words=family.lost_words,
-        evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
-    ))  # fmt: skip
-    return replace(family, witness=sampled.witness, lost_words=sampled.lost_words)
+def posed_exactly(robot: Robot, task: Task, families: Sequence[ExactFamily]) -> tuple[ExactFamily, ...]:
+    """Families with the witnesses that `analyze` shows: in good postures, see `rankdrop.families.posed`."""
+    sampled = [
+        Family(
+            id=one.id, name=one.name, corank=one.corank, dimension=one.dimension, pinned=one.pinned(robot),
+            free=one.free, coupled=one.coupled, equations=one.equations, witness=one.witness,
+            lost_directions=np.empty((0, 6)), lost_words=one.lost_words,
+            evidence=Sampled("exact condition", Check(0, 0), Check(0, 0)),
+        )
+        for one in families
+    ]  # fmt: skip
+    shown = [posed(robot, task, one, sampled) for one in sampled]
+    return tuple(
+        replace(family, witness=one.witness, lost_words=one.lost_words)
+        for family, one in zip(families, shown, strict=True)
+    )
 
 
 def _broken(chain: Chain, work: Work) -> tuple[str, ...]:

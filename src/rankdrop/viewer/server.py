@@ -89,7 +89,7 @@ class Viewer:
     def __init__(self, robot: Robot, task: Task, wishes: Wishes) -> None:
         families, source = known_families(robot, task, wishes.analysis, DEFAULT)
         if len(families) <= _POSED:
-            families = tuple(posed(robot, task, family) for family in families)
+            families = tuple(posed(robot, task, family, families) for family in families)
         live = Live(robot, task, families)
         self._wishes, self._others = wishes, list[Viewer]()
         visuals, left_out = visuals_of(robot, wishes.packages, wishes.args)

@@ -11,11 +11,12 @@ from reference.arms import in_other_words, random_chain, remade, reversed_chain,
 
 pytest.importorskip("flint")
 
+from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import Work, spent
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.arm.verify import rank_modulo
 from rankdrop.exact.families import reality
-from rankdrop.exact.tree import Drop, largest, rank_tree
+from rankdrop.exact.tree import Drop, _bending, largest, rank_tree
 from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -216,3 +217,10 @@ def test_every_phase_tells_how_far_it_is() -> None:
     labels = set()
     conditions(open_robot("scara"), points=20, progress=lambda label, done, total: labels.add(label.split(" for")[0]))
     assert labels >= {"sets looked into", "sets with real points", "families described", "checks"}
+
+
+def test_joints_are_counted_that_columns_depend_on_by_a_sine_alone() -> None:
+    ring = Ring([1, 2, 3], prismatic=[4], letters=["a"])
+    s, c, a = ring.s, ring.c, ring.letter["a"]
+    for columns, count in (([[s[1]]], 1), ([[c[1]]], 1), ([[a]], 0), ([[s[3], a], [c[2] + s[2], a * ring.q[4]]], 3)):
+        assert _bending(columns, ring) == count

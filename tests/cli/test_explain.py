@@ -155,7 +155,8 @@ def test_a_proof_that_was_interrupted_holds_and_is_said_to_be(capsys) -> None:
     found = explain(open_robot("ur5"), [0.0, -2.3, 0.8, 1.5, -1.5, 0.3], evaluations=0)
     assert interrupted(found) == exits.FINE
     assert found.far.certificate is not None
-    stopped = replace(found, far=replace(found.far, certificate=replace(found.far.certificate, complete=False)))
+    stopped = replace(found, far=replace(found.far))
+    stopped.far.__dict__["_certified"] = replace(found.far.certificate, complete=False), ""  # worked out already
     assert interrupted(stopped) == exits.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
     assert "interrupted" in str(stopped)

@@ -29,7 +29,8 @@ STARTS = 256
 CONDITIONED = 1e-3
 """Points where a family's equations have a smaller slope are known too inexactly to be tried."""
 FLAT = 1e-7
-"""A slope above this at most points is the equations' own, and "smaller" is measured by it: |f| ≤ 1e-15 is 1e-8 rad."""
+"""Where no point has a slope of `CONDITIONED` but one above this, that is the equations' own, and "smaller" is measured
+by it: |f| ≤ 1e-15 is 1e-8 rad."""
 COMMON = 3
 """So many random points of a family on another one make them kin: a single one may be near where the two cross."""
 
@@ -242,8 +243,8 @@ def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> Point
     q = q[np.abs(system.values(q)).max(axis=1) <= REACHED]
     slopes = np.linalg.svd(system.jacobian(q), compute_uv=False)
     slope = slopes[:, min(problem.n - family.dimension, slopes.shape[1]) - 1]
-    typical = float(np.median(slope)) if len(slope) else 1.0
-    q = q[slope > CONDITIONED * (typical if FLAT < typical < CONDITIONED else 1.0)]
+    best = float(slope.max(initial=0.0))
+    q = q[slope > CONDITIONED * (best if FLAT < best < CONDITIONED else 1.0)]
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER
     q = q[singular | system.zero(q)]  # what is regular and all but a zero is neither here nor there
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER

@@ -222,7 +222,7 @@ class Explanation:
 
     @cached_property
     def focus(self) -> Array:
-        """(n,) what family, relations and blame speak of: q itself, or the nearest singular one where q is near it."""
+        """(n,) what family, relations and blame speak of, q itself or the nearest singular one where q is near it."""
         return self.q if self._at_hand is None else np.array(self._at_hand.q)
 
     @property

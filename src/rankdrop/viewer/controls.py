@@ -111,11 +111,11 @@ class Controls:
     def _tell(self, now: Now, found: Explanation | None) -> None:
         """Status and details, of one configuration both; details of another one are dimmed until it is explained."""
         known = len(self.live.families)
-        self._status.content = panel.status_html(now, self.robot.n, self.live.generic_rank, known, found)
-        if found is not None:
-            self._details.content = self._said = panel.details_html(found)
-        elif self._said:
-            self._details.content, self._said = panel.dimmed_html(self._said), ""
+        details = panel.details_html(found) if found is not None else panel.dimmed_html(self._said)
+        status = panel.status_html(now, self.robot.n, self.live.generic_rank, known, found)
+        if found is not None or self._said:
+            self._details.content, self._said = details, details if found is not None else ""
+        self._status.content = status
 
     def _place(self, index: int, value: float) -> None:
         """A slider to a value; its range grows where a motion goes beyond it."""
@@ -130,6 +130,7 @@ class Controls:
 
     def explained(self, found: Explanation) -> None:
         """A configuration was explained."""
+        panel.details_html(found)  # what it works out late, before anybody waits for the lock
         with self._telling:
             self.found = found
             if self.now is not None and np.array_equal(self.now.q, found.q):

@@ -165,6 +165,9 @@ def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> Non
     nearest = viewer.controls.found.far.nearest
     assert np.allclose(viewer.stage._ghost[-1].position, pose(ARM, np.array(nearest.q))[:3, 3])
     assert not viewer.stage._ghost[0].visible  # a link that stands there already
+    viewer.stage.show_ghost(None)
+    viewer.shown(viewer.session.live.look(START), None)  # drawn later than explained, as when it opens
+    assert viewer.stage._ghost[-1].visible
     viewer.session.set(np.array(nearest.q))
     until(lambda: not viewer.stage._ghost[-1].visible)
 

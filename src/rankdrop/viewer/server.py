@@ -190,6 +190,8 @@ class Viewer:
         self._handle.shown(now, source)
         if now.seen.corank or self.session.moving:
             self.stage.show_ghost(None)
+        elif found is not None:  # it may have been explained before it was drawn
+            self._show_ghost(found)
         self.slice.shown(now, source)
 
     def explained(self, found: Explanation) -> None:

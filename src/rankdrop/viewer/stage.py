@@ -107,7 +107,8 @@ class Stage:
         self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
         look: Any = {"color": rgb(VERMILION), "opacity": 0.35, "cast_shadow": False}
         for i, one in enumerate(self.live.body.capsules):
-            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *capsule_mesh(one.start, one.end, one.radius), **look)
+            shape = capsule_mesh(one.start, one.end, one.radius)
+            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *shape, **look)
         for one in self.live.body.barrels:
             scene.add_mesh_simple(f"/ghost/{one.link}/barrel{one.joint}",
                                   *barrel_mesh(one.centre, one.axis, one.length, one.radius), **look)  # fmt: skip

@@ -44,7 +44,7 @@ def view(
     Exit code 0: ended by Ctrl-C; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml); the first two have meshes.
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro: with meshes; .xml, .toml).
         q: Where to begin: one number per joint, separated by commas or blanks [rad, m].
         deg: Angles without a unit are in degrees, in --q and in the trajectory.
         frame: In whose axes motions are told: base, tool, or the link in which they are simplest.

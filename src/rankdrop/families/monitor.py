@@ -163,8 +163,8 @@ class Monitor:
     One monitor serves one thread at a time.
 
     Raises:
-        OptionError: no families given; a family of an arm with another number of joints; start not above stop, or stop below zero; rates
-            that are no n positive numbers.
+        OptionError: no families given; a family of an arm with another number of joints; start not above stop, or
+            stop below zero; rates that are no n positive numbers.
 
     Example:
         >>> from rankdrop.robot.open import open_robot

@@ -182,6 +182,20 @@ def test_only_tables_that_are_too_wide_say_so(browser: Browser, pages: dict[str,
         assert (browser.run(seen) > 0) is many
 
 
+@pytest.mark.parametrize("size", [PHONE, LAPTOP])
+def test_a_link_of_the_bar_leads_to_a_heading_that_is_seen(
+    size: tuple[int, int], browser: Browser, pages: dict[str, Path]
+) -> None:
+    browser.window(*size, phone=size == PHONE)
+    browser.open(pages["stanford"])
+    browser.run("document.documentElement.style.scrollBehavior = 'auto'")
+    places = "['nav', '#slices h2'].map((one) => document.querySelector(one).getBoundingClientRect())"
+    browser.run("document.querySelector('nav a[href=\"#slices\"]').click()")
+    bar, heading = browser.run(f"{places}.map((r) => [r.top, r.bottom])")
+    assert bar[0] == 0  # it stays
+    assert bar[1] <= heading[0] < size[1] / 2
+
+
 @pytest.mark.slow
 def test_sliders_end_at_the_joint_limits_until_told_otherwise(browser: Browser, pages: dict[str, Path]) -> None:
     browser.window(*LAPTOP)

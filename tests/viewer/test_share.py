@@ -225,7 +225,7 @@ def test_a_stop_of_the_tour_is_one_sentence_without_numbers(viewer: Viewer) -> N
     assert told == [
         "The tool cannot move along the red arrow.",
         "The tool can hardly move along the red arrow.",
-        "The tool has lost the motion of the red arrow: to move along it and to turn about the ring are tied.",
+        "Moving along the red arrow and turning are tied together: one freedom of the tool is lost.",
     ]
     assert sentence_of("cannot rotate about X of link 5") == "The tool cannot turn about the red arrow."
     viewer._tour.place = 0

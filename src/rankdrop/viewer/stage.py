@@ -28,8 +28,8 @@ _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 def camera_for(size: float, *, wide: bool) -> tuple[Array, Array]:
     """Position and aim of a camera that sees an arm of this size [m]; the panel covers the right or the lower part."""
-    aim = np.array([0.0, 0.0, 0.3]) + (0.27 * np.array([0.78, 0.62, 0.0]) if wide else np.array([0.0, 0.0, -0.8]))
-    away = np.array([1.1, -1.35, 0.75]) * (0.85 if wide else 1.5)
+    aim = np.array([0.0, 0.0, 0.3]) + (0.45 * np.array([0.78, 0.62, 0.0]) if wide else np.array([0.0, 0.0, -0.8]))
+    away = np.array([1.1, -1.35, 0.75]) * (0.95 if wide else 1.5)
     return size * (aim + away), size * aim
 
 

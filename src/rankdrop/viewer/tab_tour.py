@@ -34,7 +34,7 @@ def sentence_of(lost: str) -> str:
         return "The tool cannot move along the red arrow."
     if "nearly no motion along" in lost:
         return "The tool can hardly move along the red arrow."
-    return "The tool has lost the motion of the red arrow: to move along it and to turn about the ring are tied."
+    return "Moving along the red arrow and turning are tied together: one freedom of the tool is lost."
 
 
 class TourTab:

@@ -332,6 +332,7 @@ def test_a_covering_of_a_higher_corank_holds_for_that_corank_alone(tmp_path):
 def test_a_sample_of_a_covering_is_no_proof(records):
     place = write_certificate(records[0]["covering"], records[1] / "c.json")
     found = verify(place, sample=3)
+    assert str(found).startswith("Not confirmed")  # nothing is refuted either
     assert not found.holds
     assert "3 of" in found.reason
     assert "not looked at" in found.reason

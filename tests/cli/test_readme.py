@@ -51,6 +51,12 @@ def test_commands_and_options_exist(line: str) -> None:
         assert words[1] in robot_names()
 
 
+def test_every_command_is_in_the_readme() -> None:
+    named = {shlex.split(line)[1] for line in re.findall(r"^rankdrop [a-z]+", README, re.MULTILINE)}
+    inline = set(re.findall(r"`rankdrop ([a-z]+)", README))
+    assert {name for name in app if not name.startswith("-")} - named - inline == set()
+
+
 def test_exit_codes_are_documented() -> None:
     for code, meaning in exits.MEANING.items():
         assert f"| {code} | {meaning} |" in README

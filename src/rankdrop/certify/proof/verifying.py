@@ -46,7 +46,7 @@ class Verified:
         kind: "ball", "path", "covering" or "existence"; "" of a file that is damaged.
         arm: name of the arm, as the certificate has it.
         claim: what holds, in one sentence; "" where it does not.
-        reason: why it does not hold, in one sentence; "" where it does.
+        reason: why it is not confirmed, in one sentence; "" where it is. A proof that fails refutes nothing.
         assumed: what the proof rests on beside the numbers of the arm.
         enclosures: of interval arithmetic that were made.
         complete: False where it was interrupted.
@@ -69,7 +69,7 @@ class Verified:
         of = f"{self.kind} of {self.arm}" if self.kind else "certificate"
         counted = (f"{self.enclosures:,} enclosures of interval arithmetic",) if self.enclosures else ()
         if not self.holds:
-            return (Section("Does not hold", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
+            return (Section("Not confirmed", of, (f"{self.reason}.",), notes=counted, tone="bad"),)
         return (Section("Holds", of, (f"{self.claim}.",), notes=(*counted, *self.assumed), tone="good"),)
 
     def __str__(self) -> str:
@@ -107,7 +107,7 @@ def verify(
         file: written by `rankdrop nearest`, `path`, `cover` or `explain` with --certificate.
         robot: the arm that the certificate must be about; None: the arm whose numbers are in it.
         enclosures: to be spent at most, about a millisecond each.
-        sample: of a covering, only so many of the boxes it leaves out; it does not hold then, but may fail.
+        sample: of a covering, only so many of the boxes it leaves out; then nothing is confirmed, but a box may fail.
         every: of a covering, all boxes that it leaves out, whatever `enclosures` allows.
         journal: of a covering, this file keeps how many boxes are proven: the same call goes on there. Believed as it
             stands: take none from others.

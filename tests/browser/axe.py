@@ -24,15 +24,16 @@ def axe_program() -> str:
     return (Path(found.origin).parent / "axe.min.js").read_text(encoding="utf-8")
 
 
-def violations(browser: Browser, leave: tuple[str, ...] = ()) -> list[str]:
+def violations(browser: Browser, leave: tuple[str, ...] = (), tags: tuple[str, ...] = RULES) -> list[str]:
     """What axe-core finds wrong with the page that is open: rule, how bad, and the first places.
 
     Args:
         browser: with a page.
         leave: rules that are not asked for.
+        tags: kinds of rules.
     """
     browser.run(f"(() => {{ {axe_program()} ; return true; }})()")
-    rules = json.dumps({"runOnly": list(RULES), "rules": {one: {"enabled": False} for one in leave}})
+    rules = json.dumps({"runOnly": list(tags), "rules": {one: {"enabled": False} for one in leave}})
     found = browser.run(f"axe.run(document, {rules}).then((r) => r.violations)")
     return [
         f"{one['id']} ({one['impact']}): {one['help']}: "

@@ -16,6 +16,8 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from browser.axe import violations
+from browser.chromium import Browser
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS = 300
@@ -162,6 +164,18 @@ def test_every_command_has_a_page_with_its_help(site: Path) -> None:
     assert {page.stem for page in (site / "commands").glob("*.html")} == {*names, "index"}
     for name in names:
         assert f"Usage: rankdrop {name}" in (site / "commands" / f"{name}.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium was found")
+@pytest.mark.parametrize("dark", [False, True])
+def test_axe_finds_nothing_on_the_site(dark: bool, site: Path) -> None:
+    with Browser(str(CHROMIUM)) as browser:
+        for width in (PHONE, 1440):
+            browser.window(width, 900, dark=dark, phone=width == PHONE)
+            for name in ("index", "start", "glossary", "atlas/index", "atlas/ur10e", "commands/explain", "gallery"):
+                browser.open(site / f"{name}.html")
+                assert violations(browser, tags=("wcag2a", "wcag2aa", "wcag21a", "wcag21aa")) == [], (name, width)
 
 
 @pytest.mark.browser

@@ -11,18 +11,16 @@ from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.families.monitor import Monitor
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import METHODS, search
-from rankdrop.frames import BODY, Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
+from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, link_poses, pose, task_view
 from rankdrop.local.block import block, decompose, joint_scale
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, Frame, resolve_task
 
 SETS = _core.instruction_sets()
 

@@ -21,7 +21,6 @@ from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.family.system import System
-from rankdrop.frames import BODY
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
 from rankdrop.results.conditions.known import conditions_names, shipped_conditions
@@ -29,7 +28,7 @@ from rankdrop.results.known import ANSWERS, SEED, STARTS, known_analysis, known_
 from rankdrop.robot.model import Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, resolve_task
 from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 

@@ -11,7 +11,6 @@ pytest.importorskip("flint")
 
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.families.search_record import Outcome
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.reproduce import am_pictures, elbow_pictures, figures, other_pictures
@@ -20,7 +19,7 @@ from rankdrop.reproduce.am_method import BEFORE
 from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
 from rankdrop.reproduce.picture import RED
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import SPACE, resolve_task
 
 
 def test_figure_1_ties_and_is_stuck():

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.minimax import brought_down
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot

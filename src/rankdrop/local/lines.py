@@ -13,13 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop._handles import check_robot
-from rankdrop.frames import SPACE
-from rankdrop.kinematics import jacobian, link_poses, pose
+from rankdrop.kinematics import check_robot, jacobian, link_poses, pose
 from rankdrop.local.bracket import cross
 from rankdrop.local.taylor import unlocked
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.numbers import reach
+from rankdrop.task import SPACE
 from rankdrop.tolerances import ALIGNED
 
 

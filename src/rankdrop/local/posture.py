@@ -10,8 +10,8 @@ import numpy as np
 from rankdrop.kinematics import link_poses
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.local.lines import skeleton
-from rankdrop.reach import reach
 from rankdrop.robot import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 
 STEP = np.pi / 18

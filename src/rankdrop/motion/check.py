@@ -9,9 +9,9 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot, configurations
 from rankdrop.certify.ball import settings_of
 from rankdrop.errors import ConfigurationError, OptionError
+from rankdrop.kinematics import check_robot, configurations
 from rankdrop.motion.curve import Curve, curve
 from rankdrop.motion.data import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathSettings, Stretch
 from rankdrop.motion.margin import margin

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from rankdrop.frames import SPACE as BASE
 from rankdrop.kinematics import jacobian, link_poses, pose
 from rankdrop.local import redundancy
 from rankdrop.reproduce import kg_text
@@ -26,6 +25,7 @@ from rankdrop.reproduce.picture import (
     arm_at,
 )
 from rankdrop.robot import Array, Robot, open_robot
+from rankdrop.task import SPACE as BASE
 from rankdrop.task import resolve_task
 
 TYPICAL = (0.4, -0.6, 0.5, 1.2, -0.4, 0.8, 0.3)

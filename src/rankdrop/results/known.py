@@ -19,12 +19,11 @@ import numpy as np
 
 from rankdrop.errors import ResultFileError
 from rankdrop.family.record import Family, Pin, family_from_metres
-from rankdrop.frames import Frame
 from rankdrop.local.directions import lost_directions, lost_in_sparsest_frame
 from rankdrop.local.screws import words
 from rankdrop.results.codec import Record
 from rankdrop.robot.model import Robot, coarse_fingerprint, geometry
-from rankdrop.task import Task
+from rankdrop.task import Frame, Task
 from rankdrop.units import counted, in_metres, metre_exponent, shifted
 from rankdrop.version import VERSION
 

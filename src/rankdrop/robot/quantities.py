@@ -21,7 +21,7 @@ from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
 from typing import Any
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import LONGEST_TEXT, RANGE, allowed_range
+from rankdrop.robot.files import LONGEST_TEXT, RANGE, allowed_range
 
 _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},

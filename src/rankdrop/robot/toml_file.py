@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import DOTS, LARGEST_TABLE
-from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
-from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.files import DOTS, LARGEST_TABLE
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from rankdrop._handles import check_robot
 from rankdrop.compare.comparison import (
     AGREES,
     ASKED,
@@ -24,6 +23,7 @@ from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
 from rankdrop.families.table import families
 from rankdrop.family.record import CorankFamilies, family_out_of_units
+from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis, Settings

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.frames import TIP
 from rankdrop.local.cofactors import Hunt
 from rankdrop.results.conditions.known import condition_sentences
 from rankdrop.results.explanation.failures import failures_part
@@ -30,6 +29,7 @@ from rankdrop.results.explanation.words import (
 )
 from rankdrop.results.verdict import of_explanation
 from rankdrop.sections import Section
+from rankdrop.task import TIP
 
 if TYPE_CHECKING:
     from rankdrop.results.explanation.explanation import Explanation

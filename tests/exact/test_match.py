@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.compare.match import Agreement, match, solutions
+from rankdrop.compare.comparison import Agreement, match, solutions
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import vanishing_on
 from rankdrop.families.row import soundness
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term
 from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot

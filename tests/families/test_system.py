@@ -10,8 +10,7 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.families.linear import vanishing_on
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import SOLVED, System
+from rankdrop.family.equation import SOLVED, Equation, System, Term
 from rankdrop.results.known import shipped
 from rankdrop.robot.files import MOST_JOINTS
 

@@ -17,7 +17,7 @@ from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import family_to_dict
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped
 from rankdrop.robot.model import Joint, JointKind, Robot, geometry
 from rankdrop.robot.numbers import reach

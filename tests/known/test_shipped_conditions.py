@@ -18,10 +18,9 @@ from rankdrop.cli import exits, main
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.results.codec import json_text
-from rankdrop.results.conditions import known as shelf
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.known import from_stored, to_stored
-from rankdrop.results.known import candidates
+from rankdrop.results.conditions import Conditions
+from rankdrop.results import known as shelf
+from rankdrop.results.known import candidates, from_stored, to_stored
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import BODY
 from rankdrop.verbs.analyze import analyze

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.cli.configuration import parse_configuration
+from rankdrop.cli.arm import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.motion import message_file
 from rankdrop.motion.csv_file import parse_trajectory

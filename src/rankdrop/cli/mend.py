@@ -82,8 +82,7 @@ def mended(
 
 def write_fixed(mending: Mending, target: str) -> None:
     """The mended path as a file, and a line that says so."""
-    from rankdrop.cli.files import write_bytes
-    from rankdrop.cli.terminal import say
+    from rankdrop.cli.terminal import say, write_bytes
     from rankdrop.motion import trajectory_bytes
 
     one = mending.best or (mending.remedies[0] if mending.remedies else None)

@@ -111,8 +111,7 @@ def path(
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
     from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.terminal import reporter, say
+    from rankdrop.cli.terminal import STDOUT, check_targets, hand_over, reporter, say, write_json, write_text
     from rankdrop.jobs import progress_of
     from rankdrop.motion import (
         FORMATS,
@@ -208,7 +207,7 @@ def _files(robot: str | None, names: tuple[str, ...]) -> tuple[str, list[Path]]:
 
 
 def _start(text: str | None, robot: Robot, *, deg: bool) -> tuple[float, ...] | None:
-    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.arm import parse_configuration
 
     return None if text is None else tuple(parse_configuration(text, robot, deg=deg, option="--start"))
 
@@ -232,7 +231,7 @@ def _distance(text: str, several: bool, of_one: dict[str, str | None]) -> float:
 def _print(
     result: PathCheck, remedies: Mending | None, near: ModelTolerance | None, *, full: bool, kept: bool
 ) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
 
     *first, last = result.sections(full=full)
     beside = [] if near is None else [_near_section(near, kept)]
@@ -251,7 +250,7 @@ def _record(result: PathCheck, remedies: Mending | None) -> dict[str, object]:
 
 
 def _print_many(many: list[dict[str, Any]]) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
     from rankdrop.motion import many_section
 
     print_sections([many_section(many)])
@@ -260,7 +259,7 @@ def _print_many(many: list[dict[str, Any]]) -> None:
 def _draw(result: PathCheck, target: str) -> None:
     from pathlib import Path
 
-    from rankdrop.cli.files import write_bytes
+    from rankdrop.cli.terminal import write_bytes
     from rankdrop.report.figures import rendered
     from rankdrop.report.path_figure import path_figure
 
@@ -268,14 +267,14 @@ def _draw(result: PathCheck, target: str) -> None:
 
 
 def _page(result: PathCheck, target: str) -> None:
-    from rankdrop.cli.files import write_text
+    from rankdrop.cli.terminal import write_text
     from rankdrop.report.path_page import path_page
 
     write_text(path_page(result), target)
 
 
 def _rows(result: PathCheck, families: Analysis | None, target: str) -> None:
-    from rankdrop.cli.files import write_bytes
+    from rankdrop.cli.terminal import write_bytes
     from rankdrop.motion import path_rows, rows_file
 
     write_bytes(rows_file(path_rows(result, families), target), target)

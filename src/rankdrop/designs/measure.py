@@ -25,7 +25,7 @@ from rankdrop.motion.data import FREE
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import JointKind, Robot
 from rankdrop.task import Task
-from rankdrop.text.cells import condition_text
+from rankdrop.text.families import condition_text
 
 Record = dict[str, Any]
 STARTS, FRESH = 300, 300

@@ -23,7 +23,7 @@ from rankdrop.designs.outcome import Designs
 from rankdrop.designs.spec import Parameter, Spec, goals, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array
 from rankdrop.verbs.conditions import conditions
 

@@ -18,8 +18,7 @@ from rankdrop.families.fit import Budget, FitProblem, Kind, circuits, cutting, h
 from rankdrop.families.linear import FamilyPoints, Linear, Values, gathered_tangent
 from rankdrop.families.memory import Memory
 from rankdrop.families.row import elsewhere, on_combinations
-from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.kinematics import task_jacobian
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, JointKind

@@ -23,6 +23,7 @@ from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
 from .quantities import Angles as Angles
+from .quantities import count as count
 from .quantities import degrees_text as degrees_text
 from .quantities import quantity as quantity
 from .shapes import LARGEST_MESH as LARGEST_MESH

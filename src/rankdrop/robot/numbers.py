@@ -407,7 +407,7 @@ def link_lengths(robot: Robot) -> Array:
 
 
 def travel_limits(robot: Robot, joint: Joint) -> tuple[float, float]:
-    """Limits of a slide as far as they say something of the arm [m]; ±inf where there are none, or beyond `FAR_SLIDE`."""
+    """Limits of a slide as far as they say something of the arm [m]; ±inf where there are none or too far."""
     links = _links_reach(robot)
     if links and joint.upper - joint.lower > FAR_SLIDE * links:
         lower = joint.lower if abs(joint.lower) <= FAR_SLIDE * links else -np.inf

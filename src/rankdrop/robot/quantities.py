@@ -164,6 +164,11 @@ def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
     return f"({', '.join(parts)})".replace("-", "−")
 
 
+def count(number: int, one: str, many: str = "") -> str:
+    """ "1 axis", "3 axes", "1,000 starts": `many` where it is not `one` with an s."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
 LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"
 
 

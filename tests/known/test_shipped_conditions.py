@@ -17,9 +17,9 @@ from known.arms import structures
 from rankdrop.cli import exits, main
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
+from rankdrop.results import known as shelf
 from rankdrop.results.codec import json_text
 from rankdrop.results.conditions import Conditions
-from rankdrop.results import known as shelf
 from rankdrop.results.known import candidates, from_stored, to_stored
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import BODY

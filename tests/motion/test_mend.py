@@ -14,10 +14,9 @@ from rankdrop.errors import OptionError
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import mend as module
+from rankdrop.motion.files import WRITTEN, read_trajectory, trajectory_bytes
 from rankdrop.motion.mend import mend_path
 from rankdrop.motion.mending import Mending
-from rankdrop.motion.read import read_trajectory
-from rankdrop.motion.write import WRITTEN, trajectory_bytes
 from rankdrop.robot.open import open_robot
 from rankdrop.task import Frame, Task
 from rankdrop.units import scaled

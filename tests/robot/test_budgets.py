@@ -16,8 +16,8 @@ from rankdrop.cli.arm import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.motion import message_file
 from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.message_file import parse_message
-from rankdrop.motion.read import read_trajectory
 from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader

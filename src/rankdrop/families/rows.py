@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
 from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
-from rankdrop.families.memory import Memory
-from rankdrop.families.residual import recalled_equations, residual_equations
+from rankdrop.families.residual import Memory, recalled_equations, residual_equations
 from rankdrop.families.row import Row, verified
 from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation, Mask, Term, normalised

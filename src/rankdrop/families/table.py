@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.linear import polished
-from rankdrop.families.memory import Memory
+from rankdrop.families.residual import Memory
 from rankdrop.families.row import Row, elsewhere, soundness, witness
 from rankdrop.families.rows import Membership, find_rows, leftovers, membership, on_any
 from rankdrop.families.search_record import Outcome, Search, none_found, unseen

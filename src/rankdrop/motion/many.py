@@ -15,8 +15,8 @@ from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.check import EVALUATIONS, check_path
 from rankdrop.motion.data import CROSSING, FREE, TOUCHING, VERDICTS
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
-from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.trajectory import unit_hint
 from rankdrop.results.analysis import Analysis

@@ -162,15 +162,15 @@ def match(
             rng = np.random.default_rng([seed, corank, numeric])
             own, others = ("numeric", "exact") if numeric else ("exact", "numeric")
             for one in tried:
-                points = solutions(here, one, rng)
-                met, related, around, wrong = _tried(here, one, points, there, others)
+                witness, random, solved = solutions(here, one, rng)
+                met, related, around, wrong = _tried(here, one, witness, random, there, others)
                 counts[numeric] = Check(counts[numeric].tested + met.tested, counts[numeric].agree + met.agree)
                 said += [Difference(own, one.id, one.name, text) for text in wrong]
                 kin |= {(one.id, name) if numeric else (name, one.id) for name in related}
                 if not numeric:
                     inside |= {(name, one.id) for name in around}
-                if points.elsewhere:
-                    wider[numeric].append(Wider(one.id, points.solved, points.elsewhere))
+                if solved.agree < solved.tested:
+                    wider[numeric].append(Wider(one.id, solved.tested, solved.tested - solved.agree))
     matches = tuple(_match(row.id, families, kin, inside) for row in rows)
     return Agreement(matches, counts[True], counts[False], tuple(said), tuple(wider[False]), tuple(wider[True]))
 
@@ -181,32 +181,16 @@ def _match(row: str, families: Sequence[Side], kin: set[tuple[str, str]], inside
     return Match(row, whole, tuple(name for name in related if name not in whole))
 
 
-@dataclass(frozen=True)
-class Points:
-    """Configurations on a family.
-
-    Attributes:
-        q: (N, n) its witness first, where that satisfies the equations; then random ones.
-        special: how many at the beginning are not random.
-        solved, elsewhere: solutions of the equations, and how many were left out for their lower corank.
-    """
-
-    q: Array
-    special: int
-    solved: int = 0
-    elsewhere: int = 0
-
-
 def _tried(
-    problem: Problem, family: Side, points: Points, others: Sequence[Side], theirs: str
+    problem: Problem, family: Side, witness: Array, random: Array, others: Sequence[Side], theirs: str
 ) -> tuple[Check, list[str], list[str], list[str]]:
-    """Points of one family, tried on those of the other side, which is called `theirs`.
+    """Points of one family, from `solutions`, tried on those of the other side, which is called `theirs`.
 
     Returns:
         How many of the points lie on one of the others; ids of the others that some point lies on and whose dimension
         is the same, and of those on which all of them lie; sentences on what does not go together.
     """
-    q, wrong = points.q, list[str]()
+    q, wrong = np.concatenate([witness, random]), list[str]()
     if not len(q):
         if not problem.limits:
             wrong.append("no configuration satisfies its own conditions, its witness included")
@@ -217,7 +201,7 @@ def _tried(
         cloud = Cloud(problem.robot, problem.task, q[left], np.full(len(left), problem.corank))
         _, over = explained(cloud, [other.equations for other in others if other.equations], problem.tolerances)
         left = left[over]
-    generic = on[:, points.special :] if len(q) > points.special else on
+    generic = on[:, len(witness) :] if len(random) else on
     met = [k for k, mask in enumerate(generic) if mask.sum() >= min(COMMON, len(mask))]
     vague = not family.equations or any(not others[k].equations for k in met)
     kin = [k for k in met if vague or others[k].dimension == family.dimension]
@@ -233,7 +217,7 @@ def _tried(
     return Check(len(q), len(q) - len(left)), [others[k].id for k in kin], around, wrong
 
 
-def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> Points:
+def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> tuple[Array, Array, Check]:
     """Solutions of a family's equations from random starts, where these are well conditioned.
 
     Those of a lower corank are left out, and counted.
@@ -242,10 +226,14 @@ def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> Point
         problem: the arm and the corank.
         family: of either side.
         rng: of the starts.
+
+    Returns:
+        (W, n) its witness, none where that does not satisfy the equations; (N, n) random points; and of all solutions
+        of the equations, how many have the corank.
     """
     witness = np.array([family.witness], dtype=np.float64)
     if not family.equations:
-        return Points(witness, 1)
+        return witness, witness[:0], Check(0, 0)
     system = _system(family)
     witness = witness[np.abs(system.values(witness)).max(axis=1) <= problem.tolerances.explained]
     q, _ = system.solve(problem.random(STARTS, rng), iterations=60)
@@ -257,10 +245,8 @@ def solutions(problem: Problem, family: Side, rng: np.random.Generator) -> Point
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER
     q = q[singular | system.zero(q)]  # what is regular and all but a zero is neither here nor there
     singular = problem.sigma(q)[:, problem.rank] <= HIGHER
-    solved, q = len(q), q[singular]
-    elsewhere = solved - len(q)
-    witness, q = witness[problem.allowed(witness)], q[problem.allowed(q)]
-    return Points(np.concatenate([witness, q]), len(witness), solved, elsewhere)
+    solved, q = Check(len(q), int(singular.sum())), q[singular]
+    return witness[problem.allowed(witness)], q[problem.allowed(q)], solved
 
 
 def _system(family: Side) -> System:
@@ -439,13 +425,13 @@ def _measured(
 ) -> Family | None:
     """A row with the equations of an exact family, its soundness and its share taken anew; None without a point."""
     equations = family.equations
-    points = solutions(problem, family, rng)
-    if points.elsewhere and len(over) == 1:  # where each side's conditions hold too widely, both together may not
+    witness, random, solved = solutions(problem, family, rng)
+    if solved.agree < solved.tested and len(over) == 1:  # each side's conditions may hold too widely, both together not
         both = replace(over[0], equations=(*equations, *over[0].equations))
         together = solutions(problem, both, rng)
-        if together.solved > together.elsewhere == 0:
-            equations, points = both.equations, together
-    inside = points.q[problem.allowed(points.q)]
+        if together[2].holds:
+            equations, (witness, random, solved) = both.equations, together
+    inside = np.concatenate([witness, random])
     if not len(inside):
         return None
     share = int(lies_on(family, sampled.fresh, problem.tolerances).sum()) if len(sampled.fresh) else 0
@@ -467,7 +453,7 @@ def _measured(
         lost_words=sentences,
         evidence=Sampled(
             f"exact condition; points found numerically: {', '.join(dict.fromkeys(row.evidence.how for row in over))}",
-            Check(points.solved, points.solved - points.elsewhere),
+            solved,
             Check(sampled.summary.completeness.tested, share),
         ),
     )

@@ -39,3 +39,33 @@ def violations(browser: Browser, leave: tuple[str, ...] = ()) -> list[str]:
         + "; ".join(f"{node['html'][:160]} {node.get('failureSummary', '')[:220]}" for node in one["nodes"][:4])
         for one in found
     ]
+
+
+FAINT = """(least) => {
+    const parts = (text) => { const all = (text.match(/[\\d.]+/g) || []).map(Number); return [...all, 1].slice(0, 4); };
+    const over = (ink, paper) => paper.map((value, i) => ink[i] * ink[3] + value * (1 - ink[3]));
+    const linear = (value) => value <= 10.3 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4;
+    const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+    const found = [], texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (texts.nextNode()) {
+        const text = texts.currentNode.textContent.trim(), holder = texts.currentNode.parentElement;
+        const out = "script, style, [aria-hidden=true], [data-disabled], :disabled";
+        if (!/[\\p{L}\\p{N}]/u.test(text) || holder.closest(out)) continue;
+        if (!holder.checkVisibility({ checkVisibilityCSS: true, checkOpacity: true })) continue;
+        const papers = [];
+        let faded = 1;
+        for (let one = holder; one; one = one.parentElement) {
+            const style = getComputedStyle(one), paper = parts(style.backgroundColor);
+            faded *= Number(style.opacity);
+            papers.unshift(paper);
+            if (paper[3] === 1) break;
+        }
+        const paper = papers.reduce((below, one) => over(one, below), [255, 255, 255]);
+        const ink = parts(getComputedStyle(holder).color);
+        const ends = [light(over([...ink.slice(0, 3), ink[3] * faded], paper)), light(paper)].sort((a, b) => b - a);
+        const contrast = (ends[0] + 0.05) / (ends[1] + 0.05);
+        if (contrast < least) found.push([text, Number(contrast.toFixed(2))]);
+    }
+    return found;
+}"""
+"""Texts of a page whose contrast is below a bound (4.5 of WCAG AA), also where axe cannot tell: over a canvas."""

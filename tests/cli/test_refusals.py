@@ -55,6 +55,17 @@ def test_whole_numbers_may_be_written_with_underscores(run) -> None:
     assert "of 100 starts" in ended.out
 
 
+@pytest.mark.parametrize("line", [("analyze", "scara", "--json", "--quiet"), ("report", "scara", "--out", "--quiet"),
+                                  ("find", "scara", "--corank", "1", "--json", "--limits")])  # fmt: skip
+def test_an_option_is_not_taken_for_a_file(run, line: tuple[str, ...], tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    ended = run(*line)
+    assert (ended.code, ended.out) == (exits.BAD_INPUT, "")
+    assert ended.err == f"rankdrop: error: {line[-2]}: it needs the name of a file; got {line[-1]}; " \
+                        f"allowed: a file name, or -; fix: ./{line[-1]} if that is its name\n"  # fmt: skip
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_find_refuses_one_file_for_two_results(run, tmp_path: Path) -> None:
     path = str(tmp_path / "a.csv")
     ended = run("find", "scara", "--corank", "1", *SMALL, "--out", path, "--history", f"{tmp_path}/./a.csv")

@@ -297,3 +297,8 @@ def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str)
     assert (ratio[near] > 1.2).mean() <= 0.03
     assert (np.abs(ratio[len(on) :] - 1) < 0.05).mean() >= 0.95
     assert (ratio[len(on) :] > 1.2).mean() <= 0.02
+
+
+def test_a_monitor_without_families_says_what_it_needs() -> None:
+    with pytest.raises(OptionError, match=r"families: a monitor needs the families that it watches.*analyze"):
+        Monitor(shipped("scara").robot)

@@ -255,7 +255,11 @@ def test_what_stands_beyond_or_at_a_limit_is_said() -> None:
     panda = open_robot("panda")
     found = explain(panda, [0.0, 0.3, 0.0, panda.upper[3], 0.0, 1.9, 0.7])
     assert (found.outside_limits, found.at_limits) == ((), (4,))
-    assert "stands at a limit" in str(found)
+    assert "joint 4 at −3.999° stands at a limit (−176° … −3.999°)" in " ".join(str(found).split())
+    there = explain(arm, [0.0, np.radians(-400), 0.0, 0.0, 0.5, 0.0])
+    assert "joint 2 at −400° is outside its limits, −360° … 360°" in " ".join(str(there).split())
+    slides = open_robot("scara")
+    assert "joint 3 at 0.3 m is outside its limits, 0 m … 0.21 m" in str(explain(slides, [0.1, 0.2, 0.3, 0.0]))
     assert record(found)["at_limits"] == [4]
     assert explain(panda, [0.0, 0.3, 0.0, -1.8, 0.0, 1.9, 0.7]).at_limits == ()
 

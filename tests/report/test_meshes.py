@@ -82,3 +82,15 @@ def test_the_report_of_a_file_with_shapes_draws_them_unless_told_not_to(tmp_path
     assert [one["link"] for one in drawn] == [0, 1, 2]
     assert len(drawn[2]["faces"]) == 3 * 1280
     assert page(tmp_path, "--no-meshes")["meshes"] == []
+
+
+def test_what_cannot_be_drawn_is_told_unless_it_is_to_be_quiet(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "two.urdf").write_text(URDF, encoding="utf-8")  # part.stl is not there
+    line = ["report", str(tmp_path / "two.urdf"), "--tip", "d", "--task", "planar-position", "--starts", "100",
+            "--exact-seconds", "0", "--out", str(tmp_path / "two.html")]  # fmt: skip
+    assert main.run(line) in (0, 3)
+    assert "not drawn: " in capsys.readouterr().err
+    assert main.run([*line, "--quiet"]) in (0, 3)
+    assert capsys.readouterr().err == ""

@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from browser.axe import axe_program
+from browser.axe import FAINT, axe_program
 
 from rankdrop.local.block import singular_values
 from rankdrop.robot.open import open_robot
@@ -114,7 +114,22 @@ def test_axe_finds_nothing_at_any_width(dark: bool, browser: Any) -> None:
             names = "(r) => r.violations.map((v) => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 200)])"
             found = tab.page.evaluate(f"axe.run(document, {rules}).then({names})")
             assert found == [], width
+            for name in ("Joints", "Families", "Share", "View"):
+                tab.page.get_by_role("tab", name=name).click()
+                tab.page.wait_for_timeout(500)
+                assert tab.page.evaluate(FAINT, 4.5) == [], (width, name)
         assert viewer.controls.found is not None
+
+
+def test_a_state_is_copied(laptop: tuple[Viewer, Tab]) -> None:
+    viewer, tab = laptop
+    tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    tab.page.get_by_role("tab", name="Share").click()
+    for what, shown in (("link", viewer.share._link), ("command", viewer.share._line)):
+        tab.page.get_by_role("button", name=f"copy the {what}").click()
+        tab.page.get_by_text("copied").first.wait_for(timeout=10_000)
+        assert tab.page.evaluate("() => navigator.clipboard.readText()") == shown.value
+    tab.page.get_by_role("tab", name="Joints").click()
 
 
 def test_every_slider_has_its_joint_for_a_name_and_obeys_the_keyboard(laptop: tuple[Viewer, Tab]) -> None:

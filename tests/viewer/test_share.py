@@ -11,6 +11,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from rankdrop.cli.arm import ArmOptions
+from rankdrop.cli.view import _command
 from rankdrop.errors import RobotError
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
@@ -73,7 +75,7 @@ def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     connection.close()
     until(lambda: bool(np.allclose(viewer.session.q, target, atol=1e-6)))
     until(lambda: state_text(ARM, target) in viewer.share._link.value)
-    assert viewer.share._line.value == f"rankdrop view ur5e --deg --q {state_text(ARM, target)}"
+    assert viewer.share._line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}"
 
 
 def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:
@@ -94,6 +96,27 @@ def test_an_arm_of_ones_own_opens_in_a_viewer_of_its_own(viewer: Viewer) -> None
     viewer.share.open(SimpleNamespace(name="two.urdf", content=URDF.encode()))
     assert viewer._others[-1].session.live.robot.n == 2
     assert viewer._others[-1].url in viewer.share._opened.content
+    assert viewer._others[-1].share._command == "rankdrop view two.urdf"
+
+
+def test_the_command_that_is_shared_opens_the_same_arm_with_its_tool() -> None:
+    options = ArmOptions(tip="wrist 2", as_written=True, package=("a=b",), length_scale=0.5)
+    told = _command("my arm.urdf", options, "tool", "-0.1,0,0")
+    words = "rankdrop view 'my arm.urdf' --frame=tool --tcp=-0.1,0,0 '--tip=wrist 2' --length-scale=0.5 --as-written"
+    assert told == f"{words} --package=a=b"
+    assert _command("ur5e", ArmOptions(), None, None) == "rankdrop view ur5e"
+
+
+def test_sliders_end_at_numbers_that_can_be_read() -> None:
+    arm = open_robot("panda")  # −166.003062° … 166.003062°
+    made = Viewer(arm, resolve_task(None, arm), Wishes(port=0))
+    try:
+        assert [(one.min, one.max) for one in made.controls.sliders[:2]] == [(-166.0, 166.0), (-101.0, 101.0)]
+        made.session.set(arm.lower)
+        until(lambda: bool(made.controls.sliders[0].value == -166.0))
+        assert made.controls.sliders[0].min == -166.0
+    finally:
+        made.close()
 
 
 @pytest.mark.parametrize(("name", "content"), [("evil.xacro", b"<robot/>"), ("arm.urdf", b"no xml"), ("arm", b"")])
@@ -141,6 +164,10 @@ def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> Non
     until(lambda: viewer.stage._ghost[-1].visible)
     nearest = viewer.controls.found.far.nearest
     assert np.allclose(viewer.stage._ghost[-1].position, pose(ARM, np.array(nearest.q))[:3, 3])
+    assert not viewer.stage._ghost[0].visible  # a link that stands there already
+    viewer.stage.show_ghost(None)
+    viewer.shown(viewer.session.live.look(START), None)  # drawn later than explained, as when it opens
+    assert viewer.stage._ghost[-1].visible
     viewer.session.set(np.array(nearest.q))
     until(lambda: not viewer.stage._ghost[-1].visible)
 

@@ -67,7 +67,7 @@ def report(
         seed: Of every random choice of the analysis and of the figures.
         threads: Processors to use for the analysis; 0 means all. The result does not depend on it.
         json: Write the analysis to this file as well; - writes it to stdout.
-        quiet: No progress.
+        quiet: No progress; errors only.
     """
     from rankdrop.cli.terminal import check_different, check_target, reporter, say, write_json
     from rankdrop.errors import OptionError
@@ -83,11 +83,12 @@ def report(
     with reporter(quiet=quiet) as progress:
         analysis, made = _analysis(robot, arm, ideal, search, progress)
         target = given or _checked(_default(analysis, format), format)
-        drawn = () if no_meshes or format != "html" or robot.lower().endswith(_ANALYSIS) else _drawn(analysis, arm)
+        plain = no_meshes or format != "html" or robot.lower().endswith(_ANALYSIS)
+        drawn = () if plain else _drawn(analysis, arm, quiet=quiet)
         written, verdict, stopped = _written(
             analysis, made, target, format, figure, exact_seconds, seed, progress, drawn
         )  # fmt: skip
-    for path in written:
+    for path in () if quiet else written:
         say(f"wrote {path}")
     if json is not None:
         write_json(analysis.to_dict(), json)
@@ -159,8 +160,8 @@ def _written(
     return paths, shown.verdict, shown.interrupted
 
 
-def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Mesh, ...]:
-    """The shapes of the links that the arm's file has; what cannot be drawn is told."""
+def _drawn(analysis: Analysis, arm: ArmOptions, *, quiet: bool) -> tuple[Mesh, ...]:
+    """The shapes of the links that the arm's file has; what cannot be drawn is told unless it is to be `quiet`."""
     from rankdrop.cli.arm import arguments_of, packages_of
     from rankdrop.cli.terminal import say
     from rankdrop.errors import MissingExtraError
@@ -172,7 +173,7 @@ def _drawn(analysis: Analysis, arm: ArmOptions) -> tuple[Mesh, ...]:
         meshes, unread = meshes_of(visuals)
     except MissingExtraError as error:
         meshes, unread = (), (str(error),)
-    for note in (*left_out, *unread):
+    for note in () if quiet else (*left_out, *unread):
         say(f"not drawn: {note}")
     return simplified(meshes)
 

@@ -284,6 +284,9 @@ def check_target(target: str | None, option: str, endings: tuple[str, ...] = ())
     """
     if target is None or target == STDOUT:
         return
+    if target.startswith("--"):  # an option was taken for the file that another one is to write
+        raise OptionError("it needs the name of a file", where=option, got=target, allowed="a file name, or -",
+                          mend=f"./{target} if that is its name")  # fmt: skip
     path = Path(target)
     if endings and path.suffix.lower() not in endings:
         raise OptionError("the ending names no format", where=option, got=target, allowed=", ".join(endings))

@@ -44,7 +44,7 @@ def view(
     Exit code 0: ended by Ctrl-C; 2: bad input.
 
     Args:
-        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro, .xml, .toml); only a .urdf has meshes.
+        robot: Name in the catalogue (`rankdrop robots`) or file (.urdf, .xacro: with meshes; .xml, .toml).
         q: Where to begin: one number per joint, separated by commas or blanks [rad, m].
         deg: Angles without a unit are in degrees, in --q and in the trajectory.
         frame: In whose axes motions are told: base, tool, or the link in which they are simplest.
@@ -82,6 +82,7 @@ def view(
         host=host,
         port=port,
         expose=expose,
+        command=_command(robot, arm, frame, tcp),
     )
     viewer = Viewer(model, task, wishes)
     try:
@@ -99,6 +100,24 @@ def view(
     finally:
         viewer.close()
     return exits.FINE
+
+
+def _command(robot: str, arm: ArmOptions, frame: str | None, tcp: str | None) -> str:
+    """What was typed of the arm, its task and its tool: the same arm opens, not another one of the same file."""
+    from dataclasses import fields
+    from shlex import join
+
+    given = {"frame": frame, "tcp": tcp} | {one.name: getattr(arm, one.name) for one in fields(arm)}
+    words = ["rankdrop", "view", robot]
+    for name, value in given.items():
+        option = f"--{name.replace('_', '-')}"
+        if value is True:
+            words.append(option)
+        elif isinstance(value, tuple):
+            words += [f"{option}={one}" for one in value]
+        elif value is not None and value is not False:
+            words.append(f"{option}={value}")
+    return join(words)
 
 
 def _check_host(host: str, *, expose: bool) -> None:

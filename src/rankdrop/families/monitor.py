@@ -163,8 +163,8 @@ class Monitor:
     One monitor serves one thread at a time.
 
     Raises:
-        OptionError: a family of an arm with another number of joints; start not above stop, or stop below zero; rates
-            that are no n positive numbers.
+        OptionError: no families given; a family of an arm with another number of joints; start not above stop, or
+            stop below zero; rates that are no n positive numbers.
 
     Example:
         >>> from rankdrop.robot.open import open_robot
@@ -175,10 +175,14 @@ class Monitor:
     """
 
     def __init__(
-        self, robot: Robot, task: Task | str | Sequence[str] | None, families: Sequence[Family],
+        self, robot: Robot, task: Task | str | Sequence[str] | None = None,
+        families: Sequence[Family] | None = None,
         tolerances: Tolerances = DEFAULT, *, start: float = START, stop: float = STOP, rates: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         check_robot(robot)
+        if families is None:
+            raise OptionError("a monitor needs the families that it watches", where="families", got=None,
+                              allowed="those of rankdrop.analyze(robot, task).families, or () for none")  # fmt: skip
         self.robot, self.task, self.families = robot, resolve_task(task, robot), tuple(families)
         self.generic_rank = generic_rank(robot, self.task)
         self.tolerances = tolerances

@@ -60,11 +60,12 @@ class Controls:
         low, high = sampling_box(self.robot, self.live.task, limits=True)
         unit = self._unit[index]
         value = float(self.session.q[index] * unit)
-        sign, step = ("°", 0.1) if joint.unit == "rad" else (" m", 0.001)
+        sign, step, digits = ("°", 0.1, 1) if joint.unit == "rad" else (" m", 0.001, 3)
+        least, most = (round(bound * unit, digits) for bound in (low[index], high[index]))
+        shown = round(value, digits)
         limited = np.isfinite(joint.lower) and np.isfinite(joint.upper)
         slider = self.server.gui.add_slider(
-            f"{index + 1} {joint.name} [{sign.strip()}]", min(low[index] * unit, value),
-            max(high[index] * unit, value), step, round(value, 1 if joint.unit == "rad" else 3),
+            f"{index + 1} {joint.name} [{sign.strip()}]", min(least, shown), max(most, shown), step, shown,
             hint=f"limits {joint.lower * unit:.4g} … {joint.upper * unit:.4g}{sign}" if limited else "no limits",
         )  # fmt: skip
 
@@ -120,11 +121,11 @@ class Controls:
     def _place(self, index: int, value: float) -> None:
         """A slider to a value; its range grows where a motion goes beyond it."""
         slider = self.sliders[index]
-        if value < slider.min - _MARGIN:
-            slider.min = value
-        if value > slider.max + _MARGIN:
-            slider.max = value
         shown = round(value, 1 if self._unit[index] != 1.0 else 3)  # as many digits as the box has room for
+        if shown < slider.min:
+            slider.min = shown
+        if shown > slider.max:
+            slider.max = shown
         if slider.value != shown:
             put(slider, shown)
 

@@ -208,7 +208,12 @@ def _asking(gate: Gate, inner: Any, arrived: Callable[[str], None] | None) -> An
     return process_request
 
 
-_LABELS = """<style>label, .mantine-Notification-description { color: inherit !important; opacity: 0.85; }
+_LABELS = """<style>label, p:has(> label), .mantine-Notification-description { color: inherit !important; }
+.mantine-Slider-markLabel { color: inherit !important; opacity: 0.8; }
+[role=tab][aria-selected=true] span { color: #00598c !important; }
+[data-mantine-color-scheme=dark] [role=tab][aria-selected=true] span { color: #74c0fc !important; }
+[data-copy] { font: inherit; padding: 0.3em 0.8em; border: 0; border-radius: 2px; background: #495057; color: #fff;
+  cursor: pointer; }
 .mantine-Button-root:not([data-disabled]) .mantine-Button-label { color: #fff; }
 .mantine-Button-root:not([data-disabled]) { background-color: #495057; }</style>
 <script>
@@ -227,6 +232,21 @@ function named() {
   }
 }
 new MutationObserver(named).observe(document, { childList: true, subtree: true });
+// buttons that copy a text: the clipboard belongs to the page; where it has none, a field is selected and copied
+document.addEventListener("click", async (event) => {
+  const button = event.target.closest?.("[data-copy]");
+  if (!button) return;
+  try {
+    await navigator.clipboard.writeText(button.dataset.copy);
+  } catch {
+    const field = document.body.appendChild(document.createElement("textarea"));
+    field.value = button.dataset.copy;
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+  }
+  button.textContent = "copied";
+});
 </script>"""
 
 

@@ -157,6 +157,7 @@ def legend_html() -> str:
         (SKY, "the same arrow, at a regular configuration: the weakest motion, which is lost first"),
         (ORANGE, "joints to blame and their axes: the smallest circuit"),
         (PURPLE, "the second circuit; a joint of both is drawn in the colour of the first"),
+        (f"{VERMILION}88", "seen through: the links as they stand in the nearest singular posture that was found"),
     ]
     rows = "".join(f'<div><span style="color:{colour}">■</span> {text}</div>' for colour, text in items)
     return f'<div style="{_STYLE}">{rows}</div>'
@@ -179,6 +180,12 @@ def large_html(title: str, sentence: str) -> str:
 def escaped(text: str) -> str:
     """Text inside HTML."""
     return escape(text)
+
+
+def copy_html(items: Iterable[tuple[str, str]]) -> str:
+    """Buttons that copy a text: (label, text) of each."""
+    buttons = "".join(f'<button data-copy="{escape(text)}">{escape(label)}</button> ' for label, text in items)
+    return f'<div style="{_STYLE}">{buttons}</div>'
 
 
 def message_html(text: str) -> str:

@@ -57,6 +57,7 @@ class Wishes:
         host, port: to listen on; port None for the default one or a later one that is free.
         expose: let other machines in, by a token.
         frame: in whose axes motions are told, as in `explain`.
+        command: what opens this arm, but for the configuration; None to be made from its name.
     """
 
     q: Array | None = None
@@ -71,6 +72,7 @@ class Wishes:
     port: int | None = None
     expose: bool = False
     frame: str | None = None
+    command: str | None = None
 
 
 class Viewer:
@@ -112,7 +114,8 @@ class Viewer:
         self.path = PathTab(self.controls, deg=wishes.deg)
         self.slice = SliceTab(self.controls)
         self._tour = TourTab(self.controls)
-        self.share = ShareTab(self.controls, self.url.split("?")[0], f"rankdrop view {_name(robot)}", self._another)
+        command = wishes.command or f"rankdrop view {_name(robot)}"
+        self.share = ShareTab(self.controls, self.url.split("?")[0], command, self._another)
         self._add_look(dark=wishes.dark)
         self.session.start()
         if wishes.trajectory is not None:
@@ -161,9 +164,10 @@ class Viewer:
         if session is not None and q is not None:
             session.go(q)
 
-    def _another(self, robot: Robot) -> str:
-        """The address of a viewer of another arm; closed with this one."""
-        wishes = replace(self._wishes, q=None, analysis=None, trajectory=None, port=None)
+    def _another(self, robot: Robot, file: str) -> str:
+        """The address of a viewer of another arm, of a file of this name; closed with this one."""
+        wishes = replace(self._wishes, q=None, analysis=None, trajectory=None, port=None,
+                         command=f"rankdrop view {shlex.quote(file)}")  # fmt: skip
         viewer = Viewer(robot, resolve_task(None, robot), wishes)
         self._others.append(viewer)
         return viewer.url
@@ -186,6 +190,8 @@ class Viewer:
         self._handle.shown(now, source)
         if now.seen.corank or self.session.moving:
             self.stage.show_ghost(None)
+        elif found is not None:  # it may have been explained before it was drawn
+            self._show_ghost(found)
         self.slice.shown(now, source)
 
     def explained(self, found: Explanation) -> None:

@@ -21,6 +21,7 @@ _LIGHT_ARM, _DARK_ARM = (196, 202, 210), (150, 158, 168)
 _LIGHT_JOINT, _DARK_JOINT = (86, 98, 114), (74, 84, 98)
 _DULL = 0.45  # dark meshes are lifted so far towards grey: black parts are not seen on a dark page
 _LIT = (176, 34, 0)  # vermilion under the lights of the scene, which wash it out to orange
+_SAME = 1e-3  # links of the ghost that differ by less are those of the arm [lengths of the arm, quaternion]
 _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
@@ -104,21 +105,26 @@ class Stage:
         scene = self.server.scene
         self._ghost_on = True
         self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
+        look: Any = {"color": rgb(VERMILION), "opacity": 0.35, "cast_shadow": False}
         for i, one in enumerate(self.live.body.capsules):
-            vertices, faces = capsule_mesh(one.start, one.end, 0.7 * one.radius)
-            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", vertices, faces, color=rgb(VERMILION), opacity=0.28,
-                                  cast_shadow=False)  # fmt: skip
+            shape = capsule_mesh(one.start, one.end, one.radius)
+            scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *shape, **look)
+        for one in self.live.body.barrels:
+            scene.add_mesh_simple(f"/ghost/{one.link}/barrel{one.joint}",
+                                  *barrel_mesh(one.centre, one.axis, one.length, one.radius), **look)  # fmt: skip
 
     def show_ghost(self, q: Array | None) -> None:
-        """The ghost at a configuration; None hides it."""
-        shown = q is not None and self._ghost_on
-        if q is not None and shown:
-            poses = link_poses(self.live.robot, q)
-            for frame, turn, pose in zip(self._ghost, wxyz(poses[:, :3, :3]), poses, strict=True):
-                frame.wxyz = turn
-                frame.position = pose[:3, 3]
-        for frame in self._ghost:
-            frame.visible = shown
+        """The ghost at a configuration, but for links that stand there already; None hides it."""
+        if q is None or not self._ghost_on:
+            for frame in self._ghost:
+                frame.visible = False
+            return
+        poses = link_poses(self.live.robot, q)
+        for link, frame, turn, pose in zip(self.links, self._ghost, wxyz(poses[:, :3, :3]), poses, strict=True):
+            frame.wxyz = turn
+            frame.position = pose[:3, 3]
+            moved = np.linalg.norm(pose[:3, 3] - link.position) / self.size + np.abs(turn - link.wxyz).max()
+            frame.visible = bool(moved > _SAME)
 
     def allow_ghost(self, shown: bool) -> None:
         """Whether a ghost is drawn at all."""

@@ -70,7 +70,7 @@ class FamiliesTab:
     def _chosen(self, _event: object) -> None:
         family = self.family
         conditions = map(plain, condition_sentences(self.controls.robot, self.controls.live.task, family))
-        lines = [f"corank {family.corank}, dimension {family.dimension}", *conditions,
+        lines = [f"<b>{plain(family.name)}</b>", f"corank {family.corank}, dimension {family.dimension}", *conditions,
                  *(f"lost: {plain(words)}" for words in family.lost_words),
                  plain(lost_told(self.controls.robot, family.lost_words))]  # fmt: skip
         self._about.content = panel.lines_html(lines)

@@ -62,10 +62,10 @@ class ShareTab:
         controls: the panel.
         url: of the page, without a token: who has the link needs a viewer of the same arm.
         command: that opens this arm, but for the configuration.
-        another: opens a viewer of another arm and gives its address.
+        another: opens a viewer of another arm, of a file of this name, and gives its address.
     """
 
-    def __init__(self, controls: Controls, url: str, command: str, another: Callable[[Robot], str]) -> None:
+    def __init__(self, controls: Controls, url: str, command: str, another: Callable[[Robot, str], str]) -> None:
         self.controls, self._url, self._command, self._another = controls, url, command, another
         self.rows: list[tuple[float, Array]] = []
         self.recording = False
@@ -73,6 +73,7 @@ class ShareTab:
         with controls.tabs.add_tab("Share"):
             self._link = gui.add_text("link", "", hint="opens this page with the arm as it stands now")
             self._line = gui.add_text("command", "", hint="the same on any machine with rankdrop")
+            self._copy = gui.add_html("")
             self._record = controls.button("record the session", self.record)
             self._told = gui.add_html("")
             controls.button("save the record as CSV", self._save, hint="for the tab Path, and for `rankdrop path`")
@@ -83,8 +84,10 @@ class ShareTab:
     def shown(self, now: Now, _source: object) -> None:
         """A configuration was looked at."""
         text = state_text(self.controls.robot, now.q)
-        put(self._link, f"{self._url}?q={text}")
-        put(self._line, f"{self._command} --deg --q {text}")
+        link, line = f"{self._url}?q={text}", f"{self._command} --deg --q={text}"
+        put(self._link, link)
+        put(self._line, line)
+        self._copy.content = panel.copy_html((("copy the link", link), ("copy the command", line)))
         if self.recording and len(self.rows) < _MOST_ROWS:
             self.rows.append((monotonic(), now.q))
             self._tell()
@@ -129,6 +132,6 @@ class ShareTab:
                 robot = open_robot(path)
             except RobotError as error:
                 raise RobotError(str(error).replace(str(path), file.name)) from None
-        address = panel.escaped(self._another(robot))
+        address = panel.escaped(self._another(robot, file.name))
         told = f'<a href="{address}" target="_blank">{panel.escaped(robot.name)} is open here</a>'
         self._opened.content = panel.lines_html([told])

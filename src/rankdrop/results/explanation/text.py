@@ -113,11 +113,14 @@ def _warnings(explanation: Explanation) -> Iterator[str]:
     if reach > _HUGE:
         yield f"lengths are divided by {short(reach)} m: are those of the robot file in mm?"
     for number, (joint, value) in enumerate(zip(explanation.robot.variables, explanation.q, strict=True), start=1):
-        where = f"joint {number} at {short(value)} {joint.unit}"
+        turns = joint.unit == "rad"
+        at, low, high = (
+            f"{short(degrees(x) if turns else x)}{'°' if turns else ' m'}" for x in (value, joint.lower, joint.upper)
+        )
         if number in explanation.outside_limits:
-            yield f"{where} is outside its limits, {short(joint.lower)} … {short(joint.upper)} {joint.unit}"
+            yield f"joint {number} at {at} is outside its limits, {low} … {high}"
         elif number in explanation.at_limits:
-            yield f"{where} stands at a limit ({short(joint.lower)} … {short(joint.upper)} {joint.unit})"
+            yield f"joint {number} at {at} stands at a limit ({low} … {high})"
 
 
 def _which(explanation: Explanation, full: bool) -> Iterator[Section]:

@@ -30,6 +30,9 @@ OUTPUTS = {
     "nearest": ("nearest", "ur5", "--deg", "--q", "0,-135,45,90,0,0"),
     "analyze": ("analyze", "planar3r", "--starts", "300"),
     "conditions": ("conditions", "pa10"),
+    "remarks": ("conditions", "gen3"),
+    "ideal": ("conditions", "anthropomorphic", "--ideal", "1mm"),
+    "cover": ("cover", "planar3r", "--width", "0.4", "--corank", "1"),
     "robots": ("robots", "fanuc"),
     "jacobian": ("jacobian", "ur5"),
 }
@@ -92,6 +95,8 @@ def test_no_sentence_is_longer_on_any_of_six_arms(arm: str, run: Any) -> None:
     at = (arm, "--deg", f"--q={SIX[arm]}")
     lines = [(word, *at) for word in ("explain", "escape", "nearest", "jacobian")]
     lines += [("analyze", arm, "--starts", "300"), ("conditions", arm)]
+    if arm == "scara":
+        lines += [("cover", arm, "--width", "0.4"), ("compare", arm, "ur5e", "--task", "position", "--starts", "50")]
     for line in lines:
         out = run(*line, width=2000).out
         assert out

@@ -52,6 +52,15 @@ def test_the_spine_is_connected_from_the_base_to_the_tip(name: str) -> None:
         )  # fmt: skip
 
 
+def test_the_arm_of_a_scara_stands_on_its_pillar() -> None:
+    arm = open_robot("scara")  # link 1 at 0.387 m
+    links = link_poses(arm, np.zeros(4))
+    frames = [(one, links[one.link][:3, :3], links[one.link][:3, 3]) for one in body_of(arm).capsules]
+    ends = np.array([[turn @ point + at for point in (one.start, one.end)] for one, turn, at in frames])
+    assert ends[0] == pytest.approx(np.array([[0, 0, 0], [0, 0, 0.387]]))
+    assert ends[1:, :, 2] == pytest.approx(0.387)
+
+
 @pytest.mark.parametrize("name", ARMS)
 def test_axes_are_drawn_on_the_screws(name: str) -> None:
     arm = open_robot(name)

@@ -27,7 +27,7 @@ from rankdrop.viewer.live import Now
 from rankdrop.viewer.pulled import pulled
 from rankdrop.viewer.server import Viewer, Wishes
 from rankdrop.viewer.tab_share import path_csv, state_of, state_text
-from rankdrop.viewer.tab_tour import stops_of
+from rankdrop.viewer.tab_tour import sentence_of, stops_of
 
 ARM = open_robot("ur5e")
 TASK = resolve_task(None, ARM)
@@ -159,8 +159,9 @@ def test_the_handle_moves_the_arm(viewer: Viewer) -> None:
 
 
 def test_the_ghost_stands_at_the_nearest_singular_posture(viewer: Viewer) -> None:
-    viewer.session.set(START)
-    until(lambda: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, START))
+    for q in (START + 0.1, START):  # what is told of START is new then
+        viewer.session.set(q)
+        until(lambda q=q: viewer.controls.found is not None and np.array_equal(viewer.controls.found.q, q))
     until(lambda: viewer.stage._ghost[-1].visible)
     nearest = viewer.controls.found.far.nearest
     assert np.allclose(viewer.stage._ghost[-1].position, pose(ARM, np.array(nearest.q))[:3, 3])
@@ -217,3 +218,17 @@ def test_the_tour_begins_with_shoulder_elbow_and_wrist(viewer: Viewer) -> None:
     viewer._tour.go(-1)
     until(lambda: not viewer.session.moving)
     assert "3 of 3" in viewer._tour._told.content
+
+
+def test_a_stop_of_the_tour_is_one_sentence_without_numbers(viewer: Viewer) -> None:
+    told = [sentence_of(family.lost_words[0]) for family in viewer.session.live.families if family.corank == 1]
+    assert told == [
+        "The tool cannot move along the red arrow.",
+        "The tool can hardly move along the red arrow.",
+        "The tool has lost the motion of the red arrow: to move along it and to turn about the ring are tied.",
+    ]
+    assert sentence_of("cannot rotate about X of link 5") == "The tool cannot turn about the red arrow."
+    viewer._tour.place = 0
+    viewer._tour.go(1)
+    assert told[1] in viewer._tour._told.content
+    assert "0.652 vx" in viewer._tour._told.content.split(told[1])[1]  # below it, in plain type

@@ -117,7 +117,7 @@ def arm_lines(conditions: Conditions) -> dict[str, str]:
         rank, rows = conditions.generic_rank, conditions.task.m
         lines["always"] = f"rank {rank} at most, for {rows} rows of the task; coranks are counted from {rank}"
     if conditions.remarks:
-        lines["remarks"] = "; ".join(conditions.remarks)
+        lines["remarks"] = "\n".join(conditions.remarks)
     told = "; ".join(
         part for part in conditions.reason.split("; ") if not any(one in part for one in conditions.remarks)
     )

@@ -198,8 +198,9 @@ def _account_sections(account: Account, joints: tuple[int, ...], *, deg: bool) -
     ]  # fmt: skip
     if account.freed:
         rows.append(("", "no family, but proven free on a closer look", f"{account.freed:,}"))
-    notes = ("a box counts for the first family that has a point within half a diagonal of its centre; one that is "
-             "halved on, for one from which no place that is left of it is farther than a diagonal",)
+    notes = ("A box counts for the first family that has a point within half a diagonal of its centre.",
+             "A box that was halved on counts for a family from which nothing that is left of it is farther than a "
+             "diagonal.")  # fmt: skip
     made = [
         Section("Explained", f"by families from: {account.source}", columns=("family", "", "boxes"), rows=tuple(rows),
                 texts=(0, 1), notes=notes)

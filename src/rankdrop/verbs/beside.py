@@ -267,12 +267,13 @@ def there_section(nearby: Sequence[Nearby]) -> Section:
     columns = ("family of the ideal arm", "", "least", "median", "largest", "nearest", "median")
     points = max(one.points for one in nearby)
     searched = max(one.searched for one in nearby)
-    note = (
-        f"σ of the arm itself at up to {points} random points of each family, the largest one that vanishes for the "
-        f"ideal arm; from {searched} of them the way to the nearest configuration found at which the arm itself is "
-        "singular: of the ways the shortest and the median"
+    notes = (
+        f"σ: of the arm itself at up to {points} random points of each family, the largest that vanishes for the ideal "
+        "arm.",
+        f"nearest, median: from {searched} of them, the ways to the nearest configurations found at which the arm "
+        "itself is singular.",
     )
-    return Section("The arm itself there", "", columns=columns, rows=rows, notes=(note,))
+    return Section("The arm itself there", "", columns=columns, rows=rows, notes=notes)
 
 
 def _moved(change: Change) -> tuple[str, str, str]:

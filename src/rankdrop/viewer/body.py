@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rankdrop.local import skeleton
 from rankdrop.robot import Array, JointKind, Robot, reach
 
 THIN = 0.022  # radius of a capsule, as a share of the reach
@@ -130,7 +131,10 @@ def _into(frame: Array, point: Array) -> Array:
 
 
 def _places(robot: Robot) -> list[tuple[Array, Array]]:
-    """Where the spine comes to each axis, and where it leaves it, at q = 0 in the base frame."""
+    """Where the spine comes to each axis, and where it leaves it, at q = 0 in the base frame.
+
+    A first axis that the second one is parallel to is a pillar: left where the arm goes on, not on the floor.
+    """
     here = np.zeros(3)
     lines = []
     for joint in robot.joints:
@@ -139,10 +143,12 @@ def _places(robot: Robot) -> list[tuple[Array, Array]]:
         lines.append((None if slides else np.cross(z, joint.screw[:3]), z))
     far = 1.5 * reach(robot)
     arrival = _onto(lines[0], here)
+    pillar = _onto(lines[0], skeleton(robot)[0][1]) if len(lines) > 1 else arrival
     places = []
     for i, line in enumerate(lines):
         if i + 1 < len(lines):
-            departure, following = _normal((arrival, line[1]), lines[i + 1], arrival, far)
+            start = pillar if i == 0 else arrival
+            departure, following = _normal((arrival, line[1]), lines[i + 1], start, far)
         else:
             departure = following = _onto((arrival, line[1]), robot.home[:3, 3])
         places.append((arrival, departure))

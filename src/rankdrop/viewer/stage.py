@@ -22,6 +22,7 @@ _LIGHT_JOINT, _DARK_JOINT = (86, 98, 114), (74, 84, 98)
 _DULL = 0.45  # dark meshes are lifted so far towards grey: black parts are not seen on a dark page
 _LIT = (176, 34, 0)  # vermilion under the lights of the scene, which wash it out to orange
 _SAME = 1e-3  # links of the ghost that differ by less are those of the arm [lengths of the arm, quaternion]
+_WITHIN = 0.97  # what of the ghost turns in place is hidden in the arm, not mixed with it
 _NONE = np.zeros((1, 2, 3), dtype=np.float32)
 
 
@@ -107,11 +108,11 @@ class Stage:
         self._ghost = [scene.add_frame(f"/ghost/{i}", show_axes=False, visible=False) for i in range(len(self.links))]
         look: Any = {"color": rgb(VERMILION), "opacity": 0.35, "cast_shadow": False}
         for i, one in enumerate(self.live.body.capsules):
-            shape = capsule_mesh(one.start, one.end, one.radius)
+            shape = capsule_mesh(one.start, one.end, _WITHIN * one.radius)
             scene.add_mesh_simple(f"/ghost/{one.link}/capsule{i}", *shape, **look)
-        for one in self.live.body.barrels:
-            scene.add_mesh_simple(f"/ghost/{one.link}/barrel{one.joint}",
-                                  *barrel_mesh(one.centre, one.axis, one.length, one.radius), **look)  # fmt: skip
+        for it in self.live.body.barrels:
+            shape = barrel_mesh(it.centre, it.axis, _WITHIN * it.length, _WITHIN * it.radius)
+            scene.add_mesh_simple(f"/ghost/{it.link}/barrel{it.joint}", *shape, **look)
 
     def show_ghost(self, q: Array | None) -> None:
         """The ghost at a configuration, but for links that stand there already; None hides it."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from rankdrop.family import Family
 from rankdrop.robot import lost_told
+from rankdrop.sections import count
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 
@@ -21,6 +22,21 @@ def stops_of(families: tuple[Family, ...]) -> tuple[Family, ...]:
     return tuple(ranked[:_STOPS])
 
 
+def sentence_of(lost: str) -> str:
+    """What is lost, by the arrow that shows it, to be read from the back of a room.
+
+    Args:
+        lost: of a family (`Family.lost_words`).
+    """
+    if lost.startswith("cannot rotate"):
+        return "The tool cannot turn about the red arrow."
+    if lost.startswith("cannot translate"):
+        return "The tool cannot move along the red arrow."
+    if "nearly no motion along" in lost:
+        return "The tool can hardly move along the red arrow."
+    return "The tool has lost the motion of the red arrow: to move along it and to turn about the ring are tied."
+
+
 class TourTab:
     """Forward and back through the families."""
 
@@ -33,7 +49,8 @@ class TourTab:
             if not self.stops:
                 gui.add_html(panel.message_html("No families are known for this arm: there is nothing to show."))
                 return
-            self._told = gui.add_html(panel.large_html("Singularities", f"{len(self.stops)} stops: press next."))
+            stops = count(len(self.stops), "stop")
+            self._told = gui.add_html(panel.large_html("Singularities", f"{stops}: press next."))
             controls.button("next", lambda: self.go(1), colour="blue")
             controls.button("back", lambda: self.go(-1))
 
@@ -43,6 +60,6 @@ class TourTab:
         family = self.stops[self.place]
         note = lost_told(self.controls.robot, family.lost_words)
         self._told.content = panel.large_html(
-            f"{self.place + 1} of {len(self.stops)} · {family.name}", f"The tool {'; it '.join(family.lost_words)}."
-        ) + panel.message_html(note)
+            f"{self.place + 1} of {len(self.stops)} · {family.name}", sentence_of(family.lost_words[0])
+        ) + panel.message_html(f"The tool {family.lost_words[0]}.{note and f' {note}'}")
         self.controls.session.go(np.array(family.witness))

@@ -17,25 +17,57 @@ class FootFinder {
         kept_ = take(narrow), left_ = take(narrow * e);
         x_ = take(n_), free_ = take(n_), step_ = take(n_), normal_ = take(n_), slope_ = take(n_), lambda_ = take(e);
         bend_ = take(n_ * n_), curved_ = take(n_ * n_), along_ = take(n_ * n_), product_ = take(n_ * n_), axes_ = take(n_ * n_);
-        size_ = take(n_);
+        size_ = take(n_), at_ = take(n_);
     }
 
-    // q in and out: steps on the first `leading` equations until they stand still, whole turns taken off, then onto the
-    // zero set of all of them
-    void run(Pack* q) {
-        Pack open = fill(1.0);
-        for (int round = 0; round < set_.iterations && any(open > fill(0.0)); ++round) {
-            newton(q);
-            Pack square = fill(0.0);
-            for (int j = 0; j < c_; ++j) square = square + step_[j] * step_[j];
-            const Pack length = sqrt(square), share = min(fill(1.0), fill(set_.longest) / max(length, fill(1e-300)));
-            const Mask moves = open > fill(0.0);
-            for (int j = 0; j < c_; ++j) {
-                const int at = set_.columns[j];
-                q[at] = select(moves, inside(at, q[at] + step_[j] * share * fill(set_.scale[at])), q[at]);
+    // q (count, n) in and out: steps on the first `leading` equations until they stand still, whole turns taken off, then
+    // onto the zero set of all of them. A lane whose walk has ended takes the next one.
+    void run(double* q, std::int64_t count) {
+        std::int64_t walk[W], next = 0;
+        int rounds[W];
+        for (int lane = 0; lane < W; ++lane) walk[lane] = -1, rounds[lane] = 0;
+        for (int j = 0; j < n_; ++j) at_[j] = fill(set_.target[j]);
+        for (;;) {
+            bool alive = false;
+            for (int lane = 0; lane < W; ++lane) {
+                if (walk[lane] < 0 && next < count && set_.iterations > 0) {
+                    walk[lane] = next++, rounds[lane] = 0;
+                    for (int j = 0; j < n_; ++j) set(at_[j], lane, q[walk[lane] * n_ + j]);
+                }
+                alive = alive || walk[lane] >= 0;
             }
-            open = select(length > fill(set_.still), open, fill(0.0));
+            if (!alive) break;
+            const Pack length = step(at_);
+            for (int lane = 0; lane < W; ++lane) {
+                if (walk[lane] < 0) continue;
+                if (++rounds[lane] < set_.iterations && get(length, lane) > set_.still) continue;
+                for (int j = 0; j < n_; ++j) q[walk[lane] * n_ + j] = get(at_[j], lane);
+                walk[lane] = -1;
+            }
         }
+        for (std::int64_t row = 0; row < count; row += W) {
+            const int lanes = count - row < W ? (int)(count - row) : W;
+            load(q + row * n_, n_, lanes, n_, at_);
+            onto(at_);
+            store(at_, n_, lanes, q + row * n_, n_);
+        }
+    }
+
+  private:
+    // One of Newton's steps, capped; how long it was before that
+    Pack step(Pack* q) {
+        newton(q);
+        Pack square = fill(0.0);
+        for (int j = 0; j < c_; ++j) square = square + step_[j] * step_[j];
+        const Pack length = sqrt(square), share = min(fill(1.0), fill(set_.longest) / max(length, fill(1e-300)));
+        for (int j = 0; j < c_; ++j) {
+            const int at = set_.columns[j];
+            q[at] = inside(at, q[at] + step_[j] * share * fill(set_.scale[at]));
+        }
+        return length;
+    }
+
+    void onto(Pack* q) {
         for (int j = 0; j < n_; ++j) q[j] = brought_near(j, q[j]);
         for (int round = 0; round < set_.returns; ++round) {
             equations_.at(q, equations_.count());
@@ -49,7 +81,6 @@ class FootFinder {
         }
     }
 
-  private:
     Pack inside(int j, Pack value) const {
         return set_.lower.empty() ? value : min(max(value, fill(set_.lower[j])), fill(set_.upper[j]));
     }
@@ -190,7 +221,7 @@ class FootFinder {
     int values_ = 0, counted_ = 0;
     Equations equations_;
     Pack *w_, *basis_, *sigma_, *right_, *kept_, *left_;
-    Pack *x_, *free_, *step_, *normal_, *slope_, *lambda_, *bend_, *curved_, *along_, *product_, *axes_, *size_;
+    Pack *x_, *free_, *step_, *normal_, *slope_, *lambda_, *bend_, *curved_, *along_, *product_, *axes_, *size_, *at_;
 };
 
 }  // namespace rankdrop::RANKDROP_ISA

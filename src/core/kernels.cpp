@@ -13,6 +13,7 @@
 #include "nearest.hpp"
 #include "links.hpp"
 #include "newton.hpp"
+#include "set_feet.hpp"
 #include "spread.hpp"
 
 namespace rankdrop::RANKDROP_ISA {
@@ -193,6 +194,12 @@ void nearest(const Chain& chain, const View& view, const NearestSettings& settin
     NearestWalk(chain, view, settings, arena).run(starts, begin, end, out, stop);
 }
 
+void set_feet(const Chain& chain, const View& view, const SetFeetSettings& settings, double* q, std::int64_t count,
+              std::int8_t* met) {
+    Arena arena;
+    SetFeet(chain, view, settings, arena).run(q, (int)count, met);
+}
+
 void links(const Chain& chain, const double* q, std::int64_t begin, std::int64_t end, double* out) {
     const int n = chain.variables, count = chain.links();
     Arena arena;
@@ -304,15 +311,7 @@ void zeros(const Families& table, const ZeroSettings& settings, double* q, std::
 
 void feet(const Families& table, const FootSettings& settings, double* q, std::int64_t begin, std::int64_t end) {
     Arena arena;
-    const int n = table.variables;
-    FootFinder finder(table, settings, arena);
-    Pack* x = take(arena, n);
-    for (std::int64_t row = begin; row < end; row += W) {
-        const int count = lanes_left(row, end);
-        load(q + row * n, n, count, n, x);
-        finder.run(x);
-        store(x, n, count, q + row * n, n);
-    }
+    FootFinder(table, settings, arena).run(q + begin * table.variables, end - begin);
 }
 
 void cover(const Split& split, std::int64_t begin, std::int64_t end, CoverTree* out) {
@@ -336,7 +335,7 @@ extern const Kernels table;
 #define RANKDROP_TEXT_(x) #x
 #define RANKDROP_TEXT(x) RANKDROP_TEXT_(x)
 const Kernels table{RANKDROP_TEXT(RANKDROP_ISA), W, pose, task_jacobian, derivative, decompose_range, block_range,
-                    svd_range, newton, descend, enclose, enclose_cut, nearest, links, monitor, spread, equations, zeros, feet, cover, judge, shape,
+                    svd_range, newton, descend, enclose, enclose_cut, nearest, set_feet, links, monitor, spread, equations, zeros, feet, cover, judge, shape,
                     watch};
 
 }  // namespace rankdrop::RANKDROP_ISA

@@ -1,6 +1,7 @@
 // What a search is told, and what it says of each start. Plain data shared by every instruction set.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -82,6 +83,19 @@ struct NearestOutput {
     double* stationarity;  // share of q - centre that lies along the set
     std::int32_t* evaluations;
 };
+
+// How feet of a configuration on the singular set are looked for. Lengths are in scaled joint coordinates.
+struct SetFeetSettings {
+    int iterations = 10;
+    double still = 1e-4;                     // a walk whose step gets shorter has arrived
+    double longest = 0.7;                    // step
+    double flattest = 5e-2;                  // curvatures are taken for at least this
+    double farthest = HUGE_VAL;              // feet beyond this are of no interest
+    std::vector<double> centre;              // (n) the configuration whose feet are asked for
+    std::vector<double> scale;               // (n) 1 for angles, the length scale for lengths
+};
+
+enum Met : std::int8_t { kArrived = 0, kFarther = 1, kLost = 2 };
 
 inline constexpr std::size_t kMostEquations = 200;  // that are solved together, or joints that may move: kMaxColumns of an SVD
 

@@ -91,6 +91,10 @@ def nearest(
     chain: Chain, view: View, starts: _A, settings: NearestSettings, *, threads: int = 0
 ) -> tuple[_A, _A, _A, NDArray[np.int32]]: ...
 
+def set_feet(
+    chain: Chain, view: View, starts: _A, *, centre: _A, scale: _A, farthest: float
+) -> tuple[_A, NDArray[np.int8]]: ...
+
 class Families:
     @property
     def variables(self) -> int: ...

@@ -8,16 +8,22 @@ candidate where (1 − P)(q − q0) = 0, and from anywhere else a step along −
 of joints that do not matter, so these stay where they are.
 
 The distance has many local minima. The first starts say about how far it is; the rest are spent in the ball of that
-radius, in which a nearer point must lie. What is returned is singular and a local minimum, both checked afresh; that no
-nearer one exists is likely, not proved (a certified radius is). Distances are right to 1e-11, but for pieces of the set
-on which σ has a double zero (Stanford arm: slide at 0): σ holds half the digits there, and distances are right to 1e-6.
+radius, in which a nearer point must lie.
+
+Where one of six freedoms is lost and no limits bind, the second derivative of F is known in closed form, and 56 starts
+take Newton's steps on the condition of Lagrange, towards the set and along it together; of those that get lost four
+walk. Only where fewer than eight ends agree, or no more than got lost, 128 more begin, all of which walk.
+
+What is returned is singular and a local minimum, both checked afresh; that no nearer one exists is likely, not proved
+(a certified radius is). Distances are right to 1e-11, but for pieces of the set on which σ has a double zero (Stanford
+arm: slide at 0): σ holds half the digits there, and distances are right to 1e-6.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,9 +38,12 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, TIE, Tolerances
 from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres, task_in_metres
 
-STARTS = (128, 512)  # for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
+STARTS = (128, 512)  # that walk, for corank 1, for more: failures to reach the global minimum are rarer than 1 % then
+NEWTON = (24, 32)  # that take Newton's steps before, around q and in the ball in which a nearer point must lie
+AGREED = 8  # of these, and more than got lost: no walks begin; the nearest was missed in 2 of 14,000 cases then
 SAME = 1e-6  # starts whose distances differ by less have found the same [rad]
 MOST_STARTS = 1_000_000
+_KEPT = 1024  # starts that are drawn once for all configurations, where there are no more
 _RADII = (0.3, 1.0, 2.0, 4.0)  # of the balls of the first starts [rad]
 _WIDER = 1.25  # the balls after that, as a multiple of the best distance so far
 _LM_ITERATIONS = 60
@@ -42,6 +51,10 @@ _EVALUATIONS = 200
 _NEARLY = 1e-5  # share of the way that lies along the set at which all walks end: distances are off by its square
 _STILL = 1e-9  # of the nearest
 _FINEST = 8  # the nearest of them go on to the last digit
+_OFF = 1e-6  # σ at the end of Newton's steps, the last of which were shorter than 1e-4
+_ARRIVED, _LOST = 0, 2  # how the core says that Newton's steps ended
+_AGAIN = 4  # of the starts whose steps came to no end, so many walk from there,
+_NEAR = 1.5  # where that is no farther than so many times the nearest
 _MOST_CONDITIONS = 16  # what the core's singular value decomposition takes on its narrow side
 
 
@@ -96,7 +109,8 @@ def nearest_singularity(
         task: a Task, a name, or None for the arm's own.
         corank: k: the rank is at most the generic rank − k.
         limits: only configurations inside the joint limits count (q itself may lie outside).
-        starts: random starts, q itself the first of them; None for 128 at corank 1 and 512 beyond.
+        starts: random starts that walk, q itself the first of them; None for 512 beyond corank 1, and there for 56 that
+            take Newton's steps, and 128 that walk where these cannot or disagree.
         seed: of the starts; same seed, same result, on any number of threads and any processor.
         seeds: further starts (n,), nearest points of known families say.
         tolerances: `singular` decides, `target` is where points are polished to.
@@ -126,23 +140,23 @@ def nearest_singularity(
         )
         return None if there is None else _out_of_metres(there, robot)
     resolved = replace(resolved, length_scale=resolved.scale(robot))  # the reach is worked out once
-    if starts is None:
-        starts = STARTS[0] if corank == 1 else STARTS[1]
     problem = Problem(robot, resolved, corank, tolerances, limits)
-    _check(problem, starts, seed)
+    walks = STARTS[0 if corank == 1 else 1] if starts is None else starts
+    _check(problem, walks, seed)
     given = np.array([one_configuration(robot, one) for one in seeds]).reshape(-1, robot.n)
     walk = _Walk(problem, centre, np.stack([robot.lower, robot.upper]) if limits else None)
-    rng = np.random.default_rng(seed)
-    first = max(1, starts // 4)
-    early = walk.run(np.concatenate([given, walk.around(rng, first)]))
-    late = walk.run(walk.within(rng, starts - first, early[1].min(initial=np.inf)))
-    ends, distances = (np.concatenate(both) for both in zip(early, late, strict=True))
-    if not len(ends):
+    steps = starts is None and walk.smooth
+    ends, distances, lost = walk.newton(given, seed) if steps else walk.nothing
+    nearest, begun = distances.min(initial=np.inf), len(given) + sum(NEWTON) if steps else 0
+    if nearest > 0.0 and int((distances <= nearest + SAME).sum()) < max(AGREED, lost + 1):
+        walked, far = walk.walked(given, walks, seed)
+        ends, distances = np.concatenate([ends, walked]), np.concatenate([distances, far])
+        begun += len(given) + walks
+    finest = walk.finest(ends)
+    if finest is None:
         return None
-    finest, stationarity = walk.finest(ends[distances.argsort(kind="stable")[:_FINEST]])
-    best = walk.without_idle_motion(finest)
-    distance = walk.distance(best)
-    sigma, rank = problem.sigma(best), problem.rank
+    best, sigma = walk.without_idle_motion(finest[0])
+    distance, rank = walk.distance(best), problem.rank
     inside = (robot.lower - tolerances.value <= best) & (best <= robot.upper + tolerances.value)
     return Nearest(
         distance=distance,
@@ -150,8 +164,8 @@ def nearest_singularity(
         delta=tuple((best - centre).tolist()),
         corank=rank + corank - int((sigma > tolerances.singular).sum()),
         sigma=float(sigma[rank]),
-        stationarity=stationarity,
-        starts=len(given) + starts,
+        stationarity=finest[1],
+        starts=begun,
         agreeing=int((distances <= distance + SAME).sum()),
         within_limits=bool(inside.all()),
     )
@@ -161,6 +175,24 @@ def _out_of_metres(nearest: Nearest, robot: Robot) -> Nearest:
     """A configuration of `in_metres(robot)` as one of the arm itself."""
     q, delta = out_of_metres(robot, nearest.q), out_of_metres(robot, nearest.delta)
     return replace(nearest, q=tuple(q.tolist()), delta=tuple(delta.tolist()))
+
+
+_Draw = tuple[Array, Array, Array]
+
+
+@lru_cache(maxsize=16)
+def _draws(seed: int, counts: tuple[int, int], moves: tuple[bool, ...]) -> tuple[_Draw, _Draw]:
+    """Points that fill balls evenly: ways (N, n) of the joints that move, how far to go along them (N, 1), and their
+    lengths (N, 1); first in balls of several radii, then in one of radius 1.
+    """
+    rng = np.random.default_rng(seed)
+
+    def drawn(radii: Array) -> _Draw:
+        x = rng.standard_normal((len(radii), len(moves))) * np.array(moves)
+        share = radii * rng.random((len(radii), 1)) ** (1 / max(1, sum(moves)))
+        return x, share, np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)
+
+    return drawn(np.resize(_RADII, (counts[0], 1))), drawn(np.ones((counts[1], 1)))
 
 
 @dataclass(frozen=True)
@@ -184,27 +216,76 @@ class _Walk:
     def distance(self, q: Array) -> float:
         return float(self.problem.length(q - self.centre))
 
-    def around(self, rng: np.random.Generator, count: int) -> Array:
+    def draws(self, seed: int, counts: tuple[int, int]) -> tuple[_Draw, _Draw]:
+        """Of the first starts, and of the rest."""
+        moves = tuple((~self.problem.idle).tolist())
+        return (_draws if sum(counts) <= _KEPT else _draws.__wrapped__)(seed, counts, moves)
+
+    def around(self, draw: _Draw) -> Array:
         """q itself, and starts from balls of several radii around it."""
-        radii = np.resize(_RADII, count)[:, None]
-        starts = self._ball(rng, radii)
+        starts = self._ball(draw, 1.0)
         starts[0] = self.centre
         return starts
 
-    def within(self, rng: np.random.Generator, count: int, distance: float) -> Array:
+    def within(self, draw: _Draw, distance: float) -> Array:
         """Starts from the ball in which a nearer point must lie, or from wide ones where there is no point yet."""
         if distance == 0.0:
             return np.empty((0, self.problem.n))
-        radius = _WIDER * distance if np.isfinite(distance) else max(_RADII)
-        return self._ball(rng, np.full((count, 1), radius))
+        return self._ball(draw, _WIDER * distance if np.isfinite(distance) else max(_RADII))
 
-    def _ball(self, rng: np.random.Generator, radii: Array) -> Array:
-        """Uniform in balls (N, 1 radii) around q, over the joints that matter."""
-        moves = ~self.problem.idle
-        x = rng.standard_normal((len(radii), self.problem.n)) * moves
-        length = np.maximum(np.sqrt(np.add.reduce(x * x, axis=1, keepdims=True)), 1e-300)
-        x *= radii * rng.random((len(radii), 1)) ** (1 / max(1, int(moves.sum()))) / length
-        return np.asarray(self.centre + x * self.problem.scale)
+    def _ball(self, draw: _Draw, radius: float) -> Array:
+        """Uniform in a ball around q, over the joints that matter."""
+        x, share, length = draw
+        return np.asarray(self.centre + x * (radius * share / length) * self.problem.scale)
+
+    @property
+    def nothing(self) -> tuple[Array, Array, int]:
+        """No ends, of no starts."""
+        return np.empty((0, self.problem.n)), np.empty(0), 0
+
+    @property
+    def smooth(self) -> bool:
+        """Whether Newton's steps can be taken: rank 5 of six rows, each joint a variable of its own, no limits."""
+        robot, rows = self.problem.robot, self.problem.task.rows
+        plain = len(robot.joints) == robot.n and not any(joint.mimic for joint in robot.joints)
+        return self.box is None and self.problem.rank == len(rows) - 1 == 5 and plain
+
+    def newton(self, given: Array, seed: int) -> tuple[Array, Array, int]:
+        """The best ends (C, n) of starts that take Newton's steps, distances of all (N,), and how many got lost."""
+        if self._sigma(self.centre[None])[0, self.problem.rank] <= self.problem.tolerances.target:
+            return self.centre[None], np.zeros(1), 0
+        first, rest = self.draws(seed, NEWTON)
+        early = self._feet(np.concatenate([given, self.around(first)]), np.inf)
+        nearest = early[1].min(initial=np.inf)
+        late = self._feet(self.within(rest, nearest), nearest)
+        ends, distances, lost = (np.concatenate(both) for both in zip(early, late, strict=True))
+        far = self.problem.length(lost - self.centre)
+        near = far.argsort(kind="stable")[:_AGAIN]
+        near = near[far[near] < _NEAR * distances.min(initial=np.inf)]
+        if len(near):
+            ends, distances = (np.concatenate(b) for b in zip((ends, distances), self.run(lost[near]), strict=True))
+        return _best(ends, distances), distances, len(lost)
+
+    def _feet(self, starts: Array, farthest: float) -> tuple[Array, Array, Array]:
+        """Where Newton's steps lead, no farther than that (C, n); the distances (C,); and where others got lost."""
+        if not len(starts):
+            return starts, np.empty(0), starts
+        problem = self.problem
+        q, met = _core.set_feet(
+            self.chain, self.view, starts, centre=self.centre, scale=problem.scale, farthest=farthest
+        )
+        ends = q[met == _ARRIVED]
+        ends = self._brought_near(ends[self._sigma(ends)[:, problem.rank] <= _OFF])
+        return ends, problem.length(ends - self.centre), q[met == _LOST]
+
+    def walked(self, given: Array, starts: int, seed: int) -> tuple[Array, Array]:
+        """The best ends (C, n) of starts that walk, and the distances of all (N,)."""
+        few = max(1, starts // 4)
+        first, rest = self.draws(seed, (few, starts - few))
+        early = self.run(np.concatenate([given, self.around(first)]))
+        late = self.run(self.within(rest, early[1].min(initial=np.inf)))
+        ends, distances = (np.concatenate(both) for both in zip(early, late, strict=True))
+        return _best(ends, distances), distances
 
     def run(self, starts: Array) -> tuple[Array, Array]:
         """Onto the singular set, then along it to the nearest point, to half the digits; without what is not singular.
@@ -234,18 +315,23 @@ class _Walk:
         """Along it, to half the digits."""
         return self._along(_NEARLY, polish=False)
 
+    def _sigma(self, q: Array) -> Array:
+        """(N, min(m, n)) singular values at q (N, n)."""
+        return _core.singular_values(self.chain, self.view, q, None)
+
     def _singular(self, q: Array) -> NDArray[np.bool_]:
         """(N,) whether rank is lost at q (N, n)."""
-        sigma = _core.singular_values(self.chain, self.view, q, None)
-        return np.asarray(sigma[:, self.problem.rank] <= self.problem.tolerances.singular)
+        return np.asarray(self._sigma(q)[:, self.problem.rank] <= self.problem.tolerances.singular)
 
-    def finest(self, ends: Array) -> tuple[Array, float]:
+    def finest(self, ends: Array) -> tuple[Array, float] | None:
         """The best of the ends of walks (C, n), after these have gone on to the last digit; its stationarity."""
+        if not len(ends):
+            return None
         q, distance, stationarity, _ = _core.nearest(self.chain, self.view, ends, self._along(), threads=1)
         sound = self._singular(q) & np.isfinite(distance)
         distance = np.where(sound, self.problem.length(q - self.centre), np.inf)
         number = int(distance.argmin())
-        return q[number], float(stationarity[number])
+        return (q[number], float(stationarity[number])) if sound[number] else None
 
     def _along(self, still: float = _STILL, *, polish: bool = True) -> _core.NearestSettings:
         problem = self.problem
@@ -257,19 +343,28 @@ class _Walk:
 
     def _brought_near(self, q: Array) -> Array:
         """Whole turns taken off the way from the centre, as far as the limits let them."""
-        near = q - whole_turns(self.problem.robot, q - self.centre)
+        way = q - self.centre
+        if not (np.abs(way) > np.pi).any():
+            return np.ascontiguousarray(q)
+        near = q - whole_turns(self.problem.robot, way)
         if self.box is not None:
             near = np.where((near < self.box[0]) | (near > self.box[1]), q, near)
         return np.ascontiguousarray(near)
 
-    def without_idle_motion(self, q: Array) -> Array:
-        """q with motions that are rounding set to nothing, where it is as singular as before."""
+    def without_idle_motion(self, q: Array) -> tuple[Array, Array]:
+        """q with motions that are rounding set to nothing, where it is as singular as before; its singular values."""
         still = np.abs(q - self.centre) / self.problem.scale < 1e-7 * self.distance(q)
         plain = np.where(still, self.centre, q)
         if self.box is not None:
             plain = np.clip(plain, *self.box)
-        sigma = self.problem.sigma(np.stack([q, plain]))[:, self.problem.rank]
-        return plain if sigma[1] <= max(sigma[0], self.problem.tolerances.target) else q
+        sigma, rank = self._sigma(np.stack([q, plain])), self.problem.rank
+        good = sigma[1, rank] <= max(sigma[0, rank], self.problem.tolerances.target)
+        return (plain, sigma[1]) if good else (q, sigma[0])
+
+
+def _best(ends: Array, distances: Array) -> Array:
+    """Those that go on to the last digit."""
+    return np.asarray(ends[distances.argsort(kind="stable")[:_FINEST]])
 
 
 def _check(problem: Problem, starts: int, seed: int) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.task import resolve_task
 
 ENTRY = {"jacobian": (6, 7), "derivative": (6, 7, 7)}

@@ -11,10 +11,9 @@ import peers
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, frame_view
-from rankdrop.frames import WORLD_ALIGNED
-from rankdrop.kinematics import jacobian, jacobian_derivative
+from rankdrop.kinematics import chain_of, frame_view, jacobian, jacobian_derivative
 from rankdrop.robot.model import Array
+from rankdrop.task import WORLD_ALIGNED
 
 AT_LEAST = {("J", "one", "Pinocchio"): 1.0, ("dJ", "one", "CasADi C"): 1.0, ("dJ", "many", "CasADi C"): 1.0,
             ("U, σ, V", "many", "NumPy"): 5.0}  # fmt: skip

@@ -10,10 +10,10 @@ import numpy as np
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, frame_view
 from rankdrop.families.searching import search
-from rankdrop.frames import WORLD_ALIGNED
+from rankdrop.kinematics import chain_of, frame_view
 from rankdrop.robot.model import Robot
+from rankdrop.task import WORLD_ALIGNED
 
 
 def flops(robot: Robot) -> int:

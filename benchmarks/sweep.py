@@ -7,10 +7,10 @@ import time
 import measure  # before NumPy: sets the number of threads
 
 from rankdrop.designs.chunk import variants
-from rankdrop.designs.families import Effort, families_of
+from rankdrop.designs.measure import Effort, families_of
 from rankdrop.designs.spec import spec_of
 from rankdrop.designs.sweeping import job_of, variants_of
-from rankdrop.families.memory import Memory
+from rankdrop.families.residual import Memory
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.verbs.analyze import analyze
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from rankdrop import explain, open_robot
-from rankdrop.cli.files import write_json, write_text
+from rankdrop.cli.terminal import write_json, write_text
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.reproduce.figures import save_figures
@@ -49,7 +49,7 @@ def writing(path: Path) -> Iterator[str]:
                  if isinstance(one, ast.Constant) and isinstance(one.value, str)]  # fmt: skip
         opens = name in {"open", "fdopen"} and any(set(mode) & set("wax+") and len(mode) <= 3 for mode in modes)
         own = name == "save" and ast.unparse(node.func).startswith("self.")
-        known = name in {"write_text", "write_bytes"} and isinstance(node.func, ast.Name)  # of rankdrop.cli.files
+        known = name in {"write_text", "write_bytes"} and isinstance(node.func, ast.Name)  # of rankdrop.cli.terminal
         opens &= first != "os.devnull" and not first.startswith("os.dup(")  # of a worker: its answers, down a pipe
         if opens or (name in WRITERS and first not in INTO_MEMORY and not own and not known):
             yield f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)[:80]}"

@@ -20,8 +20,8 @@ SOURCE = ROOT / "src" / "rankdrop"
 
 FLOORS = {
     "errors": 0, "disk": 0, "tolerances": 0, "version": 0, "sections": 0, "headers": 0, "_core": 0, "jobs": 0,
-    "robot": 1, "reach": 1,
-    "kinematics": 2, "task": 2, "frames": 2, "units": 2, "_handles": 2,
+    "robot": 1,
+    "kinematics": 2, "task": 2, "units": 2,
     "local": 3, "problem": 3, "solve": 2,
     "family": 4,
     "families": 5, "exact": 5, "certify": 5,

@@ -40,11 +40,11 @@ def readers(folder: Path) -> dict[str, Callable[[bytes], object]]:
     from rankdrop.certify import verify
     from rankdrop.certify.coverfile import load
     from rankdrop.certify.proof.reading import sealed
-    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.arm import parse_configuration
     from rankdrop.designs.spec import read_spec
     from rankdrop.kinematics import jacobian, pose
+    from rankdrop.motion.files import read_trajectory
     from rankdrop.motion.pose_file import holds_poses, read_poses
-    from rankdrop.motion.read import read_trajectory
     from rankdrop.results.analysis import Analysis
     from rankdrop.robot.ideal import read_tolerance
     from rankdrop.robot.open import open_robot

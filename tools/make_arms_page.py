@@ -27,12 +27,11 @@ from rankdrop.compare.comparison import AGREES, NOT_DERIVED
 from rankdrop.disk import replace_file
 from rankdrop.exact.arm.structure import structure_of
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.known import conditions_names, shipped_conditions
-from rankdrop.results.known import shipped
+from rankdrop.results.conditions import Conditions
+from rankdrop.results.known import conditions_names, shipped, shipped_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import catalog_entries, open_robot
-from rankdrop.text.cells import share_text
+from rankdrop.text.families import share_text
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from time import process_time
 
 from rankdrop.disk import replace_file
-from rankdrop.results.conditions.known import conditions_names, known_conditions, to_stored
+from rankdrop.results.known import conditions_names, known_conditions, to_stored
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.conditions import conditions
 

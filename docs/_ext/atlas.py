@@ -20,12 +20,11 @@ from sphinx.util.typing import ExtensionMetadata
 import rankdrop
 from rankdrop.families import posed
 from rankdrop.local import drawn_at
-from rankdrop.reach import reach
 from rankdrop.report.content import content
 from rankdrop.report.page import page as report_page
 from rankdrop.results import Analysis
 from rankdrop.results.known import shipped
-from rankdrop.robot import CatalogEntry, near_ideal, search_catalog
+from rankdrop.robot import CatalogEntry, near_ideal, reach, search_catalog
 from rankdrop.text import joint_cell, joint_symbol
 
 _MOST = 40  # rows of a page; a calibrated arm has hundreds

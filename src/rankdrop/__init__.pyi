@@ -3,7 +3,6 @@ from .designs.sweeping import sweep as sweep
 from .errors import RankdropError as RankdropError
 from .families.monitor import Monitor as Monitor
 from .families.searching import search as search
-from .frames import Frame as Frame
 from .kinematics import jacobian as jacobian
 from .kinematics import jacobian_derivative as jacobian_derivative
 from .kinematics import pose as pose
@@ -16,6 +15,7 @@ from .results.analysis import Analysis as Analysis
 from .robot.model import Joint as Joint
 from .robot.model import Robot as Robot
 from .robot.open import open_robot as open_robot
+from .task import Frame as Frame
 from .task import Task as Task
 from .tolerances import Tolerances as Tolerances
 from .verbs.analyze import analyze as analyze

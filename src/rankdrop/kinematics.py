@@ -6,18 +6,202 @@ every later screw along, and that is all there is to differentiate:
     ∂S_i/∂q_k = [S_k, S_i] for k < i, else 0,   [A, B] = (ω_A × v_B + v_A × ω_B ; ω_A × ω_B).
 
 Twists are (v; ω), linear part first. Leading batch axes are kept; empty batches work.
+
+The core works them out. First what it is told: one chain per robot, one view per robot and frame or task, made once and
+kept; and what a configuration has to be.
 """
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+import weakref
+from pathlib import PurePath
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
 from rankdrop._core import derivative_one, jacobian_one
-from rankdrop._handles import chain_of, configurations, frame_view, rows_of, task_view
-from rankdrop.frames import WORLD_ALIGNED, Frame
-from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.errors import ConfigurationError, OptionError, RobotError
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.task import WORLD_ALIGNED, Frame, Task, link_index
+
+__all__ = ["jacobian", "jacobian_derivative", "link_poses", "pose", "task_jacobian", "task_jacobian_derivative"]
+"""Of what stands here; the rest is for the package."""
+
+LARGEST_SEED = 2**63 - 1
+"""What the core takes."""
+_ALL_ROWS = (0, 1, 2, 3, 4, 5)
+
+
+class Handles:
+    """Everything the core keeps for one robot."""
+
+    __slots__ = ("chain", "idle", "ranks", "samples", "scales", "views", "world")
+
+    def __init__(self, robot: Robot) -> None:
+        check_robot(robot)
+        self.chain = _make_chain(robot)
+        self.views: dict[tuple[Frame, tuple[int, ...], float], _core.View] = {}
+        self.ranks: dict[tuple[Frame, tuple[int, ...], float], int] = {}  # generic ranks met so far
+        self.scales: dict[float, Array] = {}  # of joints, by the length scale of their task
+        self.samples: dict[tuple[int, float], Array] = {}  # random configurations that stand for almost all
+        self.idle: dict[tuple[Frame, tuple[int, ...], float, bool], NDArray[np.bool_]] = {}  # joints that do nothing
+        self.world = _make_view(self.chain, robot, WORLD_ALIGNED, _ALL_ROWS, 1.0)
+
+
+_handles: dict[int, Handles] = {}  # by id: a weak dictionary would cost as much as a Jacobian
+
+
+def check_robot(robot: object) -> None:
+    """Tell a name or a file from the robot itself.
+
+    Raises:
+        RobotError: not a Robot.
+    """
+    if not isinstance(robot, Robot):
+        what = repr(robot)[:80] if isinstance(robot, str | PurePath) else f"a {type(robot).__name__}"
+        raise RobotError("a Robot is needed", got=what, allowed="a Robot", mend="use open_robot(…)")
+
+
+def whole_number(name: str, value: object, least: int, most: int) -> int:
+    """An option as a whole number of Python.
+
+    Raises:
+        OptionError: not a whole number, or outside least … most.
+    """
+    number = value if isinstance(value, int | np.integer) and not isinstance(value, bool) else None
+    if number is None or not least <= number <= most:
+        shown = repr(value) if number is None else str(number) if abs(int(number)) < 10**30 else "a number too long"
+        raise OptionError(
+            f"{name} is not a whole number" if number is None else f"{name} is outside the range",
+            got=shown, allowed=f"{least} … {most}",
+        )
+    return int(number)
+
+
+def handles_of(robot: Robot) -> Handles:
+    """The robot's handles, forgotten when the robot is."""
+    handles = _handles.get(id(robot))
+    if handles is None:
+        handles = _handles[id(robot)] = Handles(robot)
+        _core.keep(id(robot), handles.chain, handles.world)  # for the calls of one configuration
+        weakref.finalize(robot, _let_go, id(robot))
+    return handles
+
+
+def _let_go(robot: int) -> None:
+    _core.let_go(robot)
+    _handles.pop(robot, None)
+
+
+def chain_of(robot: Robot) -> _core.Chain:
+    """The robot's chain in the core."""
+    return handles_of(robot).chain
+
+
+def frame_view(robot: Robot, frame: Frame) -> _core.View:
+    """All six rows, seen in `frame`."""
+    return _view(robot, frame, _ALL_ROWS, 1.0)
+
+
+def task_view(robot: Robot, task: Task) -> _core.View:
+    """The rows of `task`, translation divided by its length scale."""
+    return _view(robot, task.frame, task.rows, task.scale(robot))
+
+
+def configurations(robot: Robot, q: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """q as a contiguous (B, n) array, and its leading batch shape.
+
+    Raises:
+        ConfigurationError: wrong last dimension, or a value that is not finite (named by its index).
+        RobotError: not a Robot.
+    """
+    check_robot(robot)
+    array = np.asarray(q, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != robot.n:
+        raise ConfigurationError(
+            f"expected q of shape (..., {robot.n})", where=f"robot {robot.name!r}", got=array.shape,
+            allowed="one number per joint: " + ", ".join(joint.name for joint in robot.variables),
+        )
+    if not np.isfinite(array).all():
+        bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ConfigurationError(
+            "q has a value that is not finite", where=f"robot {robot.name!r}", got=f"{array[bad]} at index {bad}"
+        )
+    return np.ascontiguousarray(array).reshape(-1, robot.n), array.shape[:-1]
+
+
+def one_configuration(robot: Robot, q: ArrayLike) -> Array:
+    """q as one finite configuration (n,).
+
+    Raises:
+        ConfigurationError: another shape, or a value that is no number or not finite.
+    """
+    try:
+        configuration = np.array(q, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=repr(q)[:80], allowed="numbers in rad and m", mend="one for each joint, in a list or an array",
+        ) from error  # fmt: skip
+    if configuration.shape != (robot.n,) or not np.isfinite(configuration).all():
+        names = ", ".join(joint.name for joint in robot.variables)
+        raise ConfigurationError(
+            f"one configuration is needed: {robot.n} finite numbers", where=f"robot {robot.name!r}",
+            got=configuration.shape if configuration.shape != (robot.n,) else configuration.tolist(),
+            allowed=f"one number per joint: {names}",
+        )  # fmt: skip
+    return configuration
+
+
+def rows_of(out: Array | None, q: Array, batch: tuple[int, ...], entry: tuple[int, ...]) -> Array | None:
+    """The caller's array as the core writes it, (B, *entry); None for none.
+
+    Raises:
+        OptionError: not a writable C-contiguous float64 array of shape (*batch, *entry), or sharing memory with q.
+    """
+    if out is None:
+        return None
+    shape = (*batch, *entry)
+    if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != shape:
+        got = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else f"a {type(out).__name__}"
+        raise OptionError("out does not fit the result", got=got, allowed=f"a float64 array of shape {shape}")
+    if not out.flags.c_contiguous or not out.flags.writeable:
+        raise OptionError("out cannot be written to row by row", allowed="a C-contiguous, writable array")
+    if np.may_share_memory(out, q):
+        raise OptionError("out and q share memory", allowed="an array of its own")
+    return out.reshape(-1, *entry)
+
+
+def _make_chain(robot: Robot) -> _core.Chain:
+    index = {joint.name: i for i, joint in enumerate(robot.variables)}
+    driver = [index[joint.mimic.leader if joint.mimic else joint.name] for joint in robot.joints]
+    return _core.make_chain(
+        screws=np.array([joint.screw for joint in robot.joints]),
+        turns=[int(joint.kind is not JointKind.PRISMATIC) for joint in robot.joints],
+        frames=np.array([np.eye(4), *(joint.frame for joint in robot.joints), robot.home]),
+        variable=driver,
+        multiplier=np.array([joint.mimic.multiplier if joint.mimic else 1.0 for joint in robot.joints]),
+        offset=np.array([joint.mimic.offset if joint.mimic else 0.0 for joint in robot.joints]),
+        variables=robot.n,
+    )
+
+
+def _view(robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+    handles = handles_of(robot)
+    key = (frame, rows, length)
+    view = handles.views.get(key)
+    if view is None:
+        view = handles.views[key] = _make_view(handles.chain, robot, frame, rows, length)
+    return view
+
+
+def _make_view(chain: _core.Chain, robot: Robot, frame: Frame, rows: tuple[int, ...], length: float) -> _core.View:
+    joints = len(robot.joints)
+    return _core.make_view(
+        chain, axes=link_index(frame.axes, joints, "axes"), origin=link_index(frame.origin, joints, "origin"),
+        point=list(frame.point), rows=list(rows), factors=[1.0 / length if row < 3 else 1.0 for row in rows],
+    )
 
 
 def pose(robot: Robot, q: ArrayLike, *, out: Array | None = None) -> Array:

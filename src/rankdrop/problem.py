@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop._handles import handles_of
+from rankdrop.kinematics import handles_of
 from rankdrop.local.block import (
     Block,
     block,

@@ -1,15 +1,10 @@
-"""A result as sections of text: what the terminal prints and a notebook shows; how many of something there are."""
+"""A result as sections of text: what the terminal prints and a notebook shows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
-
-
-def count(number: int, one: str, many: str = "") -> str:
-    """ "1 axis", "3 axes", "1,000 starts": `many` where it is not `one` with an s."""
-    return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 @dataclass(frozen=True, slots=True)

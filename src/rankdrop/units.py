@@ -19,8 +19,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 
 _Length = TypeVar("_Length", float, Array)

@@ -15,9 +15,8 @@ from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.check import Arm, check
 from rankdrop.certify.setting import enclose, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.frames import Frame
 from rankdrop.robot.open import open_robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Frame, Task, resolve_task
 
 ARMS = {
     **{name: (lambda name=name: open_robot(name)) for name in (

@@ -29,7 +29,7 @@ from rankdrop.errors import OptionError, ResultFileError
 from rankdrop.families.measured import distances
 from rankdrop.families.searching import search
 from rankdrop.jobs import progress_of
-from rankdrop.jobs.job import perform
+from rankdrop.jobs.folder import perform
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.results.known import known_analysis

@@ -15,7 +15,7 @@ from rankdrop.errors import OptionError, ResultFileError, RobotError
 from rankdrop.family.record import Check
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.open import open_robot
-from rankdrop.text.cells import rounded_share, share_text
+from rankdrop.text.families import rounded_share, share_text
 
 from .conftest import command
 

@@ -9,13 +9,11 @@ import pytest
 
 from rankdrop.cli.table import corank_section
 from rankdrop.cli.terminal import results, show
-from rankdrop.compare.comparison import Comparison, ExactRow
-from rankdrop.compare.match import Match, Wider
+from rankdrop.compare.comparison import Comparison, ExactRow, Match, Wider
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Sampled
 from rankdrop.results.analysis import Analysis
-from rankdrop.text.cells import coupled_conditions, joint_cell
-from rankdrop.text.families import conditions_of
+from rankdrop.text.families import conditions_of, coupled_conditions, joint_cell
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from math import pi
 
 import pytest
 
-from rankdrop.text.cells import share_text, value_text, values_text
+from rankdrop.text.families import share_text, value_text, values_text
 
 
 @pytest.mark.parametrize(

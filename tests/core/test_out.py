@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop import _core, _handles
-from rankdrop._handles import chain_of, task_view
+from rankdrop import _core, kinematics
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import jacobian, jacobian_derivative, pose
+from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, pose, task_view
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
@@ -114,9 +113,9 @@ def test_a_robot_that_is_gone_is_forgotten() -> None:
     jacobian(robot, np.zeros(6))
     address = id(robot)
     assert _core.jacobian_one(robot, np.zeros(6), None, None) is not None
-    assert address in _handles._handles
+    assert address in kinematics._handles
     del robot
     gc.collect()
-    assert address not in _handles._handles
+    assert address not in kinematics._handles
     other = arms.puma()
     assert _core.jacobian_one(other, np.zeros(6), None, None) is None, "nothing was asked of this one yet"

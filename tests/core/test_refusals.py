@@ -9,7 +9,7 @@ import pytest
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.directions import readable_bases
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task

@@ -14,7 +14,7 @@ import pytest
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.robot.model import Array
 from rankdrop.task import resolve_task
 
@@ -28,7 +28,7 @@ def in_a_process(script: str) -> subprocess.CompletedProcess[str]:
         import numpy as np
         from reference import arms
         from rankdrop import _core
-        from rankdrop._handles import chain_of, task_view
+        from rankdrop.kinematics import chain_of, task_view
         from rankdrop.kinematics import jacobian, jacobian_derivative
         from rankdrop.task import resolve_task
 

@@ -14,7 +14,7 @@ import pytest
 
 from cross.test_models import package
 from rankdrop import analyze, conditions, explain, jacobian, jacobian_derivative, open_robot, pose
-from rankdrop.frames import TIP, Frame
+from rankdrop.task import TIP, Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "howto" / "coming-from.md").read_text(encoding="utf-8")

@@ -24,12 +24,11 @@ from reference.measure import relative
 
 from cross.pinocchio_arm import PinocchioArm
 from cross.real_files import FILES, XACROS, RealFile
-from rankdrop.frames import BODY, SPACE, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose
 from rankdrop.local.block import singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, SPACE, WORLD_ALIGNED, Frame, resolve_task
 
 TOLERANCE = 1e-12
 REFERENCES = {"LOCAL": BODY, "LOCAL_WORLD_ALIGNED": WORLD_ALIGNED, "WORLD": SPACE}

@@ -17,12 +17,12 @@ import rankdrop
 from rankdrop.cli import main
 from rankdrop.designs import Designs, side_by_side, write_tables
 from rankdrop.designs.changes import APPEARS, JOIN, SPLITS, VANISHES, changes, joints_of, keys_of, neighbours
-from rankdrop.designs.families import Effort, families_of
-from rankdrop.designs.pareto import pareto
+from rankdrop.designs.measure import Effort, families_of
+from rankdrop.designs.outcome import pareto
 from rankdrop.designs.spec import Asks, spec_of
 from rankdrop.designs.sweeping import order_of, variants_of
 from rankdrop.errors import OptionError
-from rankdrop.families.memory import Memory
+from rankdrop.families.residual import Memory
 from rankdrop.kinematics import pose
 from rankdrop.local.block import singular_values
 from rankdrop.results.codec import json_text

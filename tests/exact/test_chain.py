@@ -17,11 +17,10 @@ from rankdrop.errors import OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.arm.geometry import turn
 from rankdrop.exact.letters import letters_text, never_zero, sign_of, value_of
-from rankdrop.frames import BODY
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.open import open_robot
-from rankdrop.task import Task
+from rankdrop.task import BODY, Task
 from rankdrop.verbs.conditions import conditions
 
 HALF = pi / 2

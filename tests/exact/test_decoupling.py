@@ -11,12 +11,11 @@ from reference.trig import value
 
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.decoupling import decouple, why_not
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses, task_jacobian
 from rankdrop.robot.dh import from_dh
 from rankdrop.robot.ideal import ideal
 from rankdrop.robot.open import open_robot
-from rankdrop.task import ROWS
+from rankdrop.task import ROWS, Frame
 from rankdrop.tolerances import DEFAULT
 
 HALF = np.pi / 2

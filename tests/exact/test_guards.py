@@ -18,7 +18,7 @@ from rankdrop.exact.merge import merge
 from rankdrop.exact.tree import Drop, rank_tree
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import join

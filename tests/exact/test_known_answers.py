@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("flint")
 
 from rankdrop import conditions, open_robot
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 
 HALVES, QUARTERS = ("0", "pi"), ("pi/2", "-pi/2")
 TABLES = {  # AM Tables 3, 4 and 5; Table 5 is truncated in print, all five joints are at 0 or ±π

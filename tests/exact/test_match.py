@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.compare.match import Agreement, match, solutions
+from rankdrop.compare.comparison import Agreement, match, solutions
 from rankdrop.exact.family import ExactFamily
 from rankdrop.families.linear import vanishing_on
 from rankdrop.families.row import soundness
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term
 from rankdrop.problem import Problem
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
@@ -210,8 +209,9 @@ def test_conditions_that_are_all_but_one_another_are_solved_and_squares_are_not(
     found = shipped("puma560")
     problem, witness = Problem(found.robot, found.task, 1), (0.1, 0.2, 0.0, 0.4, 0.0, 0.6)
     flat = Given("flat", 1, 4, (Equation((wrist,)), Equation((wrist, elbow))), witness)
-    points = solutions(problem, flat, np.random.default_rng(0))
-    assert points.solved > 100
-    assert points.elsewhere == 0
-    assert np.abs(np.sin(points.q[:, [2, 4]])).max() < 1e-8
-    assert solutions(problem, Given("square", 1, 5, (square,), witness), np.random.default_rng(0)).solved == 0
+    _, q, solved = solutions(problem, flat, np.random.default_rng(0))
+    assert solved.tested > 100
+    assert solved.holds
+    assert np.abs(np.sin(q[:, [2, 4]])).max() < 1e-8
+    *_, solved = solutions(problem, Given("square", 1, 5, (square,), witness), np.random.default_rng(0))
+    assert solved.tested == 0

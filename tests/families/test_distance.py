@@ -12,8 +12,8 @@ from known.truths import PA10_TABLES
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.families.distance import Agreement, FamilyDistance, agreement, family_distances
+from rankdrop.family.equation import System
 from rankdrop.family.record import Family
-from rankdrop.family.system import System
 from rankdrop.local.block import joint_scale
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.analysis import Analysis

@@ -13,9 +13,8 @@ from rankdrop.families import rows as rows_module
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
 from rankdrop.families.table import families
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, System
 from rankdrop.family.record import Check, Family
-from rankdrop.family.system import System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.dh import from_dh

@@ -20,8 +20,7 @@ from rankdrop.families.fit import (
     sparse_basis,
     vanishing,
 )
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term
 from rankdrop.tolerances import DEFAULT
 
 N = 5

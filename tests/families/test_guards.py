@@ -13,11 +13,10 @@ from rankdrop.families import table as families_module
 from rankdrop.families.linear import Linear, polished
 from rankdrop.families.row import Row, elsewhere, soundness, verified
 from rankdrop.families.rows import membership, on_row
+from rankdrop.families.search_record import unseen
 from rankdrop.families.searching import search
 from rankdrop.families.signature import Signature, inspect
-from rankdrop.families.unseen import unseen
-from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term, normalised
 from rankdrop.local.block import singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.open import open_robot

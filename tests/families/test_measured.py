@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rankdrop.families.measured import Ruler, distances
-from rankdrop.family.system import System
+from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.results.known import known_analysis

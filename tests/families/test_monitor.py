@@ -14,12 +14,11 @@ from rankdrop.families.measured import distances
 from rankdrop.families.monitor import Monitor, compiled
 from rankdrop.family.equation import Equation, Term
 from rankdrop.family.record import Family
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local.block import block, joint_scale, sample, singular_values
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
-from rankdrop.task import resolve_task
+from rankdrop.task import SPACE, resolve_task
 
 ARMS = ["pa10", "canadarm2", "gen3", "stanford", "planar3r", "scara", "rcrrrr", "fetch8"]
 

@@ -20,7 +20,7 @@ from rankdrop.results.known import shipped
 from rankdrop.robot.open import open_robot
 from rankdrop.schema import load_schema
 from rankdrop.task import resolve_task
-from rankdrop.text.cells import inside_limits, outside_text
+from rankdrop.text.families import inside_limits, outside_text
 from rankdrop.verbs.analyze import analyze
 
 

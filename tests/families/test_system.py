@@ -10,10 +10,9 @@ import pytest
 
 from rankdrop import _core
 from rankdrop.families.linear import vanishing_on
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import SOLVED, System
+from rankdrop.family.equation import SOLVED, Equation, System, Term
 from rankdrop.results.known import shipped
-from rankdrop.robot.budgets import MOST_JOINTS
+from rankdrop.robot.files import MOST_JOINTS
 
 ZERO = (0, 0, 0)
 CURVED = Equation((Term(1.0, "cos", (2, 0, 0), ZERO), Term(-0.5, "cos", (0, 2, 0), ZERO)))

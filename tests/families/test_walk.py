@@ -7,7 +7,7 @@ import pytest
 
 from rankdrop.errors import OptionError
 from rankdrop.families.walk import Walk, in_slice, onto
-from rankdrop.family.system import System
+from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.problem import Problem
 from rankdrop.results.known import known_analysis

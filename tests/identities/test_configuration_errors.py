@@ -9,11 +9,10 @@ import pytest
 from reference import arms
 
 from rankdrop.errors import ConfigurationError, TaskError
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
 from rankdrop.local.block import block, decompose, singular_values
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Frame, resolve_task
 
 FUNCTIONS: dict[str, Callable[[Robot, Array], object]] = {
     "pose": pose,

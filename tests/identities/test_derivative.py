@@ -12,10 +12,9 @@ from reference import arms
 from reference import kinematics as oracle
 from reference.measure import central_differences, relative
 
-from rankdrop.frames import BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, task_jacobian
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import resolve_task, task_names
+from rankdrop.task import BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, task_names
 
 FRAMES = {
     "space": SPACE,

@@ -12,11 +12,10 @@ import pytest
 from reference import arms
 from reference.measure import relative
 
-from rankdrop.frames import BODY, SPACE, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import pose
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, SPACE, WORLD_ALIGNED, Frame, resolve_task
 from rankdrop.tolerances import DEFAULT
 
 NAMED = ["pa10", "puma", "scara", "planar3r"]

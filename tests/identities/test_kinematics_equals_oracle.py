@@ -8,10 +8,9 @@ from reference import arms
 from reference import kinematics as oracle
 from reference.measure import relative
 
-from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, pose, task_jacobian
 from rankdrop.robot.model import Robot
-from rankdrop.task import resolve_task, task_names
+from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, task_names
 
 TOLERANCE = 1e-13
 BATCHES = [(), (1,), (5,), (0,), (2, 3), (2, 0, 3), (4, 1, 2)]

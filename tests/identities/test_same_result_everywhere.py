@@ -11,18 +11,17 @@ from reference import kinematics as oracle
 from reference.measure import relative
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.certify.ball import certified_radius
 from rankdrop.certify.setting import enclose, settings_for
+from rankdrop.families.distance import family_distances
 from rankdrop.families.monitor import Monitor
 from rankdrop.families.search_record import Search
 from rankdrop.families.searching import METHODS, search
-from rankdrop.frames import BODY, Frame
-from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose
+from rankdrop.kinematics import chain_of, jacobian, jacobian_derivative, link_poses, pose, task_view
 from rankdrop.local.block import block, decompose, joint_scale
 from rankdrop.results.known import shipped
 from rankdrop.robot.model import Array
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, Frame, resolve_task
 
 SETS = _core.instruction_sets()
 
@@ -76,6 +75,25 @@ def walked(kinds: str, rank: int, threads: int, limits: bool = False) -> tuple[A
     return _core.nearest(chain, view, starts, along, threads=threads)
 
 
+def stepped() -> list[Array]:
+    """Newton's steps to feet on the singular set, of 37 starts, and on families, whose lanes take the next start."""
+    results: list[Array] = []
+    for kinds in ("rrrrrrr", "rrprrr", "hrprhr", "rrrrrrrr"):
+        robot = arms.random_chain(np.random.default_rng(4), kinds)
+        task = resolve_task("pose", robot)
+        starts, centre = np.random.default_rng(6).uniform(-2, 2, (37, robot.n)), np.full(robot.n, 0.4)
+        results += _core.set_feet(
+            chain_of(robot), task_view(robot, task), starts, centre=centre, scale=joint_scale(robot, task), farthest=2.0
+        )
+    for name in ("gen3", "ur5"):
+        known = shipped(name)
+        assert known is not None
+        q = np.random.default_rng(7).uniform(-2, 2, known.robot.n)
+        found = family_distances(known.families, known.robot, q, known.task)
+        results += [np.array([one.distance, one.residual, one.sigma, *one.q]) for one in found]
+    return results
+
+
 WALKS = [("rrrrrrr", 5, False), ("rrprrr", 5, True), ("mrrhpmr", 4, False), ("rrrrrrrr", 5, True), ("pa10", 3, True)]
 
 
@@ -121,6 +139,15 @@ def test_every_set_gives_the_same_bits(name: str) -> None:
     want = everything()
     _core.choose_instruction_set(name)
     for got, expected in zip(everything(), want, strict=True):
+        np.testing.assert_array_equal(got, expected)
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_set_takes_the_same_steps(name: str) -> None:
+    _core.choose_instruction_set(SETS[0])
+    want = stepped()
+    _core.choose_instruction_set(name)
+    for got, expected in zip(stepped(), want, strict=True):
         np.testing.assert_array_equal(got, expected)
 
 

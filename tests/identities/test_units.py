@@ -15,12 +15,12 @@ from rankdrop.compare.comparison import NOT_DERIVED
 from rankdrop.exact.arm.chain import exact_chain
 from rankdrop.exact.letters import sign_of
 from rankdrop.families.slices import telling_slices
-from rankdrop.reach import reach
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import family_to_dict
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.results.known import known_analysis, known_names, shipped
 from rankdrop.robot.model import Joint, JointKind, Robot, geometry
+from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task
 from rankdrop.units import in_units, out_of_units, scaled

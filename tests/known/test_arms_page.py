@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from scripts import tool
 
-from rankdrop.results.conditions import known as shelf
+from rankdrop.results import known as shelf
 from rankdrop.results.known import shipped
 from rankdrop.robot.open import robot_names
 

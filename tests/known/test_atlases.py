@@ -20,16 +20,24 @@ from rankdrop.errors import ResultFileError
 from rankdrop.families.monitor import Monitor
 from rankdrop.families.row import soundness
 from rankdrop.families.searching import search
-from rankdrop.family.system import System
-from rankdrop.frames import BODY
+from rankdrop.family.equation import System
 from rankdrop.problem import Problem
 from rankdrop.results.codec import robot_to_dict
-from rankdrop.results.conditions.known import conditions_names, shipped_conditions
-from rankdrop.results.known import ANSWERS, SEED, STARTS, known_analysis, known_names, shipped, shipped_record
+from rankdrop.results.known import (
+    ANSWERS,
+    SEED,
+    STARTS,
+    conditions_names,
+    known_analysis,
+    known_names,
+    shipped,
+    shipped_conditions,
+    shipped_record,
+)
 from rankdrop.robot.model import Robot, coarse_fingerprint
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, resolve_task
 from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 

@@ -10,9 +10,8 @@ from reference.kinematics import jacobian
 from robot.test_structure import noisy
 
 from rankdrop.families.walk import members
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.known import known_conditions
-from rankdrop.results.known import known_analysis, shipped
+from rankdrop.results.conditions import Conditions
+from rankdrop.results.known import known_analysis, known_conditions, shipped
 from rankdrop.robot.ideal import Tolerance, read_tolerance
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

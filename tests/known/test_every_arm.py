@@ -12,8 +12,7 @@ import pytest
 from known.arms import structures
 from rankdrop.compare.comparison import AGREES
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.conditions.known import conditions_names
-from rankdrop.results.known import shipped
+from rankdrop.results.known import conditions_names, shipped
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.verbs.analyze import analyze
 

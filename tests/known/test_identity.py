@@ -10,8 +10,7 @@ import pytest
 from known.arms import FEW
 from rankdrop.family.naming import LONGEST
 from rankdrop.report.content import content
-from rankdrop.results.conditions.known import conditions_names, shipped_conditions
-from rankdrop.results.known import known_names, shipped
+from rankdrop.results.known import conditions_names, known_names, shipped, shipped_conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.explain import explain

@@ -19,7 +19,7 @@ from rankdrop.families.linear import vanishing_on
 from rankdrop.families.table import families
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import json_text
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
 from rankdrop.schema import load_schema

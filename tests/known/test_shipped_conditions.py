@@ -17,13 +17,12 @@ from known.arms import structures
 from rankdrop.cli import exits, main
 from rankdrop.errors import ResultFileError
 from rankdrop.exact.arm.chain import exact_chain
-from rankdrop.frames import BODY
+from rankdrop.results import known as shelf
 from rankdrop.results.codec import json_text
-from rankdrop.results.conditions import known as shelf
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.known import from_stored, to_stored
-from rankdrop.results.known import candidates
+from rankdrop.results.conditions import Conditions
+from rankdrop.results.known import candidates, from_stored, to_stored
 from rankdrop.robot.open import open_robot, robot_names
+from rankdrop.task import BODY
 from rankdrop.verbs.analyze import analyze
 from rankdrop.verbs.conditions import conditions
 from rankdrop.version import VERSION

@@ -9,15 +9,15 @@ import pytest
 from known.arms import KINDS
 
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.frames import TIP, Frame
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local.rates import joint_rates
 from rankdrop.local.screws import constraint, in_short
 from rankdrop.results.codec import robot_from_dict, robot_to_dict
 from rankdrop.results.known import shipped
+from rankdrop.robot.model import with_tool
 from rankdrop.robot.open import open_robot
-from rankdrop.robot.tool import with_tool
 from rankdrop.robot.urdf import from_urdf
+from rankdrop.task import TIP, Frame
 from rankdrop.units import scaled
 from rankdrop.verbs.explain import explain
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local.directions import (
     frame_name,
@@ -23,7 +22,7 @@ from rankdrop.robot.dh import from_dh
 from rankdrop.robot.model import Array, Joint, Mimic, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import revolute
-from rankdrop.task import resolve_task, six_rows
+from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task, six_rows
 
 H = pi / 2
 

@@ -8,7 +8,6 @@ from reference import arms
 from reference.measure import central_differences
 
 from rankdrop.errors import TaskError
-from rankdrop.frames import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.null_motion import REACHED, self_motion
@@ -16,7 +15,7 @@ from rankdrop.local.orientation import Displacement, determined_by_pose
 from rankdrop.local.second_order import distinct
 from rankdrop.local.ways_out import escape
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import BASE, BODY, SPACE, TIP, WORLD_ALIGNED, Frame, resolve_task
 
 WORDS = ["pose", "position", "orientation", "vx,vy,vz,wx,wy"]
 

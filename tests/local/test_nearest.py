@@ -7,9 +7,9 @@ import pytest
 from reference import arms
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.searching import search
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import block, generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem

@@ -10,13 +10,12 @@ import pytest
 from reference import arms
 
 from rankdrop.errors import OptionError, RankdropError, RobotError
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.ordered import OrderedScrewSet, motion, ordered_subsets
 from rankdrop.local.ordered_report import render, report, session
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws
-from rankdrop.task import resolve_task
+from rankdrop.task import SPACE, resolve_task
 
 DOC = Path(__file__).resolve().parents[2] / "docs" / "gallardo-rico.md"
 R = 0.5**0.5

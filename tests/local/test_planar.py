@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import OptionError
-from rankdrop.frames import TIP, Frame
 from rankdrop.kinematics import jacobian
 from rankdrop.local.planar import FORMULAS, LATEX, planar_two_link, rate_table
 from rankdrop.local.rates import joint_rates
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import TIP, Frame, resolve_task
 
 AXES_1 = Frame(axes=1, origin=TIP)
 

@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 import rankdrop
-from rankdrop.families import posture
-from rankdrop.families.posture import _turned, posed
+from rankdrop.families import table
+from rankdrop.families.table import _turned, posed
 from rankdrop.family.record import Family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_directions
-from rankdrop.local.posture import fault, spine, start_posture
+from rankdrop.local.lines import fault, spine, start_posture
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis
-from rankdrop.results.conditions.known import known_conditions
-from rankdrop.results.known import shipped
+from rankdrop.results.known import known_conditions, shipped
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.task import resolve_task
 from rankdrop.verbs.deriving import posed_exactly
@@ -110,7 +109,7 @@ def test_a_family_of_rank_zero_is_posed_too(monkeypatch: pytest.MonkeyPatch) -> 
     found = rankdrop.analyze(open_robot("planar2r"), task="vx", starts=200)
     family = found.families[0]
     assert found.generic_rank == family.corank == 1
-    monkeypatch.setattr(posture, "_WORTH", -10.0)  # wherever it goes
+    monkeypatch.setattr(table, "_WORTH", -10.0)  # wherever it goes
     after = posed(found.robot, found.task, replace(family, witness=(9.0, 9.0)))
     assert after.witness != (9.0, 9.0)
     assert singular_values(found.robot, after.witness, found.task)[0] <= 1e-9

@@ -9,7 +9,6 @@ import pytest
 from reference.measure import central_differences
 
 from rankdrop.errors import ConfigurationError, OptionError, TaskError
-from rankdrop.frames import BODY, SPACE
 from rankdrop.kinematics import jacobian, pose, task_jacobian
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.local.null_motion import BRANCHES, CLOSED, LIMIT, NONE, REACHED, SelfMotion, self_motion
@@ -17,7 +16,7 @@ from rankdrop.local.orientation import Displacement
 from rankdrop.local.redundant import redundancy
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, SPACE, resolve_task
 
 H = pi / 2
 

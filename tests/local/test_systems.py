@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 from reference import arms
 
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
 from rankdrop.local.systems import ScrewSystem, always_singular_reason, closure, systems_at
 from rankdrop.robot.model import Array, Mimic, Robot
 from rankdrop.robot.open import open_robot, robot_names
 from rankdrop.robot.screws import from_screws, helical, prismatic, revolute
-from rankdrop.task import resolve_task
+from rankdrop.task import SPACE, resolve_task
 
 Z = (0.0, 0.0, 1.0)
 C = (0.3, -0.2, 0.5)  # where axes meet

@@ -13,7 +13,7 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.motion.read import read_trajectory, trajectories_in
+from rankdrop.motion.files import read_trajectory, trajectories_in
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import ConfigurationError, TaskError
-from rankdrop.frames import Frame
 from rankdrop.kinematics import pose, task_jacobian
 from rankdrop.local.block import singular_values
 from rankdrop.motion.follow import between, follow
 from rankdrop.robot.open import open_robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Frame, Task, resolve_task
 from rankdrop.units import scaled
 
 ARMS = ("ur5", "puma560", "stanford", "panda", "planar3r", "scara")

@@ -11,16 +11,14 @@ import pytest
 import rankdrop
 from rankdrop import motion
 from rankdrop.errors import OptionError
-from rankdrop.frames import Frame
 from rankdrop.kinematics import pose
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion import mend as module
+from rankdrop.motion.files import WRITTEN, read_trajectory, trajectory_bytes
 from rankdrop.motion.mend import mend_path
 from rankdrop.motion.mending import Mending
-from rankdrop.motion.read import read_trajectory
-from rankdrop.motion.write import WRITTEN, trajectory_bytes
 from rankdrop.robot.open import open_robot
-from rankdrop.task import Task
+from rankdrop.task import Frame, Task
 from rankdrop.units import scaled
 
 WRIST = np.linspace([0.0, 0.7, -0.2, 0.3, 0.4, 0.1], [0.2, 0.8, -0.1, 0.2, -0.4, 0.3], 41)  # puma560, through θ5 = 0

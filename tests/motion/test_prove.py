@@ -13,8 +13,7 @@ from reference import region
 from rankdrop.certify.ball import settings_of
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import search
-from rankdrop.family.equation import Equation, Term
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, Term
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import block, generic_rank, singular_values
 from rankdrop.motion.check import check_path

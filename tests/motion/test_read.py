@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rankdrop.motion.read import read_trajectory
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.trajectory import TrajectoryError, unit_hint
 from rankdrop.robot.open import open_robot
 

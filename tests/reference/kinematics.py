@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.frames import WORLD_ALIGNED, Frame, link_index
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import WORLD_ALIGNED, Frame, Task, link_index
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -11,13 +11,13 @@ import pytest
 
 from rankdrop.cli import main
 from rankdrop.errors import MissingExtraError, OptionError
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import drawn_at
 from rankdrop.report.content import Content, content
 from rankdrop.report.figures import check_figures, figure_names, figures
 from rankdrop.report.solids import spread_out
 from rankdrop.results.known import shipped
+from rankdrop.task import SPACE
 
 pytest.importorskip("matplotlib")
 

@@ -11,8 +11,7 @@ import pytest
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.report.notebook import arm_view
-from rankdrop.results.conditions.known import known_conditions
-from rankdrop.results.known import shipped
+from rankdrop.results.known import known_conditions, shipped
 from rankdrop.robot.quantities import degrees_text
 
 

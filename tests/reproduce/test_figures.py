@@ -11,16 +11,15 @@ pytest.importorskip("flint")
 
 from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.families.search_record import Outcome
-from rankdrop.frames import SPACE
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import singular_values
-from rankdrop.reproduce import am_pictures, elbow_pictures, figures, other_pictures
+from rankdrop.reproduce import am_pictures, figures, other_pictures
 from rankdrop.reproduce.am_descent import STEPPED, descend, run
 from rankdrop.reproduce.am_method import BEFORE
 from rankdrop.reproduce.am_robots import FIGURE_9, row_configuration
 from rankdrop.reproduce.picture import RED
 from rankdrop.robot.open import open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import SPACE, resolve_task
 
 
 def test_figure_1_ties_and_is_stuck():
@@ -155,7 +154,7 @@ def test_the_planar_arm_of_ml_cannot_move_along_link_1():
 
 @pytest.mark.parametrize("document", ["ML", "JL"])
 def test_the_wrist_loses_the_rotation_square_to_z3_and_z4(document):
-    regular, zero, half_turn = elbow_pictures.spherical_wrist(document).panels
+    regular, zero, half_turn = other_pictures.spherical_wrist(document).panels
     assert [arrow.label for arrow in regular.arrows] == ["z3", "z4", "z5"]
     for panel, sense in ((zero, 1.0), (half_turn, -1.0)):
         z3, z4, z5, lost = (arrow.vector for arrow in panel.arrows)
@@ -167,7 +166,7 @@ def test_the_wrist_loses_the_rotation_square_to_z3_and_z4(document):
 
 
 def test_axes_of_the_elbow_arm_are_where_the_joints_are():
-    panel = elbow_pictures.elbow_arm_figure("JL").panels[0]
+    panel = other_pictures.elbow_arm_figure("JL").panels[0]
     for arrow, axis, at in zip(panel.arrows, panel.arms[0].drawn.axes, panel.arms[0].drawn.middles, strict=True):
         assert np.allclose(np.cross(arrow.vector, axis), 0.0, atol=1e-12)
         assert np.allclose(np.cross(at - arrow.start, axis), 0.0, atol=1e-12)
@@ -220,8 +219,8 @@ def test_joint_rates_of_ml_blow_up_along_the_arm_only():
 
 
 def test_lost_motions_of_jl():
-    elbow, shoulder = elbow_pictures.arm_singularities("JL").panels
-    third = elbow_pictures.forearm(elbow.arms[0].q)
+    elbow, shoulder = other_pictures.arm_singularities("JL").panels
+    third = other_pictures.forearm(elbow.arms[0].q)
     assert np.allclose(np.cross(elbow.arrows[0].vector, third), 0.0, atol=1e-12)
     assert np.allclose(shoulder.arrows[0].start[:2], 0.0, atol=1e-12)
     assert np.allclose(np.cross(shoulder.arrows[0].vector, shoulder.arms[0].drawn.axes[1]), 0.0, atol=1e-12)

@@ -29,7 +29,6 @@ from rankdrop import (
 )
 from rankdrop.exact import METHODS, Distances, decouple, derive, exact_chain, suppress
 from rankdrop.families import Outcome, most_tolerant, refine, singular_curves
-from rankdrop.frames import BODY, SPACE, Frame
 from rankdrop.kinematics import task_jacobian
 from rankdrop.local import (
     OrderedScrewSet,
@@ -56,11 +55,11 @@ from rankdrop.local import (
     tied_gradients,
 )
 from rankdrop.local.representation import analytical_jacobian
-from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import mixture_falls
 from rankdrop.results import known_analysis
 from rankdrop.robot import from_dh
-from rankdrop.task import Task, resolve_task
+from rankdrop.robot.numbers import reach
+from rankdrop.task import BODY, SPACE, Frame, Task, resolve_task
 from rankdrop.verbs import link_jacobian
 
 H = 1e-6  # of central differences [rad]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from rankdrop import analyze, conditions
-from rankdrop.results.conditions.known import LONGEST, condition_sentences, shipped_conditions
-from rankdrop.results.known import known_names, shipped
+from rankdrop.results.explanation.text import LONGEST, condition_sentences
+from rankdrop.results.known import known_names, shipped, shipped_conditions
 from rankdrop.robot.dh import DHRow, from_dh
 from rankdrop.robot.model import Robot
 from rankdrop.robot.open import open_robot

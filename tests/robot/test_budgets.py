@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rankdrop.cli.configuration import parse_configuration
+from rankdrop.cli.arm import parse_configuration
 from rankdrop.errors import RankdropError, RobotError
 from rankdrop.motion import message_file
 from rankdrop.motion.csv_file import parse_trajectory
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.message_file import parse_message
-from rankdrop.motion.read import read_trajectory
-from rankdrop.robot import budgets, quantities
+from rankdrop.robot import files, quantities
 from rankdrop.robot import open as opening
 from rankdrop.robot import urdf as urdf_reader
 from rankdrop.robot.ideal import read_tolerance
@@ -43,7 +43,7 @@ class Guard:
 
     def fullmatch(self, text: str) -> Any:
         self.longest = max(self.longest, len(text))
-        assert self.longest <= budgets.LONGEST_TEXT
+        assert self.longest <= files.LONGEST_TEXT
         return self.expression.fullmatch(text)
 
 
@@ -86,9 +86,9 @@ def test_keys_with_many_dots_never_reach_the_parser(tmp_path: Path, monkeypatch:
         with pytest.raises(RobotError, match=r"dots.toml, line 2: the keys have too many dots; .*allowed: 2000 in one"):
             open_robot(path)
         with pytest.raises(RobotError, match="too large; allowed: at most 1 MB"):
-            robot_from_toml("#" * (budgets.LARGEST_TABLE + 1), file="x")
-    many = DH + "\n".join([f"{ROW}alpha = 1.5708\nlower = -3.1\nupper = 3.1"] * budgets.MOST_JOINTS)
-    assert robot_from_toml(many, file="x").n == budgets.MOST_JOINTS
+            robot_from_toml("#" * (files.LARGEST_TABLE + 1), file="x")
+    many = DH + "\n".join([f"{ROW}alpha = 1.5708\nlower = -3.1\nupper = 3.1"] * files.MOST_JOINTS)
+    assert robot_from_toml(many, file="x").n == files.MOST_JOINTS
     with pytest.raises(RobotError, match=r"x, line \d+, joints: the chain has too many moving joints; got 201"):
         robot_from_toml(many + "\n" + ROW, file="x")
 
@@ -103,11 +103,11 @@ def test_a_chain_longer_than_any_arm_is_refused_before_its_numbers_are_read(monk
     steps = [joint(f"j{i}", links[i - 1], links[i], "continuous", inside) for i in range(1, 20_001)]
     with pytest.raises(RobotError, match=r"a.urdf: the chain has too many moving joints; got 20000; allowed"):
         from_urdf(robot(steps), file="a.urdf")
-    still = [joint(f"j{i}", links[i - 1], links[i], "fixed", inside) for i in range(2, budgets.MOST_STEPS + 2)]
+    still = [joint(f"j{i}", links[i - 1], links[i], "fixed", inside) for i in range(2, files.MOST_STEPS + 2)]
     with pytest.raises(RobotError, match="too many joints; got 5001; allowed: at most 5000"):
         from_urdf(robot([*steps[:1], *still]))
     assert not read
-    assert from_urdf(robot(chain(budgets.MOST_JOINTS))).n == budgets.MOST_JOINTS
+    assert from_urdf(robot(chain(files.MOST_JOINTS))).n == files.MOST_JOINTS
 
 
 def test_no_arm_has_more_joints_whoever_makes_it(tmp_path: Path) -> None:
@@ -192,7 +192,7 @@ def test_mjcf_has_the_same_range(tmp_path: Path) -> None:
         path.write_text(f'<mujoco><compiler angle="radian"/><worldbody>{turned}</worldbody></mujoco>')
         with pytest.raises(RobotError, match=r"joint 'j': ref is too large, or no number; .*allowed: -1e[+]06"):
             open_robot(path)
-    bodies = "".join(f'<site name="s{i}"/>' for i in range(budgets.MOST_BODIES))
+    bodies = "".join(f'<site name="s{i}"/>' for i in range(files.MOST_BODIES))
     path.write_text(f"<mujoco><worldbody>{body.format('1')}{bodies}</worldbody></mujoco>")
     with pytest.raises(RobotError, match="there are too many elements; allowed: at most 20000"):
         open_robot(path)
@@ -287,18 +287,18 @@ def test_the_page_of_limits_is_what_the_code_has() -> None:
     told = {row[0]: row[1] for row in rows}
     mb = 2**20
     for start, value in {
-        "XML (URDF": f"{budgets.LARGEST_FILE // mb} MB", "TOML, lists": f"{budgets.LARGEST_TABLE // mb} MB",
-        "YAML": f"{budgets.LARGEST_YAML // mb} MB;", "array in": f"{budgets.LARGEST_ARRAY // mb} MB,",
-        "mesh": f"{LARGEST_MESH // mb} MB", "moving joints": f"{budgets.MOST_JOINTS:,}",
-        "joints of a chain": f"{budgets.MOST_STEPS:,}", "elements of an XML file": f"{budgets.MOST_ELEMENTS:,}",
-        "elements of an MJCF": f"{budgets.MOST_BODIES:,}", "elements of XML, lists": f"{budgets.DEEPEST}",
-        "dots in": f"{budgets.DOTS**0.5:,.0f}; over all lines the sum of their squares up to {budgets.DOTS:,}",
-        "rows of": f"{budgets.MOST_ROWS:,}", "characters of": f"{budgets.LONGEST_HEAD}",
-        "length, place": f"−{budgets.LARGEST_LENGTH:g} … {budgets.LARGEST_LENGTH:g} m".replace("e+", "e"),
-        "angle, joint": f"−{budgets.LARGEST_ANGLE:g} … {budgets.LARGEST_ANGLE:g} rad".replace("e+06", "e6"),
-        "entry of": f"−{budgets.LARGEST_NUMBER:g} … {budgets.LARGEST_NUMBER:g}".replace("e+", "e"),
-        "time of": f"−{budgets.LARGEST_TIME:g} … {budgets.LARGEST_TIME:g} s".replace("e+", "e"),
-        "number written": f"at most {budgets.LONGEST_TEXT} characters",
+        "XML (URDF": f"{files.LARGEST_FILE // mb} MB", "TOML, lists": f"{files.LARGEST_TABLE // mb} MB",
+        "YAML": f"{files.LARGEST_YAML // mb} MB;", "array in": f"{files.LARGEST_ARRAY // mb} MB,",
+        "mesh": f"{LARGEST_MESH // mb} MB", "moving joints": f"{files.MOST_JOINTS:,}",
+        "joints of a chain": f"{files.MOST_STEPS:,}", "elements of an XML file": f"{files.MOST_ELEMENTS:,}",
+        "elements of an MJCF": f"{files.MOST_BODIES:,}", "elements of XML, lists": f"{files.DEEPEST}",
+        "dots in": f"{files.DOTS**0.5:,.0f}; over all lines the sum of their squares up to {files.DOTS:,}",
+        "rows of": f"{files.MOST_ROWS:,}", "characters of": f"{files.LONGEST_HEAD}",
+        "length, place": f"−{files.LARGEST_LENGTH:g} … {files.LARGEST_LENGTH:g} m".replace("e+", "e"),
+        "angle, joint": f"−{files.LARGEST_ANGLE:g} … {files.LARGEST_ANGLE:g} rad".replace("e+06", "e6"),
+        "entry of": f"−{files.LARGEST_NUMBER:g} … {files.LARGEST_NUMBER:g}".replace("e+", "e"),
+        "time of": f"−{files.LARGEST_TIME:g} … {files.LARGEST_TIME:g} s".replace("e+", "e"),
+        "number written": f"at most {files.LONGEST_TEXT} characters",
     }.items():  # fmt: skip
         found = [cell for name, cell in told.items() if name.startswith(start)]
         assert len(found) == 1, start

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from rankdrop.errors import RobotError, UnknownRobotError
-from rankdrop.reach import reach
 from rankdrop.robot import files
+from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot, robot_names
 from robot.urdf_text import chain, robot
 

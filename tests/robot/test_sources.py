@@ -19,8 +19,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rankdrop.kinematics import pose
-from rankdrop.reach import reach
 from rankdrop.robot.model import Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.robot.open import open_robot, robot_names
 
 DATA = Path(__file__).resolve().parents[1] / "data"

@@ -68,7 +68,7 @@ def test_axes_are_drawn_on_the_screws(name: str) -> None:
     q = np.linspace(0.2, 0.9, arm.n)
     links = link_poses(arm, q)
     numbers = [i + 1 for i, joint in enumerate(arm.variables) if joint.kind is JointKind.REVOLUTE]
-    from rankdrop.frames import SPACE
+    from rankdrop.task import SPACE
 
     screws = jacobian(arm, q, SPACE)
     leaders = {joint.mimic.leader for joint in arm.joints if joint.mimic is not None}
@@ -120,7 +120,7 @@ def test_arrows_point_along_the_lost_directions(name: str) -> None:
 
 
 def test_arrows_turn_with_a_frame_that_moves() -> None:
-    from rankdrop.frames import BODY
+    from rankdrop.task import BODY
 
     arm = open_robot("ur5")
     task = resolve_task("pose", arm, frame=BODY)

@@ -10,7 +10,7 @@ import pytest
 
 from rankdrop.families.monitor import Monitor
 from rankdrop.motion.csv_file import parse_trajectory
-from rankdrop.motion.read import read_trajectory
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.trajectory import TrajectoryError
 from rankdrop.robot.open import open_robot
 from rankdrop.task import resolve_task

@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, one_configuration
 from rankdrop.certify.setting import Setting, settings_for
 from rankdrop.errors import OptionError
-from rankdrop.frames import WORLD_ALIGNED, Frame
+from rankdrop.kinematics import chain_of, one_configuration
 from rankdrop.robot.model import Array, Robot, fingerprint
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import WORLD_ALIGNED, Frame, Task, resolve_task
 from rankdrop.version import VERSION
 
 LARGEST = float(np.pi)  # no ball larger than half a turn is asked for

@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of
 from rankdrop.errors import OptionError
-from rankdrop.frames import TIP
-from rankdrop.kinematics import jacobian
+from rankdrop.kinematics import chain_of, jacobian
 from rankdrop.local.block import generic_rank, joint_scale, sample
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task
+from rankdrop.robot.numbers import reach
+from rankdrop.task import TIP, Task
 
 _ABSENT = 1e-12  # rows of the Jacobian below this share of its size at random configurations are zero for this arm
 _LENGTHS = (0.1, 0.2, 0.4)  # lengths tried for the translation rows, in lengths of the arm

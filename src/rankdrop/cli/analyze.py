@@ -73,8 +73,7 @@ def analyze(
     """
     from rankdrop import analyze as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json, write_text
 
     check_targets({"--json": json, "--latex": latex})
     begun = monotonic()
@@ -108,9 +107,8 @@ def _print(
     from rich.text import Text
 
     from rankdrop.cli.arm import arm_section, near_line, of_ideal
-    from rankdrop.cli.sections import print_sections
     from rankdrop.cli.table import corank_section
-    from rankdrop.cli.terminal import BAD, results, show, verdict_line
+    from rankdrop.cli.terminal import BAD, print_sections, results, show, verdict_line
     from rankdrop.results import sampled, unseen
     from rankdrop.text import agreement, legend, near_overview
 

@@ -52,11 +52,8 @@ def aspects(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import reporter, say
+    from rankdrop.cli.arm import open_arm, parse_configuration
+    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, say, write_json, write_text
     from rankdrop.motion import NOT_FOUND, aspects_of
 
     check_targets({"--json": json, "--path": path}, {"--path": (".csv",)})

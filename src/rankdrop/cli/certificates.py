@@ -55,7 +55,7 @@ def in_words(record: dict[str, Any]) -> str:
 def save_certificate(record: dict[str, Any] | None, target: str) -> None:
     """Write a certificate where something was proven; to stdout when `target` is "-"."""
     from rankdrop.certify import write_certificate
-    from rankdrop.cli.files import STDOUT, write_json
+    from rankdrop.cli.terminal import STDOUT, write_json
 
     if record is not None and target == STDOUT:
         write_json(record, target)

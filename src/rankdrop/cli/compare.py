@@ -68,8 +68,7 @@ def compare(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json
     from rankdrop.designs import asks_of, side_by_side
 
     check_targets({"--json": json})
@@ -101,6 +100,6 @@ def _three(text: str | None, option: str) -> list[float | str]:
 
 
 def _print(designs: SideBySide) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
 
     print_sections(designs.sections())

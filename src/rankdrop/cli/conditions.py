@@ -106,8 +106,7 @@ def conditions(
     """
     from rankdrop import conditions as run
     from rankdrop.cli.arm import ideal_sections, of_ideal, open_ideal
-    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json, write_text
     from rankdrop.exact import exact_chain
     from rankdrop.results import steps_text
 
@@ -194,8 +193,7 @@ def _print(
     moved: Sequence[Section], beside: Sequence[Section],
 ) -> None:  # fmt: skip
     from rankdrop.cli.arm import arm_section, near_line
-    from rankdrop.cli.sections import INDENT, print_sections
-    from rankdrop.cli.terminal import results, show, verdict_line
+    from rankdrop.cli.terminal import INDENT, print_sections, results, show, verdict_line
     from rankdrop.results import arm_lines
 
     console = results()
@@ -279,7 +277,7 @@ class Question:
         return sections, {**record, **verdict.to_dict()}, verdict
 
     def _q(self, text: str, option: str = "") -> list[float]:
-        from rankdrop.cli.configuration import parse_configuration
+        from rankdrop.cli.arm import parse_configuration
 
         return parse_configuration(text, self.robot, deg=self.deg, option=option)
 

@@ -71,8 +71,7 @@ def cover(
     """
     from rankdrop.cli.arm import open_arm
     from rankdrop.cli.certificates import save_certificate
-    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import STDOUT, check_targets, hand_over, reporter, write_json, write_text
     from rankdrop.errors import OptionError
     from rankdrop.results import Analysis
     from rankdrop.verbs import cover as covered
@@ -103,7 +102,7 @@ def cover(
 
 
 def _check_out(out: str | None) -> None:
-    from rankdrop.cli.files import STDOUT
+    from rankdrop.cli.terminal import STDOUT
     from rankdrop.errors import OptionError
 
     if out == STDOUT:
@@ -141,7 +140,7 @@ def _angle(text: str) -> float:
 
 
 def _print(result: Covered) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
 
     print_sections(result.sections())
 

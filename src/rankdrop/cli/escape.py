@@ -53,11 +53,8 @@ def escape(
         quiet: No progress; results and errors only.
     """
     from rankdrop import explain
-    from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import results, show
+    from rankdrop.cli.arm import open_arm, parse_configuration
+    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, results, show, write_json
     from rankdrop.local import OrderedScrewSet, render, report
     from rankdrop.results import way_out_to_dict
 

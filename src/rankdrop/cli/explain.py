@@ -69,11 +69,9 @@ def explain(
     from dataclasses import replace
 
     from rankdrop import explain as run
-    from rankdrop.cli.arm import open_ideal
+    from rankdrop.cli.arm import open_ideal, parse_configuration
     from rankdrop.cli.certificates import of_place, save_certificate
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.sections import interrupted
+    from rankdrop.cli.terminal import check_targets, hand_over, interrupted, write_json
     from rankdrop.results import Analysis, plain
     from rankdrop.tolerances import DEFAULT
     from rankdrop.verbs import here
@@ -107,7 +105,7 @@ EXIT = {"regular": exits.FINE, "near": exits.NEAR, "singular": exits.SINGULAR, "
 
 def _print(explanation: Explanation, made: Idealised | None, beside: Here | None, *, full: bool) -> None:
     from rankdrop.cli.arm import near_line
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
     from rankdrop.sections import Section
     from rankdrop.verbs import here_section, moved_section
 

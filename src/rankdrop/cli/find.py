@@ -85,8 +85,7 @@ def find(
         quiet: No progress.
     """
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json
     from rankdrop.families import refine, search
     from rankdrop.results import find_to_dict
 
@@ -137,8 +136,7 @@ def _stored(
     robot: Robot, task: Task, corank: int, folder: str, starts: int, seed: int, limits: bool, workers: int,
     scheduler: str | None, quiet: bool,
 ) -> int:  # fmt: skip
-    from rankdrop.cli.files import write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import reporter, write_text
     from rankdrop.results import store_cloud
 
     with reporter(quiet=quiet) as report:
@@ -182,7 +180,7 @@ def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, lim
         ConfigurationError: neither one number per joint nor the number of a random start.
         OptionError: no random start has this number.
     """
-    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.arm import parse_configuration
     from rankdrop.families import MOST_STARTS
     from rankdrop.local import sample
     from rankdrop.units import in_units, out_of_units, task_in_units
@@ -198,7 +196,7 @@ def _one_start(text: str, robot: Robot, task: Task, seed: int, *, deg: bool, lim
 
 
 def _save(search: Search, out: str) -> None:
-    from rankdrop.cli.files import write_bytes, write_json
+    from rankdrop.cli.terminal import write_bytes, write_json
     from rankdrop.results import find_to_csv, find_to_dict, find_to_npz
 
     if out.lower().endswith(".json"):
@@ -209,7 +207,7 @@ def _save(search: Search, out: str) -> None:
 
 
 def _save_history(search: Search, history: str) -> None:
-    from rankdrop.cli.files import write_bytes
+    from rankdrop.cli.terminal import write_bytes
     from rankdrop.results import history_to_csv, history_to_npz
 
     if search.history is not None:

@@ -61,11 +61,9 @@ def jacobian(
         json: Write everything as JSON.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.arm import open_arm, parse_configuration
     from rankdrop.cli.conditions import lengths_of
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, write_json, write_text
     from rankdrop.errors import OptionError
     from rankdrop.verbs import link_jacobian
 

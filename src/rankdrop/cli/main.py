@@ -161,7 +161,7 @@ def run(argv: Sequence[str]) -> int:
         argv: the words after `rankdrop`.
 
     Returns:
-        The exit code (see `rankdrop.cli.exits`).
+        The exit code (see `rankdrop.cli.terminal`).
     """
     interrupted = False
 

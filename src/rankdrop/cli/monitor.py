@@ -55,8 +55,7 @@ def monitor(
     """
     from rankdrop import Monitor
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import check_target, write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_target, reporter, write_text
 
     check_target(header, "--header")
     model, task = open_arm(robot, arm)

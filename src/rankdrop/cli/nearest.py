@@ -54,12 +54,10 @@ def nearest(
         quiet: No progress; results and errors only.
     """
     from rankdrop import explain
-    from rankdrop.cli.arm import open_arm
+    from rankdrop.cli.arm import open_arm, parse_configuration
     from rankdrop.cli.certificates import in_words, of_place, save_certificate
     from rankdrop.cli.certificates import model_tolerance as tolerance_of
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.sections import interrupted, print_sections
+    from rankdrop.cli.terminal import check_targets, hand_over, interrupted, print_sections, write_json
     from rankdrop.results import Analysis, far_to_dict
     from rankdrop.sections import Section
 

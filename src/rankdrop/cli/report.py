@@ -69,8 +69,7 @@ def report(
         json: Write the analysis to this file as well; - writes it to stdout.
         quiet: No progress; errors only.
     """
-    from rankdrop.cli.files import check_different, check_target, write_json
-    from rankdrop.cli.terminal import reporter, say
+    from rankdrop.cli.terminal import check_different, check_target, reporter, say, write_json
     from rankdrop.errors import OptionError
 
     if figure and format == "html":
@@ -130,7 +129,7 @@ def _written(
     drawn: tuple[Mesh, ...],
 ) -> tuple[list[Path], Verdict, bool]:
     """The files, the verdict of the first line, and whether exact conditions were interrupted."""
-    from rankdrop.cli.files import write_bytes
+    from rankdrop.cli.terminal import write_bytes
     from rankdrop.report.content import content
     from rankdrop.report.figures import check_figures, figure_names, figures
     from rankdrop.report.page import page
@@ -186,7 +185,7 @@ def _default(analysis: Analysis, format: Format) -> str:
 
 def _checked(out: str, format: Format) -> Path:
     """Where to write, refused before the work where that cannot be."""
-    from rankdrop.cli.files import check_target
+    from rankdrop.cli.terminal import check_target
     from rankdrop.errors import OptionError
 
     path = Path(out)

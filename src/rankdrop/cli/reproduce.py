@@ -53,8 +53,7 @@ def reproduce(
         full: Whole cells, and the reasons of items that agree as well.
         quiet: No progress.
     """
-    from rankdrop.cli.files import check_targets, hand_over, write_bytes, write_json
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_bytes, write_json
     from rankdrop.reproduce.figures import check_folder, save_figures
     from rankdrop.reproduce.run import markdown as as_page
     from rankdrop.reproduce.run import names

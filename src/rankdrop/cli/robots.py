@@ -37,7 +37,7 @@ def robots(
     """
     from dataclasses import asdict
 
-    from rankdrop.cli.files import STDOUT, write_json
+    from rankdrop.cli.terminal import STDOUT, write_json
     from rankdrop.robot import search_catalog
 
     entries = search_catalog(text)

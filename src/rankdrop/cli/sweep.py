@@ -61,8 +61,7 @@ def sweep(
         quiet: No progress.
     """
     from rankdrop import sweep as run
-    from rankdrop.cli.files import STDOUT, check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import STDOUT, check_targets, hand_over, reporter, write_json, write_text
     from rankdrop.jobs import progress_of
 
     if status is not None:
@@ -90,7 +89,7 @@ def sweep(
 
 
 def _check(spec: str | None, out: str | None, parquet: bool) -> str:
-    from rankdrop.cli.files import STDOUT
+    from rankdrop.cli.terminal import STDOUT
     from rankdrop.designs import check_tables
     from rankdrop.errors import OptionError
 
@@ -113,7 +112,7 @@ def _interrupted(out: str | None) -> int:
 
 
 def _print(designs: Designs, *, every: bool) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
 
     print_sections(designs.sections(every=every))
 
@@ -122,7 +121,7 @@ def _draw(designs: Designs, axes: tuple[str, ...], target: str) -> None:
     from io import BytesIO
     from pathlib import Path
 
-    from rankdrop.cli.files import write_bytes
+    from rankdrop.cli.terminal import write_bytes
     from rankdrop.report.design_figure import design_figure
 
     buffer = BytesIO()
@@ -131,7 +130,7 @@ def _draw(designs: Designs, axes: tuple[str, ...], target: str) -> None:
 
 
 def _page(designs: Designs, axes: tuple[str, ...], target: str) -> None:
-    from rankdrop.cli.files import write_text
+    from rankdrop.cli.terminal import write_text
     from rankdrop.report.design_page import design_page
 
     write_text(design_page(designs, axes), target)

@@ -1,26 +1,35 @@
-"""Where words go: results to stdout, everything else to stderr; plain when nobody is looking.
+"""Where words go: results to stdout or to files, everything else to stderr; plain when nobody is looking.
 
 Progress on stderr: bars with rate and time left on a terminal, a line now and then in a log, silence when asked.
+
+Sections on the terminal: a heading, then lines or rows. Result files: refused before the work when they cannot be
+written, written whole or not at all.
 """
 
 from __future__ import annotations
 
 import codecs
+import os
 import sys
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rankdrop.errors import HIDDEN
+from rankdrop.cli import exits
+from rankdrop.errors import HIDDEN, OptionError, visible
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.progress import Progress
     from rich.text import Text
 
-    from rankdrop.results import Verdict
+    from rankdrop.results import Explanation, Verdict
+    from rankdrop.sections import Section
+
 
 _ASCII = {
     "θ": "q", "π": "pi", "σ": "sigma", "ρ": "rho", "×": "x", "±": "+-", "°": " deg", "−": "-", "–": "-", "—": "-",
@@ -173,3 +182,208 @@ def _line_report() -> Report:
             say(f"{label}: {done} of {total}{left}")
 
     return report
+
+
+INDENT = 2
+"""Blanks before every line under a heading."""
+_GAP = 2  # between columns
+_LABEL = 24  # a column of words is wrapped, but not narrower than this
+
+
+def print_sections(sections: Iterable[Section], *, first: bool = True) -> None:
+    """Print to stdout: headings bold, notes dim, tables aligned; a blank line before each but the `first`."""
+    console = results()
+    for number, section in enumerate(sections):
+        show(console, _parts(section, console.width, first=first and number == 0))
+
+
+def interrupted(explanation: Explanation) -> int:
+    """Exit code where Ctrl-C ended the proof early (what was proven holds), else 0."""
+    if explanation.far.certificate is None or explanation.far.certificate.complete:
+        return exits.FINE
+    say("interrupted: the certified radius could have become larger")
+    return exits.INTERRUPTED
+
+
+def _parts(section: Section, width: int, *, first: bool) -> Iterable[RenderableType]:
+    from rich.padding import Padding
+    from rich.text import Text
+
+    if not first:
+        yield ""
+    if section.title or section.summary:
+        yield Text.assemble((section.title, TONES[section.tone]), f"  {section.summary}" if section.summary else "")
+    for line in section.lines:
+        yield _indented(line)
+    for columns in _pieces(section, width - INDENT):
+        yield Padding(_table(section, columns), (0, 0, 0, INDENT))
+    for line in section.after:
+        yield _indented(line)
+    for note in section.notes:
+        yield Padding(Text(note, style="dim"), (0, 0, 0, INDENT))
+
+
+def _indented(line: str) -> RenderableType:
+    """A sentence; blanks before it stay before its second line too."""
+    from rich.padding import Padding
+    from rich.text import Text
+
+    text = line.lstrip(" ")
+    return Padding(Text(text), (0, 0, 0, INDENT + len(line) - len(text)))
+
+
+def _pieces(section: Section, width: int) -> list[list[int]]:
+    """The columns, in as many tables as their numbers need: no number is broken, the first column leads each."""
+    if not section.rows:
+        return []
+    widths = [_least(section, index) for index in range(len(section.columns))]
+    pieces: list[list[int]] = [[0]] if widths else []
+    for index in range(1, len(widths)):
+        used = sum(widths[i] + _GAP for i in pieces[-1])
+        if used + widths[index] > width and len(pieces[-1]) > 1:
+            pieces.append([0])
+        pieces[-1].append(index)
+    return pieces
+
+
+def _least(section: Section, index: int) -> int:
+    """Characters that a column needs: its longest cell, or the longest word of a column of words."""
+    from rich.cells import cell_len
+
+    cells = [section.columns[index], *(row[index] for row in section.rows)]
+    if index not in section.texts:
+        return max(map(cell_len, cells))
+    words = max(cell_len(word) for cell in cells for word in (cell.split() or [""]))
+    return max(words, min(_LABEL, max(map(cell_len, cells))))
+
+
+def _table(section: Section, columns: list[int]) -> RenderableType:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for index in columns:
+        words = index in section.texts
+        table.add_column(
+            section.columns[index], justify="left" if words else "right", overflow="fold", no_wrap=not words,
+            min_width=_least(section, index),
+        )  # fmt: skip
+    for row in section.rows:
+        table.add_row(*(row[index] for index in columns))
+    return table
+
+
+STDOUT = "-"
+
+
+def check_target(target: str | None, option: str, endings: tuple[str, ...] = ()) -> None:
+    """Find out before a long run whether `target` can be written.
+
+    Raises:
+        OptionError: wrong ending, no such folder, a folder, or not writable.
+    """
+    if target is None or target == STDOUT:
+        return
+    if target.startswith("--"):  # an option was taken for the file that another one is to write
+        raise OptionError("it needs the name of a file", where=option, got=target, allowed="a file name, or -",
+                          mend=f"./{target} if that is its name")  # fmt: skip
+    path = Path(target)
+    if endings and path.suffix.lower() not in endings:
+        raise OptionError("the ending names no format", where=option, got=target, allowed=", ".join(endings))
+    if path.is_dir():
+        raise OptionError("it is a folder", where=option, got=target, allowed="a file name")
+    if not path.parent.is_dir():
+        raise OptionError("there is no such folder", where=option, got=str(path.parent), mend="make it first")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise OptionError("no permission to write there", where=option, got=target)
+
+
+def check_targets(targets: Mapping[str, str | None], endings: Mapping[str, tuple[str, ...]] | None = None) -> None:
+    """Find out before a long run whether every result can be written, and whether one would overwrite another.
+
+    Args:
+        targets: option -> file, "-" for stdout, or None.
+        endings: option -> what its file may end in, where that names the format.
+
+    Raises:
+        OptionError: as `check_target` and `check_different`.
+    """
+    for option, target in targets.items():
+        check_target(target, option, (endings or {}).get(option, ()))
+    check_different(targets)
+
+
+def check_different(targets: Mapping[str, str | None]) -> None:
+    """Find out before a long run whether one result would overwrite another.
+
+    Args:
+        targets: option -> file or None.
+
+    Raises:
+        OptionError: two options name the same file, or both stdout.
+    """
+    printed = [option for option, target in targets.items() if target == STDOUT]
+    if len(printed) > 1:
+        raise OptionError(f"stdout is taken by {printed[0]}", where=printed[1], got=STDOUT, mend="name a file")
+    first: dict[Path, str] = {}
+    for option, target in targets.items():
+        if target is None or target == STDOUT:
+            continue
+        path = Path(target).resolve()
+        if path in first and (path.is_file() or not path.exists()):  # not /dev/null
+            raise OptionError(f"it is the file of {first[path]} as well", where=option, got=target, mend="name another")
+        first.setdefault(path, option)
+
+
+def hand_over(show: Callable[[], object], *results: tuple[str | None, Callable[[str], object]]) -> None:
+    """Show finished work, and write every result that has a target; each is tried, even where one before has failed.
+
+    Args:
+        show: prints it; not called where a result is written to stdout in its place.
+        results: where to, None for nowhere, and what writes there.
+
+    Raises:
+        OptionError, OSError: of the first that failed; a reader that has gone counts only where all else is well.
+    """
+    steps = [] if any(target == STDOUT for target, _ in results) else [show]
+    steps += [partial(write, target) for target, write in results if target is not None]
+    failed: Exception | None = None
+    for step in steps:
+        try:
+            step()
+        except (OptionError, OSError) as error:
+            failed = error if failed is None or isinstance(failed, BrokenPipeError) else failed
+    if failed is not None:
+        raise failed
+
+
+def write_json(record: Any, target: str) -> None:
+    """Write `record` to a file, or to stdout when `target` is "-"."""
+    from rankdrop.results import json_text
+
+    write_text(json_text(record), target)
+
+
+def write_text(text: str, target: str) -> None:
+    """Write a text to a file, or to stdout when `target` is "-"."""
+    if target == STDOUT:
+        sys.stdout.write(visible(text))  # JSON has nothing to hide: `json_text` escapes
+        sys.stdout.flush()
+    else:
+        write_bytes(text.encode(), target)
+
+
+def write_bytes(content: bytes, target: str) -> None:
+    """Write a file, whole or not at all (`rankdrop.disk`).
+
+    Raises:
+        OptionError: the file cannot be written (disk full, no permission).
+    """
+    from rankdrop.disk import replace_file
+
+    try:
+        replace_file(target, content)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OptionError(f"cannot write: {error.strerror}", where=target) from error

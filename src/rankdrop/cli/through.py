@@ -45,11 +45,8 @@ def through(
         json: Write the result to this file as well; - writes it to stdout in place of the text.
         quiet: No progress.
     """
-    from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.configuration import parse_configuration
-    from rankdrop.cli.files import check_targets, hand_over, write_json, write_text
-    from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import say
+    from rankdrop.cli.arm import open_arm, parse_configuration
+    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, say, write_json, write_text
     from rankdrop.motion import through as judge
 
     check_targets({"--json": json, "--path": path}, {"--path": (".csv",)})

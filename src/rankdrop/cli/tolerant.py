@@ -47,9 +47,7 @@ def tolerant(
         quiet: No progress.
     """
     from rankdrop.cli.arm import arm_section, open_arm
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.sections import print_sections
-    from rankdrop.cli.terminal import reporter, results
+    from rankdrop.cli.terminal import check_targets, hand_over, print_sections, reporter, results, write_json
     from rankdrop.cli.terminal import show as show_parts
     from rankdrop.families import most_tolerant
     from rankdrop.results import tolerant_sections, tolerant_to_dict

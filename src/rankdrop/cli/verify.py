@@ -55,8 +55,7 @@ def verify(
     """
     from rankdrop.certify import verify as check
     from rankdrop.cli.arm import open_arm
-    from rankdrop.cli.files import check_targets, hand_over, write_json
-    from rankdrop.cli.terminal import reporter
+    from rankdrop.cli.terminal import check_targets, hand_over, reporter, write_json
 
     check_targets({"--json": json})
     model = None if robot is None else open_arm(robot, arm)[0]
@@ -72,6 +71,6 @@ def verify(
 
 
 def _print(verified: Verified) -> None:
-    from rankdrop.cli.sections import print_sections
+    from rankdrop.cli.terminal import print_sections
 
     print_sections(verified.sections())

@@ -59,8 +59,7 @@ def view(
         expose: Let other machines in that know the token.
         quiet: No progress; the address alone, without notes.
     """
-    from rankdrop.cli.arm import arguments_of, open_arm, packages_of
-    from rankdrop.cli.configuration import parse_configuration
+    from rankdrop.cli.arm import arguments_of, open_arm, packages_of, parse_configuration
     from rankdrop.cli.terminal import say
     from rankdrop.motion import read_trajectory
     from rankdrop.results import Analysis

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.searching import refine, search
-from rankdrop.family.equation import Equation, normalised
+from rankdrop.family.equation import Equation, System, normalised
 from rankdrop.family.record import Check
-from rankdrop.family.system import System
 from rankdrop.family.which import on_one_of
 from rankdrop.local.block import generic_rank
 from rankdrop.robot.model import Array, Robot

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from rankdrop.certify.bittree import Cells, Flags
 from rankdrop.certify.covering import Covering
 from rankdrop.families.searching import refine
+from rankdrop.family.equation import SOLVED, System
 from rankdrop.family.record import Family
-from rankdrop.family.system import SOLVED, System
 from rankdrop.local.block import singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, Robot

@@ -14,9 +14,9 @@ from rankdrop.designs.outcome import APART, MEANINGS, UNITS, measure_text
 from rankdrop.designs.spec import GOALS, Asks
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.reach import reach
 from rankdrop.results.codec import save_record
 from rankdrop.robot.drawing import Drawing
+from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section, html, text
 from rankdrop.task import resolve_task
 from rankdrop.units import heading

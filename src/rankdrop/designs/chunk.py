@@ -6,10 +6,9 @@ import json
 from functools import lru_cache
 from typing import Any
 
-from rankdrop.designs.families import Effort, families_of
-from rankdrop.designs.measure import FRESH, STARTS, measured
+from rankdrop.designs.measure import FRESH, STARTS, Effort, families_of, measured
 from rankdrop.errors import RankdropError
-from rankdrop.families.memory import Memory
+from rankdrop.families.residual import Memory
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.task import Task

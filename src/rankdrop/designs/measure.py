@@ -1,31 +1,124 @@
 """What is measured of one arm: its families, how much of the joint space is near them, σ over a region, paths, proofs.
 
 All of it as plain data, one record for each arm; docs/howto/comparing-designs.md says what every entry means.
+
+Families are found quickly, by what is known of a similar arm, and with evidence of their own. Searches, signatures,
+soundness and completeness are the variant's own, from random starts in the whole joint space; from the similar arm come
+the forms of conditions alone (`rankdrop.families.residual`). Whatever a recalled form leaves open is done again from
+nothing, and then with more starts:
+
+    recalled forms   every row sound, every fresh point explained  →  taken
+    else             the same with three times the starts: a small family may have had too few points
+    else             from nothing, three and ten times the starts; what is left then is told
+
+How well an arm does its task over a region of its workspace is told by the best posture found at seeded poses in it.
+
+    σ(pose) = max over the solutions q of the inverse found, within the limits, of σ_r(J(q))
+
+The smallest of these over the region says how near to singular the arm has to come there, whatever posture it takes; a
+posture that was missed can only make it larger, so that it is a bound from below at the poses looked at, and says
+nothing between them. Solutions come from Newton's method with damping from random starts, all poses at once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import degrees
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rankdrop.certify.covering import covering
-from rankdrop.designs.families import Effort, families_of
-from rankdrop.designs.poses import reached, targets_of
 from rankdrop.designs.spec import finite
 from rankdrop.errors import RankdropError
-from rankdrop.families.memory import Memory
+from rankdrop.families.residual import Memory
+from rankdrop.families.searching import search
 from rankdrop.families.share import NearShare, near_shares
-from rankdrop.family.record import Family
-from rankdrop.local.block import generic_rank
+from rankdrop.families.table import families
+from rankdrop.family.record import CorankFamilies, CorankSummary, Family, family_out_of_units
+from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.data import FREE
-from rankdrop.results.analysis import Analysis
-from rankdrop.robot.model import JointKind, Robot
+from rankdrop.motion.inverse import Aim
+from rankdrop.results.analysis import Analysis, Settings
+from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.transform import from_xyz_rpy
 from rankdrop.task import Task
-from rankdrop.text.cells import condition_text
+from rankdrop.text.families import condition_text
+from rankdrop.tolerances import DEFAULT
+from rankdrop.units import in_units, task_in_units
+from rankdrop.version import VERSION
+
+MORE = (3, 10)
+"""Times the starts, where something is left open."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard the families of a variant are looked for.
+
+    Attributes:
+        starts: random starts for each corank.
+        fresh: independent points for completeness, of each corank.
+        limits: within the joint limits only.
+        seed: of every random choice.
+    """
+
+    starts: int
+    fresh: int
+    limits: bool
+    seed: int
+
+
+def families_of(robot: Robot, task: Task, effort: Effort, memory: Memory) -> Analysis:
+    """Every family of an arm, each with its own evidence.
+
+    Args:
+        robot, task: the arm.
+        effort: how hard.
+        memory: of a similar arm; takes up what is found here.
+
+    Returns:
+        An analysis without exact conditions, its smallest near misses not sought.
+    """
+    own, inner = in_units(robot), task_in_units(task, robot)
+    rank = generic_rank(own, inner)
+    found: list[CorankFamilies] = []
+    for corank in range(1, rank + 1):
+        found.append(_of_corank(own, inner, corank, effort, memory))
+        if found[-1].summary.converged == 0:
+            break
+    rows = tuple(family_out_of_units(family, robot) for one in found for family in one.families)
+    settings = Settings(effort.seed, effort.starts, effort.limits, float(task.scale(robot)), DEFAULT, VERSION)
+    return Analysis(robot, task, rank, settings, tuple(one.summary for one in found), rows)
+
+
+def _of_corank(robot: Robot, task: Task, corank: int, effort: Effort, memory: Memory) -> CorankFamilies:
+    for times, known in ((1, memory), (MORE[0], memory), *((times, Memory()) for times in MORE)):
+        found = _once(robot, task, corank, effort, times, known)
+        if holds(found.summary, found.families):
+            break
+    return found
+
+
+def _once(
+    robot: Robot, task: Task, corank: int, effort: Effort, times: int, memory: Memory
+) -> CorankFamilies:
+    """The families of one corank."""
+    cloud = search(robot, corank, task=task, starts=times * effort.starts, seed=effort.seed, limits=effort.limits,
+                   threads=1)  # fmt: skip
+    if not cloud.complete:
+        raise KeyboardInterrupt  # the core met Ctrl-C
+    return families(cloud, seed=effort.seed, threads=1, wanted=effort.fresh, near_misses=False, memory=memory)
+
+
+def holds(summary: CorankSummary, rows: tuple[Family, ...]) -> bool:
+    """Whether every row has conditions and is sound, and every fresh point is explained."""
+    sound = all(row.named and row.soundness.holds for row in rows)
+    return sound and summary.completeness.agree == summary.completeness.tested
+
 
 Record = dict[str, Any]
 STARTS, FRESH = 300, 300
@@ -200,3 +293,112 @@ def _certified(robot: Robot, task: Task, width: float, limits: bool, record: Rec
     found = covering(robot, width, task, limits=limits, threads=1)
     record["certified"] = {"free": found.free_share, "boxes": found.tree.leaves, "complete": found.complete}
     record["measures"]["free"] = found.free_share if found.complete else None
+
+
+_ITERATIONS = 40
+_LONGEST = 0.5  # of a step [rad; slides scaled]
+_CLOSE = 1e-9  # |e| at a solution: lengths divided by the length scale, angles in rad
+_ROWS_OF_POSITION = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """What was found at the poses of a region.
+
+    Attributes:
+        targets: (P, 4, 4) poses [m]; without an orientation only their places are meant.
+        sigma: (P,) largest σ_r of a solution, NaN where none was found.
+        q: (P, n) that solution.
+        lowest: smallest σ_r of any solution; NaN where there is none.
+    """
+
+    targets: Array
+    sigma: Array
+    q: Array
+    lowest: float
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """(P,) poses with a solution."""
+        return np.isfinite(self.sigma)
+
+    @property
+    def worst(self) -> int | None:
+        """The pose at which the best posture is worst; None where no pose is reached."""
+        return int(np.nanargmin(self.sigma)) if self.found.any() else None
+
+
+def targets_of(lower: Array, upper: Array, rpy: Array | None, count: int, seed: int) -> Array:
+    """(count, 4, 4) poses in a box of the base frame [m]: the same for every arm that is asked."""
+    places = np.random.default_rng([seed, 5]).uniform(lower, upper, (count, 3))
+    turned = from_xyz_rpy([0.0, 0.0, 0.0], [0.0, 0.0, 0.0] if rpy is None else rpy.tolist())
+    found = np.repeat(turned[None], count, axis=0)
+    found[:, :3, 3] = places
+    return found
+
+
+def reached(
+    robot: Robot, task: Task, rank: int, targets: Array, *, oriented: bool, starts: int, seed: int, limits: bool
+) -> Reached:
+    """The best posture found at every pose.
+
+    Args:
+        robot: the arm.
+        task: whose σ counts.
+        rank: r, of its Jacobian almost everywhere.
+        targets: (P, 4, 4) [m].
+        oriented: the orientation is meant too, as far as the task has rows for it; else places alone.
+        starts: random starts for each pose.
+        seed: of the starts.
+        limits: solutions within the joint limits only.
+    """
+    rows = tuple(row for row in task.rows if oriented or row < _ROWS_OF_POSITION)
+    inner = Task(",".join(map(str, rows)), rows, task.frame, task.scale(robot))
+    count = len(targets)
+    q = sample(robot, task, count * starts, seed, limits=limits)
+    which = np.repeat(np.arange(count), starts)
+    good = _solve(robot, inner, targets[which], q)
+    if limits:
+        q, inside = _inside(robot, q)
+        good &= inside
+    sigma = np.where(good, singular_values(robot, q, task)[:, rank - 1], -np.inf).reshape(count, starts)
+    best = sigma.argmax(axis=1)
+    top = sigma[np.arange(count), best]
+    lowest = sigma[np.isfinite(sigma)]
+    return Reached(
+        targets, np.where(np.isfinite(top), top, np.nan), q.reshape(count, starts, -1)[np.arange(count), best],
+        float(lowest.min()) if len(lowest) else float("nan"),
+    )  # fmt: skip
+
+
+def _solve(robot: Robot, task: Task, targets: Array, q: Array) -> NDArray[np.bool_]:
+    """Damped steps from q (N, n), in place, each to its own target (N, 4, 4): (N,) which arrived."""
+    aim, scale = Aim(robot, task), joint_scale(robot, task)
+    good = np.zeros(len(q), dtype=np.bool_)
+    going = np.arange(len(q))
+    for _ in range(_ITERATIONS):
+        e = aim.error(targets[going], q[going])
+        size = np.linalg.norm(e, axis=1)
+        done = size <= _CLOSE
+        good[going[done]] = True
+        going, e, size = going[~done], e[~done], size[~done]
+        if not len(going):
+            break
+        step = aim.step(q[going], e, np.minimum(size**2, 1.0))
+        length = np.linalg.norm(step / scale, axis=1)
+        q[going] += step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+    return good
+
+
+def _inside(robot: Robot, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Solutions turned by whole turns into their limits where that is possible, and (N,) which are inside."""
+    moved = np.array(q)
+    inside = np.ones(len(q), dtype=np.bool_)
+    for j, (low, high) in enumerate(zip(robot.lower, robot.upper, strict=True)):
+        if robot.periodic[j]:
+            middle = 0.5 * (low + high) if np.isfinite(low) and np.isfinite(high) else 0.0
+            moved[:, j] -= 2 * np.pi * np.round((moved[:, j] - middle) / (2 * np.pi))
+            if np.isfinite(low):
+                moved[:, j] += 2 * np.pi * np.maximum(0, np.ceil((low - 1e-9 - moved[:, j]) / (2 * np.pi)))
+        inside &= (moved[:, j] >= low - 1e-9) & (moved[:, j] <= high + 1e-9)
+    return moved, inside

@@ -1,4 +1,7 @@
-"""What a sweep found: every variant with its measures, what differs between neighbours, which variants none beats."""
+"""What a sweep found: every variant with its measures, what differs between neighbours, which variants none beats.
+
+Of a variant that none beats, every better value of one measure costs something else.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,48 @@ from math import degrees
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rankdrop.designs.changes import Change, Structure, changes, structures
-from rankdrop.designs.pareto import pareto
 from rankdrop.designs.spec import Parameter
 from rankdrop.errors import OptionError
 from rankdrop.results.codec import save_record
 from rankdrop.sections import Section, html, text
 from rankdrop.units import heading
 from rankdrop.version import VERSION
+
+BLOCK = 2000
+
+
+def pareto(records: Sequence[Mapping[str, Any]], goals: Mapping[str, str]) -> list[int]:
+    """Numbers of the variants that are not dominated, from 0.
+
+    Args:
+        records: of the variants. One with an error, or without one of the measures, is not among them.
+        goals: measure -> "less" or "more".
+    """
+    if not goals:
+        return []
+    rows = []
+    for number, record in enumerate(records):
+        values = [record["measures"].get(name) for name in goals]
+        if record.get("error") is None and all(value is not None for value in values):
+            rows.append((number, values))
+    if not rows:
+        return []
+    signs = np.array([1.0 if want == "less" else -1.0 for want in goals.values()])
+    cost = np.array([values for _, values in rows], dtype=np.float64) * signs
+    kept = np.ones(len(cost), dtype=np.bool_)
+    for first in range(0, len(cost), BLOCK):
+        block = cost[first : first + BLOCK]
+        no_worse = np.ones((len(block), len(cost)), dtype=np.bool_)
+        better = np.zeros_like(no_worse)
+        for k in range(cost.shape[1]):
+            no_worse &= cost[None, :, k] <= block[:, None, k]
+            better |= cost[None, :, k] < block[:, None, k]
+        kept[first : first + BLOCK] = ~(no_worse & better).any(axis=1)
+    return [number for (number, _), stays in zip(rows, kept, strict=True) if stays]
+
 
 SCHEMA = "rankdrop/sweep/1"
 SHOWN = 20

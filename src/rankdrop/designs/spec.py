@@ -19,7 +19,7 @@ from rankdrop.motion.pose_file import read_poses
 from rankdrop.robot.drawing import Drawing, Place
 from rankdrop.robot.files import read_text
 from rankdrop.robot.quantities import quantity
-from rankdrop.robot.toml_file import TomlLines, parsed_toml
+from rankdrop.robot.toml_file import Lines, line_of, lines_of, parsed_toml
 from rankdrop.task import Task, resolve_task
 
 KINDS = ("grid", "latin-hypercube", "sobol", "list")
@@ -127,11 +127,11 @@ def read_spec(path: str | Path) -> Spec:
         text = read_text(file)
     except RobotError as error:
         raise OptionError(error.what, where=str(path), got=error.got, allowed=error.allowed) from None
-    return spec_of(parsed_toml(text, str(path)), file=str(path), folder=file.parent, lines=TomlLines(text))
+    return spec_of(parsed_toml(text, str(path)), file=str(path), folder=file.parent, lines=lines_of(text))
 
 
 def spec_of(
-    document: Mapping[str, Any], *, file: str = "spec", folder: Path | None = None, lines: TomlLines | None = None
+    document: Mapping[str, Any], *, file: str = "spec", folder: Path | None = None, lines: Lines | None = None
 ) -> Spec:
     """The specification of tables that are parsed already.
 
@@ -160,15 +160,15 @@ def asks_of(document: Mapping[str, Any], *, file: str = "options", folder: Path 
 class _Reader:
     """Reads one document; every refusal names the file and the line."""
 
-    def __init__(self, document: Mapping[str, Any], file: str, folder: Path, lines: TomlLines | None) -> None:
+    def __init__(self, document: Mapping[str, Any], file: str, folder: Path, lines: Lines | None) -> None:
         self.document, self.file, self.folder, self.lines = document, file, folder, lines
 
     def where(self, table: str, key: str = "", index: int | None = None) -> str:
         name = ".".join(part for part in (table, key) if part)
         if self.lines is None:
             return f"{self.file}, {name}" if name else self.file
-        titled = None if not key else self.lines.exact(name, None, "")  # [parameters.x] has a line of its own
-        line = self.lines.exact(table, index, key) or titled or self.lines.find(table, index, key)
+        titled = None if not key else self.lines.get((name, None, ""))  # [parameters.x] has a line of its own
+        line = self.lines.get((table, index, key)) or titled or line_of(self.lines, table, index, key)
         return f"{self.file}, line {line}" + (f", {name}" if name else "")
 
     def refuse(self, what: str, table: str, key: str = "", *, got: Any = None, allowed: Any = None,

@@ -3,7 +3,7 @@
 A variant is a row of parameter values; they come in an order in which neighbours follow each other. A grid is walked
 like a field is ploughed: every step changes one parameter by one value. Samples fill the box of the ranges: Latin
 hypercube and Sobol by scipy.stats.qmc, scrambled by the seed, in the order of their first parameter cut into strips.
-Variants that follow each other share what is known of their families (`rankdrop.families.memory`).
+Variants that follow each other share what is known of their families (`rankdrop.families.residual`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rankdrop.designs.outcome import Designs
 from rankdrop.designs.spec import Parameter, Spec, goals, read_spec, spec_of
 from rankdrop.errors import MissingExtraError, RankdropError
 from rankdrop.jobs import Engine, Job, finish
-from rankdrop.results.conditions.conditions import Conditions
+from rankdrop.results.conditions import Conditions
 from rankdrop.robot.model import Array
 from rankdrop.verbs.conditions import conditions
 
@@ -46,8 +46,8 @@ def sweep(
     """Measure every variant of an arm, and tell what differs between them.
 
     Each variant has its own searches and its own evidence; from the variant before it come the forms of conditions
-    alone, which saves most of the work (`rankdrop.families.memory`). The result follows from the specification: on any
-    number of workers, on a cluster, and after an interruption of any kind it is the same.
+    alone, which saves most of the work (`rankdrop.families.residual`). The result follows from the specification: on
+    any number of workers, on a cluster, and after an interruption of any kind it is the same.
 
     Args:
         spec: the TOML file, or its tables as a mapping: docs/howto/comparing-designs.md.

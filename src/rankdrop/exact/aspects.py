@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.signs import SignedFactor, look, signed_factors
+from rankdrop.kinematics import one_configuration
 from rankdrop.robot.model import Array
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units

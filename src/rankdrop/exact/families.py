@@ -28,9 +28,9 @@ from rankdrop.exact.letters import letters_text, sign_of
 from rankdrop.exact.merge import Pins, Row, alone, merge, tidy
 from rankdrop.exact.tree import Drop, by_length, largest, rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
+from rankdrop.family.equation import System
 from rankdrop.family.naming import distinct_names, lost_motions, name_family
 from rankdrop.family.record import Check
-from rankdrop.family.system import System
 from rankdrop.local.block import sampling_box, singular_values
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array

@@ -29,8 +29,8 @@ from rankdrop.family.naming import name_family
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.local.directions import lost_in_sparsest_frame, lost_over_family
 from rankdrop.local.screws import words
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array
+from rankdrop.robot.numbers import reach
 from rankdrop.tolerances import DEFAULT, REAL_ROOT
 from rankdrop.units import counted_length, out_of_units
 

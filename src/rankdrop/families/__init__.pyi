@@ -7,7 +7,6 @@ from .measured import Distances as Distances
 from .measured import distances as distances
 from .monitor import Monitor as Monitor
 from .monitor import Sighting as Sighting
-from .posture import posed as posed
 from .reciprocal import EXACT as EXACT
 from .search_record import Outcome as Outcome
 from .search_record import Search as Search
@@ -18,6 +17,7 @@ from .slices import Slice as Slice
 from .slices import telling_slices as telling_slices
 from .solid import Solid as Solid
 from .solid import solids as solids
+from .table import posed as posed
 from .tolerant import most_tolerant as most_tolerant
 from .walk import Walk as Walk
 from .walk import in_slice as in_slice

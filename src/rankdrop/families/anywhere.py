@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import search
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from rankdrop.certify.ball import settings_of
 from rankdrop.certify.setting import Setting
 from rankdrop.errors import OptionError
-from rankdrop.frames import link_index
 from rankdrop.robot.model import JointKind
+from rankdrop.task import link_index
 
 if TYPE_CHECKING:
     from rankdrop.families.monitor import Monitor

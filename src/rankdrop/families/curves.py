@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import search
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import Mask, Problem
 from rankdrop.robot.model import Array, JointKind, Robot

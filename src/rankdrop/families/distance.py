@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
+from rankdrop.family.equation import REACHED
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.nearest import Nearest
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot

@@ -42,7 +42,7 @@ from rankdrop.families.signature import (
     joined,
     signatures_of,
 )
-from rankdrop.family.system import Mask
+from rankdrop.family.equation import Mask
 from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import decompose
 from rankdrop.problem import Problem

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import refine
 from rankdrop.families.signature import Covector, Inspection, Signature, inspect
-from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.family.system import Mask
+from rankdrop.family.equation import Equation, Mask, Term, normalised
 from rankdrop.problem import Problem, Twin, wrap
 from rankdrop.robot.model import Array, Robot
 

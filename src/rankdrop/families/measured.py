@@ -22,14 +22,14 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import configurations
 from rankdrop.certify.ball import LARGEST, settings_of
 from rankdrop.certify.setting import Setting, enclose
 from rankdrop.errors import OptionError
 from rankdrop.families.anywhere import THOROUGH, Anywhere
 from rankdrop.families.distance import nearest_turns
+from rankdrop.family.equation import REACHED, System
 from rankdrop.family.record import Family, Pin, family_in_metres
-from rankdrop.family.system import REACHED, System
+from rankdrop.kinematics import configurations
 from rankdrop.local.block import generic_rank, joint_scale, sampling_box, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import iterate, newton, towards

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, check_robot, configurations, one_configuration, task_view
 from rankdrop.errors import OptionError
 from rankdrop.families.arm_header import arm_header
 from rankdrop.families.measured import Distances, Measure
 from rankdrop.family.equation import Equation, equation_tables
 from rankdrop.family.record import Family
+from rankdrop.kinematics import chain_of, check_robot, configurations, one_configuration, task_view
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task, resolve_task

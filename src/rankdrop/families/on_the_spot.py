@@ -15,7 +15,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError, OptionError
 from rankdrop.families.fit import Budget
 from rankdrop.families.irregular import recognised
@@ -27,6 +26,7 @@ from rankdrop.families.signature import Inspection, Signature, inspect
 from rankdrop.family.equation import Equation
 from rankdrop.family.naming import name_family, shortened
 from rankdrop.family.record import Condition, Family, Local, Pin, Relation, condition_words, family_from_metres
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot

@@ -36,8 +36,8 @@ from numpy.typing import NDArray
 from rankdrop.errors import OptionError
 from rankdrop.kinematics import jacobian, task_jacobian
 from rankdrop.local.block import block, generic_rank, sample, sampling_box, singular_values
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task
 
 EXACT = 1e-13

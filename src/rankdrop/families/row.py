@@ -22,9 +22,8 @@ import numpy as np
 
 from rankdrop.families.linear import Linear, Values
 from rankdrop.families.signature import HIGHER, Signature
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, Mask, System
 from rankdrop.family.record import Check
-from rankdrop.family.system import Mask, System
 from rankdrop.problem import Problem, into_limits, wrapped
 from rankdrop.robot.model import Array
 

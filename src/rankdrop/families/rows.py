@@ -4,6 +4,8 @@ Two rows that differ by half a turn of one pinned joint are written as one. On �
 a3)c2 + d5·s24 = 0, on θ3 = π it is (a2 − a3)c2 − d5·s24 = 0. With δ = θ3 − v, where sin δ = 0 and cos δ = ±1, both are
 A + B·cos δ = 0, A and B half the sum and half the difference of the two equations, one of them scaled so that most
 terms cancel. And since sin δ = 0, B·cos δ is B with δ added to every angle: a2·c2 + a3·c23 + d5·s234 = 0.
+
+What rows leave open is not hidden: each kind of points that no row explains becomes a family without a name.
 """
 
 from __future__ import annotations
@@ -19,12 +21,12 @@ from numpy.typing import NDArray
 from rankdrop.families.fit import Budget, holds
 from rankdrop.families.irregular import inspect_doubled, recognised
 from rankdrop.families.linear import FamilyPoints, Linear, Values, boxes, grow, smooth
-from rankdrop.families.memory import Memory
-from rankdrop.families.residual import recalled_equations, residual_equations
+from rankdrop.families.residual import Memory, recalled_equations, residual_equations
 from rankdrop.families.row import Row, verified
-from rankdrop.families.signature import Inspection, Signature
-from rankdrop.family.equation import Equation, Term, normalised
-from rankdrop.family.system import Mask
+from rankdrop.families.signature import Inspection, Signature, inspect
+from rankdrop.family.equation import Equation, Mask, Term, normalised
+from rankdrop.family.naming import lost_motions
+from rankdrop.family.record import Check, Family, Pin, Sampled
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array
 
@@ -190,9 +192,7 @@ def _fitted(
             continue
         rng = np.random.default_rng([*seed, index, int(thorough)])
         if smooth(problem, inspection, left, rng):
-            part = budget.share(THOROUGH if thorough else QUICK)
-            rows += _rows_of(problem, signature, inspection, left, part, rng, more, memory, thorough=thorough)
-            budget.back(part)
+            rows += _rows_of(problem, signature, inspection, left, budget, rng, more, memory, thorough=thorough)
     return rows
 
 
@@ -274,6 +274,7 @@ def _rows_of(
     if not signature.residual:
         found = grow(met, linear, partial(verified, problem, linear, (), 0, rng=rng))
         return [Row(linear, sets, (), signature, f"{twice}values verified") for sets in boxes(found)]
+    part = budget.share(THOROUGH if thorough else QUICK)
     rows: list[Row] = []
     done: set[Values] = set()
     for values in sorted(met, key=lambda values: (-len(met[values]), values))[:FITS]:
@@ -285,7 +286,7 @@ def _rows_of(
         source = FamilyPoints(problem, signature, linear, values, q, tangent, rng, more)
         residual = None if memory is None else recalled_equations(source, memory)
         if residual is None:
-            residual = residual_equations(source, budget, thorough=thorough)
+            residual = residual_equations(source, part, thorough=thorough)
         if residual is None:
             continue
         if memory is not None:
@@ -295,6 +296,7 @@ def _rows_of(
         found = grow([values, *alike], linear, holding)
         done |= found
         rows += [Row(linear, sets, residual, signature, f"{twice}fitted, then verified") for sets in boxes(found)]
+    budget.back(part)
     return rows
 
 
@@ -316,3 +318,113 @@ def without_contained(problem: Problem, rows: list[Row], rng: np.random.Generato
         elif outside:
             kept += [replace(row, sets=sets) for sets in boxes(outside)]
     return kept
+
+
+VALUES = 12  # values of a pinned joint that are listed at most
+SMALL = 0.5  # a group with less than this share of another's points is small beside it
+Joints = tuple[int, ...]
+Shape = tuple[bool, int, Joints, Joints, Joints]
+"""Regular or not; rank of D; joints pinned, free, coupled."""
+
+
+def leftovers(
+    problem: Problem, cloud: Inspection, left_cloud: Mask, fresh: Inspection, left_fresh: Mask
+) -> list[tuple[Family, int]]:
+    """Families without a name: the points of exactly this corank that are left, grouped by the shape of their tangent.
+
+    Args:
+        problem: the arm, and the corank.
+        cloud, fresh: the two clouds.
+        left_cloud, left_fresh: (N,) points that no row explains.
+
+    Returns:
+        The families, that of most points first, and how many points of the cloud each has. The dimension is n − rank D,
+        an upper bound where the points are irregular; the witness is the point farthest from a higher corank.
+    """
+    q = np.concatenate([cloud.q[left_cloud & cloud.exact], fresh.q[left_fresh & fresh.exact]])
+    from_cloud = int((left_cloud & cloud.exact).sum())
+    if not len(q):
+        return []
+    inspection = inspect(problem, q)
+    groups: dict[Shape, list[int]] = {}
+    for i, signature in enumerate(inspection.signatures):
+        key = (
+            (True, signature.rank, signature.pinned, signature.free, signature.coupled)
+            if signature is not None
+            else _shape(inspection, i, problem)
+        )
+        groups.setdefault(key, []).append(i)
+    ordered = sorted(_gathered(groups).items(), key=lambda item: (-len(item[1]), item[1][0]))
+    tested = int(fresh.exact.sum())
+    return [_unnamed(problem, inspection, key, np.array(members), from_cloud, tested) for key, members in ordered]
+
+
+def _gathered(groups: dict[Shape, list[int]]) -> dict[Shape, list[int]]:
+    """Put groups with the same pinned joints together where one is small beside the other.
+
+    Near a degenerate geometry (offsets of a fraction of a millimetre) tangents of one set come in many shapes. What is
+    coupled in one of them is coupled; the larger dimension is the bound.
+    """
+    joined: dict[Shape, list[int]] = {}
+    for shape, members in sorted(groups.items(), key=lambda item: (-len(item[1]), item[0])):
+        home = next((s for s in joined if s[2] == shape[2] and len(members) < SMALL * len(joined[s])), None)
+        if home is None:
+            joined[shape] = list(members)
+            continue
+        everyone = sorted(joined.pop(home) + members)
+        coupled = tuple(sorted({*home[4], *shape[4]}))
+        free = tuple(j for j in home[3] if j not in coupled)
+        joined[(home[0] and shape[0], min(home[1], shape[1]), home[2], free, coupled)] = everyone
+    return joined
+
+
+def _shape(inspection: Inspection, i: int, problem: Problem) -> Shape:
+    """Irregular points are told apart by the dimension of ker D alone; joints that never matter are free."""
+    dimension = round(float(np.trace(inspection.tangent[i])))
+    n = problem.n
+    free = tuple(int(j) for j in np.flatnonzero(problem.idle))
+    return (False, n - dimension, (), free, tuple(j for j in range(n) if j not in free))
+
+
+def _unnamed(
+    problem: Problem,
+    inspection: Inspection,
+    key: Shape,
+    members: NDArray[np.int64],
+    from_cloud: int,
+    tested: int,
+) -> tuple[Family, int]:
+    regular, rank, pinned, free, coupled = key
+    q, cloud = inspection.q[members], int((members < from_cloud).sum())
+    gap = inspection.sigma[members, problem.rank - 1] if problem.rank else np.ones(len(members))
+    at = q[int(np.argmax(gap))]
+    directions, sentences = lost_motions(problem, at, q)
+    kind = "" if regular else "; D has no clear rank there, so that the dimension is an upper bound"
+    names = problem.robot.variables
+    family = Family(
+        id="",
+        name="unnamed family",
+        corank=problem.corank,
+        dimension=problem.n - rank,
+        pinned=tuple(Pin(names[j].name, j + 1, _values(problem, q, j)) for j in pinned),
+        free=tuple(j + 1 for j in free),
+        coupled=tuple(j + 1 for j in coupled),
+        equations=(),
+        witness=tuple(float(x) for x in at),
+        lost_directions=directions,
+        lost_words=sentences,
+        evidence=Sampled(
+            f"{cloud} points of the cloud and {len(members) - cloud} fresh ones, no condition found{kind}",
+            Check(0, 0),
+            Check(tested, len(members) - cloud),
+        ),
+        named=False,
+    )
+    return family, cloud
+
+
+def _values(problem: Problem, q: Array, joint: int) -> tuple[float, ...]:
+    """Different values of a joint over points, at most twelve."""
+    linear = Linear.of(problem.robot, [tuple(int(i == joint) for i in range(problem.n))])
+    found = linear.combinations(q, np.ones(len(q)), 1e-5)
+    return tuple(sorted(values[0] for values in found)[:VALUES])

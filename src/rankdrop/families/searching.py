@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.errors import OptionError
 from rankdrop.families.reciprocal import drawn
 from rankdrop.families.search_record import (
@@ -37,6 +36,7 @@ from rankdrop.families.search_record import (
     Search,
     to_the_ground,
 )
+from rankdrop.kinematics import LARGEST_SEED, chain_of, check_robot, configurations, task_view, whole_number
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.local.minimax import stays_up
 from rankdrop.problem import Problem

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.errors import OptionError
+from rankdrop.family.equation import REACHED, System
 from rankdrop.family.record import Family, family_in_units
-from rankdrop.family.system import REACHED, System
 from rankdrop.local.block import joint_scale, sample
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import iterate, towards

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop.family.system import Mask
+from rankdrop.family.equation import Mask
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.tolerances import Tolerances

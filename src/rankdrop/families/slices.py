@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop.families.walk import general_member
+from rankdrop.family.equation import System
 from rankdrop.family.record import Family, family_in_metres
-from rankdrop.family.system import System
 from rankdrop.problem import Problem, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from rankdrop.families.slices import surface
 from rankdrop.families.walk import general_member
+from rankdrop.family.equation import SOLVED, System
 from rankdrop.family.record import Family
-from rankdrop.family.system import SOLVED, System
 from rankdrop.problem import Problem, wrap
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import trace

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import check_robot
 from rankdrop.errors import OptionError
 from rankdrop.families.searching import Progress, check_numbers
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import check_robot, task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale, limit_box, sample, sampling_box, structural_sample
 from rankdrop.local.failures import Failures, failure_model, failures_at, worst_case
 from rankdrop.local.minimax import descend

@@ -17,10 +17,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
+from rankdrop.family.equation import REACHED, Mask, System
 from rankdrop.family.record import Family, family_in_metres
-from rankdrop.family.system import REACHED, Mask, System
+from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem, wrap, wrapped
 from rankdrop.robot.model import Array, Robot
 from rankdrop.solve import newton

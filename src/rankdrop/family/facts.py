@@ -13,10 +13,9 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from rankdrop.frames import TIP
 from rankdrop.local.lines import Scene, Verdicts
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import TIP, Task
 
 NEARLY = "arm nearly stretched or folded"
 """An elbow that is as long or as short as the offsets of its wrist allow."""

@@ -18,8 +18,7 @@ from math import degrees
 
 import numpy as np
 
-from rankdrop.family.equation import Equation, pretty_angle
-from rankdrop.family.system import System
+from rankdrop.family.equation import Equation, System, pretty_angle
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.sections import Section, html
 from rankdrop.units import UnitRobot, exponent, into_metres, into_units, metre_exponent, out_of_units, shifted

@@ -9,10 +9,9 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
-from rankdrop.family.equation import Equation
+from rankdrop.family.equation import Equation, System
 from rankdrop.family.record import Family, rescaled, slides_of
-from rankdrop.family.system import System
+from rankdrop.kinematics import one_configuration
 from rankdrop.problem import Problem
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from rankdrop.errors import MissingExtraError, OptionError, RankdropError
-from rankdrop.jobs.folder import Folder
-from rankdrop.jobs.job import Job, error_from_dict, perform
+from rankdrop.jobs.folder import Folder, Job, error_from_dict, perform
 from rankdrop.version import VERSION
 
 MOST_WORKERS = 1024

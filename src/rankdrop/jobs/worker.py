@@ -14,7 +14,7 @@ import sys
 import traceback
 
 from rankdrop.errors import RankdropError
-from rankdrop.jobs.job import error_to_dict, perform
+from rankdrop.jobs.folder import error_to_dict, perform
 
 
 def main() -> None:

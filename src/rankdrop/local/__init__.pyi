@@ -19,7 +19,9 @@ from .failures import failures_at as failures_at
 from .inverse import damped_inverse as damped_inverse
 from .lines import Drawn as Drawn
 from .lines import drawn_at as drawn_at
+from .lines import fault as fault
 from .lines import skeleton as skeleton
+from .lines import start_posture as start_posture
 from .minimax import gradient_tensor as gradient_tensor
 from .minimax import plane_rotation as plane_rotation
 from .minimax import spread as spread
@@ -36,8 +38,6 @@ from .ordered_report import report as report
 from .ordered_report import session as session
 from .planar import planar_two_link as planar_two_link
 from .planar import rate_table as rate_table
-from .posture import fault as fault
-from .posture import start_posture as start_posture
 from .rates import rate_growth as rate_growth
 from .redundant import null_space_motion as null_space_motion
 from .redundant import redundancy as redundancy

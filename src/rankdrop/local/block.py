@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, configurations, handles_of, rows_of, task_view
 from rankdrop.errors import OptionError
-from rankdrop.reach import reach, travel_limits
+from rankdrop.kinematics import chain_of, configurations, handles_of, rows_of, task_view
 from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.numbers import reach, travel_limits
 from rankdrop.task import Task
 from rankdrop.units import UnitRobot, in_units, task_in_units
 

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.lines import Scene
 from rankdrop.local.relations import describe

@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
-from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import link_poses, task_jacobian
+from rankdrop.kinematics import link_poses, one_configuration, task_jacobian
 from rankdrop.local.block import decompose, generic_rank
 from rankdrop.local.screws import rewrite_wrench
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task, six_rows
+from rankdrop.robot.numbers import reach
+from rankdrop.task import BASE, TIP, Frame, Task, link_index, six_rows
 from rankdrop.tolerances import ENTRY
 from rankdrop.units import counted, given_exponent, in_metres, into_metres, shifted, task_in_metres
 
@@ -165,7 +163,7 @@ def lost_in_frame(robot: Robot, q: ArrayLike, task: Task, corank: int, frame: Fr
         frame: axes and reference point.
 
     Example:
-        >>> from rankdrop.frames import BODY
+        >>> from rankdrop.task import BODY
         >>> from rankdrop.robot.open import open_robot
         >>> from rankdrop.task import resolve_task
         >>> arm = open_robot("planar2r")

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import joint_scale
 from rankdrop.local.rates import rate_limits
 from rankdrop.robot.model import Array, JointKind, Robot

@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
-from rankdrop.kinematics import task_jacobian, task_jacobian_derivative
+from rankdrop.kinematics import one_configuration, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.local.directions import lost_in_sparsest_frame
 from rankdrop.local.minimax import Evaluate, Model

@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, one_configuration, task_view
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import chain_of, one_configuration, task_view
 from rankdrop.local.notebook import nearest_html
 from rankdrop.problem import Problem, whole_turns
 from rankdrop.robot.model import Array, Robot

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.inverse import task_sigma
 from rankdrop.local.orientation import WEAK, Displacement
 from rankdrop.local.place import Place, place_at

@@ -23,16 +23,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.frames import SPACE
-from rankdrop.kinematics import jacobian
+from rankdrop.kinematics import jacobian, one_configuration
 from rankdrop.local.block import structural_sample
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.open import open_robot
 from rankdrop.robot.screws import from_screws, read_screw_list
-from rankdrop.task import Task
+from rankdrop.task import SPACE, Task
 from rankdrop.tolerances import DEPENDENT
 
 NO_TURN = 1e-12

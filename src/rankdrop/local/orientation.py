@@ -28,14 +28,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, frame_view
 from rankdrop.errors import OptionError, TaskError
-from rankdrop.frames import BASE, TIP, Frame, link_index
-from rankdrop.kinematics import link_poses, pose
+from rankdrop.kinematics import chain_of, frame_view, link_poses, pose
 from rankdrop.local.block import joint_scale, row_scale
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import BASE, TIP, Frame, Task, link_index
 from rankdrop.tolerances import DEFAULT
 
 NAMES: dict[str, tuple[str, ...]] = {

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, one_configuration, task_view
 from rankdrop.errors import OptionError, TaskError
+from rankdrop.kinematics import chain_of, one_configuration, task_view
 from rankdrop.local.block import decompose, joint_scale
 from rankdrop.local.verdict import rank_at
 from rankdrop.robot.model import Array, Robot

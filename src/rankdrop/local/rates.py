@@ -28,8 +28,8 @@ from math import comb, inf, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.directions import lost_directions
 from rankdrop.local.inverse import Factored, factor, task_sigma
 from rankdrop.local.verdict import rank_at

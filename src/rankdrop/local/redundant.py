@@ -23,9 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import configurations, one_configuration
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import configurations, one_configuration, task_jacobian
 from rankdrop.local.block import block, generic_rank, joint_scale
 from rankdrop.local.directions import readable_basis
 from rankdrop.local.inverse import Factored, factor

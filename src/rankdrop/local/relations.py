@@ -16,8 +16,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import structural_sample
 from rankdrop.local.lines import Lines, Scene
 from rankdrop.robot.model import Array, JointKind, Robot

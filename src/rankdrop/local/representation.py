@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError
-from rankdrop.kinematics import jacobian, pose
+from rankdrop.kinematics import jacobian, one_configuration, pose
 from rankdrop.local.orientation import (
     EULER,
     JUMPING,

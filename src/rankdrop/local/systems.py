@@ -27,15 +27,14 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
-from rankdrop.kinematics import jacobian, task_jacobian
+from rankdrop.kinematics import jacobian, one_configuration, task_jacobian
 from rankdrop.local.block import generic_rank, structural_sample
 from rankdrop.local.bracket import bracket, cross
 from rankdrop.local.lines import Lines
 from rankdrop.local.relations import numbers
 from rankdrop.local.taylor import unlocked
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import ALIGNED, DEPENDENT
 

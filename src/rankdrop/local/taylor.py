@@ -24,11 +24,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import row_scale
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import Task, link_index
 
 
 def unlocked(robot: Robot, q: Array) -> tuple[Robot, Array, Array]:

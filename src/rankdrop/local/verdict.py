@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import generic_rank, singular_values
 from rankdrop.robot.model import Array, Robot
 from rankdrop.task import Task

@@ -15,9 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import one_configuration
 from rankdrop.errors import OptionError
-from rankdrop.kinematics import jacobian
+from rankdrop.kinematics import jacobian, one_configuration
 from rankdrop.local import departure as finite_motions
 from rankdrop.local.bracket import brackets
 from rankdrop.local.departure import Departure, departures

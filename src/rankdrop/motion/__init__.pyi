@@ -12,6 +12,11 @@ from .data import UNDECIDED as UNDECIDED
 from .data import Place as Place
 from .data import Stretch as Stretch
 from .data import ToolMotion as ToolMotion
+from .files import ENDINGS as ENDINGS
+from .files import WRITTEN as WRITTEN
+from .files import read_trajectory as read_trajectory
+from .files import trajectories_in as trajectories_in
+from .files import trajectory_bytes as trajectory_bytes
 from .many import HowJudged as HowJudged
 from .many import check_file as check_file
 from .many import check_files as check_files
@@ -29,9 +34,6 @@ from .postures.record import NOT_CUSPIDAL as NOT_CUSPIDAL
 from .postures.record import NOT_FOUND as NOT_FOUND
 from .postures.record import Postures as Postures
 from .postures.search import aspects_of as aspects_of
-from .read import ENDINGS as ENDINGS
-from .read import read_trajectory as read_trajectory
-from .read import trajectories_in as trajectories_in
 from .result import PathCheck as PathCheck
 from .rows import FORMATS as FORMATS
 from .rows import PathRows as PathRows
@@ -42,5 +44,3 @@ from .time_law import through as through
 from .time_law_record import Through as Through
 from .trajectory import Trajectory as Trajectory
 from .trajectory import unit_hint as unit_hint
-from .write import WRITTEN as WRITTEN
-from .write import trajectory_bytes as trajectory_bytes

@@ -22,7 +22,7 @@ from rankdrop.motion.trajectory import (
     joint_names,
     turning,
 )
-from rankdrop.robot.budgets import LARGEST_ARRAY, MOST_ROWS
+from rankdrop.robot.files import LARGEST_ARRAY, MOST_ROWS
 from rankdrop.robot.model import Array, Robot
 
 POSITIONS, TIMES, VELOCITIES, ACCELERATIONS, NAMES = (

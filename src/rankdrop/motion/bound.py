@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of
 from rankdrop.certify.setting import Setting, enclose, regular
+from rankdrop.kinematics import chain_of
 from rankdrop.local.taylor import unlocked
 from rankdrop.robot.model import Array, JointKind, Robot
 

@@ -16,9 +16,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot
 from rankdrop.errors import ConfigurationError
-from rankdrop.kinematics import pose
+from rankdrop.kinematics import check_robot, pose
 from rankdrop.local.block import joint_scale, sampling_box
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.check import EVALUATIONS, check_path
@@ -27,9 +26,9 @@ from rankdrop.motion.follow import Followed, between, follow
 from rankdrop.motion.inverse import Aim, distinct
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.trajectory import checked_times
-from rankdrop.reach import reach
 from rankdrop.results.analysis import Analysis
 from rankdrop.robot.model import Array, Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 

@@ -1,22 +1,28 @@
-"""`check_path`: does a path meet a singularity between its samples, or come too near to one?"""
+"""`check_path`: does a path meet a singularity between its samples, or come too near to one?
+
+That every point of a path is at least so far from every singular configuration is proven by balls that cover it. A
+piece of the path lies within ρ of its middle; a ball of radius d + ρ around the middle that is proven free keeps the
+distance d on all of the piece. One enclosure is tried first, branch and bound on short pieces.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import check_robot, configurations
-from rankdrop.certify.ball import settings_of
+from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
+from rankdrop.certify.setting import Setting, enclose
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.motion.curve import Curve, curve
+from rankdrop.kinematics import check_robot, configurations
+from rankdrop.motion.bound import ROUNDED
+from rankdrop.motion.curve import Curve, boxes, curve, halves
 from rankdrop.motion.data import CROSSING, FREE, TOO_NEAR, TOUCHING, UNDECIDED, PathSettings, Stretch
-from rankdrop.motion.margin import margin
 from rankdrop.motion.meets import Meeting, meetings
-from rankdrop.motion.prove import prove
+from rankdrop.motion.prove import box_tree, prove
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.stretches import Survey
 from rankdrop.motion.trajectory import checked, checked_times, unit_hint
@@ -28,6 +34,87 @@ from rankdrop.task import Task, resolve_task
 from rankdrop.tolerances import DEFAULT, Tolerances
 from rankdrop.units import in_metres, into_metres, out_of_metres, task_in_metres
 from rankdrop.version import VERSION
+
+_BALL = 20_000  # enclosures of branch and bound for one ball
+_SHORT = 0.5  # pieces with ρ below this share of the distance get branch and bound
+_SHORTEST = 0.05  # … and below this are given up
+_OUTRIGHT = 1e-9  # of a radius: what bisection leaves open
+
+
+@dataclass(frozen=True, slots=True)
+class Margin:
+    """What is proven of a distance.
+
+    Attributes:
+        proven: the distance is kept everywhere.
+        open: stretch where it could not be proven; −1 where it is.
+        evaluations: enclosures spent.
+    """
+
+    proven: bool
+    open: int
+    evaluations: int
+
+
+def margin(robot: Robot, task: Task, setting: Setting, path: Curve, distance: float, evaluations: int) -> Margin:
+    """Try to prove that no singular configuration is nearer to the path than a distance.
+
+    Args:
+        robot, task: the arm and its task.
+        setting: that the path was proven free from.
+        path: the curve.
+        distance: d > 0 [rad; slides divided by the length scale]; beyond π it is not tried.
+        evaluations: enclosures to be spent at most.
+    """
+    if distance >= LARGEST:
+        return Margin(False, 0, 0)
+    spent = 0
+    tree = box_tree(path)
+    nodes = np.zeros(1, dtype=np.int64)
+    for level in range(len(tree) - 1, -1, -1):
+        low, high = tree[level]
+        centre, rho = _ball(low[nodes], high[nodes], setting)
+        spent += len(nodes)
+        nodes = nodes[~_kept(robot, setting, centre, rho, distance)]
+        if level:
+            nodes = np.stack([2 * nodes, 2 * nodes + 1], axis=1).reshape(-1)
+            nodes = nodes[nodes < len(tree[level - 1][0])]
+    control, stretch = path.control[nodes], nodes
+    while len(control):
+        centre, rho = _ball(*boxes(control), setting)
+        spent += len(control)
+        if spent > evaluations:
+            return Margin(False, int(stretch[0]), spent)
+        kept = _kept(robot, setting, centre, rho, distance)
+        for i in np.flatnonzero(~kept & (rho < _SHORT * distance)):
+            ball = certified_radius(robot, centre[i], task, at_most=_radius(distance, rho[i]), evaluations=_BALL)
+            spent += ball.evaluations
+            kept[i] = ball.radius == ball.at_most
+            if spent > evaluations or (not kept[i] and rho[i] < _SHORTEST * distance):
+                return Margin(False, int(stretch[i]), spent)
+        control, stretch = halves(control[~kept]), np.repeat(stretch[~kept], 2)
+    return Margin(True, -1, spent)
+
+
+def _ball(low: Array, high: Array, setting: Setting) -> tuple[Array, Array]:
+    """Middles of boxes, and how far their corners are [rad; slides scaled]."""
+    centre = np.ascontiguousarray((low + high) / 2)
+    half = ((high - low) / 2 + ROUNDED * (setting.scale + np.abs(centre))) / setting.scale
+    return centre, np.linalg.norm(half[:, setting.matters], axis=1)
+
+
+def _radius(distance: float, rho: float) -> float:
+    return min((distance + float(rho)) * (1 + _OUTRIGHT), LARGEST)
+
+
+def _kept(robot: Robot, setting: Setting, centre: Array, rho: Array, distance: float) -> NDArray[np.bool_]:
+    kept = np.zeros(len(centre), dtype=np.bool_)
+    tried = np.flatnonzero(distance + rho < LARGEST)
+    if len(tried):
+        radius = enclose(robot, setting, np.ascontiguousarray(centre[tried]), radius=LARGEST)[1]
+        kept[tried] = radius * (1 - _OUTRIGHT) >= distance + rho[tried]
+    return kept
+
 
 _AT_ROW = 1e-6  # share of the way between two rows that is told as the row
 EVALUATIONS = 2_000_000
@@ -288,4 +375,3 @@ def _out_of_metres(stretch: Stretch, robot: Robot) -> Stretch:
     foot = out_of_metres(robot, closest.foot) if len(closest.foot) else closest.foot
     rates = out_of_metres(robot, stretch.rates) if len(stretch.rates) else stretch.rates
     return replace(stretch, closest=replace(closest, q=out_of_metres(robot, closest.q), foot=foot), rates=rates)
-

@@ -21,7 +21,7 @@ from rankdrop.motion.trajectory import (
     joint_range,
     too_large,
 )
-from rankdrop.robot.budgets import LONGEST_HEAD, MOST_ROWS
+from rankdrop.robot.files import LONGEST_HEAD, MOST_ROWS
 from rankdrop.robot.model import Array, Joint, Robot
 from rankdrop.robot.quantities import quantity
 

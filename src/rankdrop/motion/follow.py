@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop import _core
-from rankdrop._handles import one_configuration
 from rankdrop.errors import ConfigurationError
+from rankdrop.kinematics import one_configuration
 from rankdrop.local.block import singular_values
 from rankdrop.local.orientation import orientation_coordinates
 from rankdrop.motion.inverse import Aim, rotation

@@ -14,14 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import TaskError
-from rankdrop.frames import BASE, TIP, WORLD_ALIGNED, Frame, link_index
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import chain_of, task_jacobian, task_view
 from rankdrop.local.block import generic_rank, joint_scale, sample, singular_values
 from rankdrop.local.bracket import hat
 from rankdrop.robot.model import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import BASE, TIP, WORLD_ALIGNED, Frame, Task, link_index
 
 _GOAL, _ACCEPTED = 1e-14, 1e-11  # of an error: rounding, and what is still taken for none
 _ROUNDS, _ITERATIONS = 10, 60  # from near, and from far

@@ -15,15 +15,15 @@ from rankdrop.local.block import generic_rank
 from rankdrop.motion.cartesian import check_poses
 from rankdrop.motion.check import EVALUATIONS, check_path
 from rankdrop.motion.data import CROSSING, FREE, TOUCHING, VERDICTS
+from rankdrop.motion.files import read_trajectory
 from rankdrop.motion.pose_file import holds_poses, length_hint, read_poses
-from rankdrop.motion.read import read_trajectory
 from rankdrop.motion.result import PathCheck
 from rankdrop.motion.trajectory import unit_hint
-from rankdrop.reach import reach
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import Record, number_or_null, plain, robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.results.explanation.words import short
 from rankdrop.robot.model import Robot
+from rankdrop.robot.numbers import reach
 from rankdrop.sections import Section
 from rankdrop.task import Task, resolve_task
 from rankdrop.units import heading

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import RankdropError
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.families.row import soundness
 from rankdrop.family.record import Family
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import generic_rank, joint_scale, singular_values
 from rankdrop.motion.curve import Curve, Index
 from rankdrop.motion.prove import Sliver

@@ -11,7 +11,7 @@ import numpy as np
 from rankdrop.errors import MissingExtraError
 from rankdrop.motion.array_file import arranged
 from rankdrop.motion.trajectory import Trajectory, TrajectoryError
-from rankdrop.robot.budgets import DEEPEST, LARGEST_YAML
+from rankdrop.robot.files import DEEPEST, LARGEST_YAML
 from rankdrop.robot.model import Array, Robot
 
 _INSIDE = ("trajectory", "joint_trajectory", "goal")

@@ -15,8 +15,7 @@ from rankdrop.errors import RankdropError
 from rankdrop.motion.csv_file import ANGLES, FACTORS, TIME, UNIT, is_number, number_at, rows_of
 from rankdrop.motion.message_file import documents, is_double
 from rankdrop.motion.trajectory import TrajectoryError, checked_times
-from rankdrop.robot.budgets import MOST_ROWS, RANGE, allowed_range
-from rankdrop.robot.files import read_text
+from rankdrop.robot.files import MOST_ROWS, RANGE, allowed_range, read_text
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.transform import from_xyz_rpy
 

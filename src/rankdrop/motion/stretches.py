@@ -9,13 +9,13 @@ from itertools import pairwise
 import numpy as np
 
 from rankdrop import _core
-from rankdrop._handles import chain_of, task_view
 from rankdrop.errors import RankdropError
 from rankdrop.families.anywhere import QUICK
 from rankdrop.families.measured import Ruler
 from rankdrop.families.on_the_spot import name_on_the_spot
 from rankdrop.family.record import Family, family_in_metres
 from rankdrop.family.which import families_at
+from rankdrop.kinematics import chain_of, task_view
 from rankdrop.local.block import decompose, generic_rank, joint_scale, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.local.rates import rate_limits

@@ -30,9 +30,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import ConfigurationError, OptionError
-from rankdrop.kinematics import pose, task_jacobian, task_jacobian_derivative
+from rankdrop.kinematics import check_robot, one_configuration, pose, task_jacobian, task_jacobian_derivative
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.motion.inverse import Aim, check_axes
 from rankdrop.motion.time_law_record import (

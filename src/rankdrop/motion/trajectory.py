@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.results.explanation.words import degrees_hint
-from rankdrop.robot.budgets import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
+from rankdrop.robot.files import LARGEST_ANGLE, LARGEST_LENGTH, LARGEST_TIME, allowed_range
 from rankdrop.robot.model import Array, Joint, Robot
 
 ROW_SECONDS = 0.1  # between rows of a file without times

@@ -17,12 +17,11 @@ from rankdrop.families import Solid
 from rankdrop.family import Family
 from rankdrop.local import sampling_box, skeleton, start_posture
 from rankdrop.problem import wrap
-from rankdrop.reach import reach
 from rankdrop.report.content import Content, standing
 from rankdrop.report.meshes import meshes_data
 from rankdrop.report.ways import Way
 from rankdrop.results import Analysis
-from rankdrop.robot import Array, Robot, lost_told
+from rankdrop.robot import Array, Robot, lost_told, reach
 from rankdrop.task import Task
 from rankdrop.text import conditions_of, joint_cell, joint_symbol
 

@@ -16,13 +16,12 @@ from rankdrop.errors import MissingExtraError, OptionError
 from rankdrop.families import Slice, Solid, Sweep, Workspace
 from rankdrop.family import Family
 from rankdrop.local import drawn_at
-from rankdrop.reach import reach
 from rankdrop.report.content import Content, arrows
 from rankdrop.report.data import pieces
 from rankdrop.report.solids import draw_arm, draw_lost
 from rankdrop.report.svg import angle_ticks
 from rankdrop.results import Analysis
-from rankdrop.robot import Array, Robot
+from rankdrop.robot import Array, Robot, reach
 from rankdrop.text import joint_symbol
 
 if TYPE_CHECKING:

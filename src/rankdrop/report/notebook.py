@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 
 from rankdrop.errors import ConfigurationError
 from rankdrop.family import Family
-from rankdrop.frames import link_index
 from rankdrop.kinematics import link_poses
 from rankdrop.local import blame, lost_directions, singular_values, start_posture
 from rankdrop.report.data import first_view, robot_data
 from rankdrop.report.page import whole_page
 from rankdrop.robot import Array, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task, link_index, resolve_task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.version import VERSION
 

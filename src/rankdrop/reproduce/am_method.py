@@ -9,7 +9,6 @@ import numpy as np
 
 from rankdrop.exact import derive, exact_chain
 from rankdrop.families import refine
-from rankdrop.frames import SPACE, Frame
 from rankdrop.kinematics import jacobian, jacobian_derivative, link_poses, pose, task_jacobian
 from rankdrop.local import (
     decompose,
@@ -25,7 +24,7 @@ from rankdrop.local import (
 )
 from rankdrop.reproduce.item import Sheet, Shown, listed
 from rankdrop.robot import Array, Robot, open_robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import SPACE, Frame, Task, resolve_task
 
 H = 1e-6  # step of central differences [rad]: errors of about 1e-10
 DIFFERENCES = 1e-8  # agreement that central differences can show

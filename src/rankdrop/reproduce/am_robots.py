@@ -20,11 +20,10 @@ from rankdrop.local import (
     singular_values,
     words,
 )
-from rankdrop.reach import reach
 from rankdrop.reproduce.am_method import pa10
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.results import Analysis, known_analysis
-from rankdrop.robot import Array, from_dh, open_robot
+from rankdrop.robot import Array, from_dh, open_robot, reach
 from rankdrop.task import resolve_task
 
 TABLE_1 = [("sqrt(2)", "pi/2", "0"), ("sqrt(2)", "-pi/2", "1"), ("sqrt(2)", "pi/2", "-1"), ("sqrt(3)/2", "0", "1/2")]

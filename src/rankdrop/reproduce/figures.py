@@ -35,14 +35,14 @@ def pictures(document: str) -> tuple[Picture, ...]:
     Args:
         document: "AM", "ML", "GR", "KG" or "JL".
     """
-    from rankdrop.reproduce import am_pictures, elbow_pictures, other_pictures
+    from rankdrop.reproduce import am_pictures, other_pictures
 
     made: dict[str, Callable[[], tuple[Picture, ...]]] = {
         "AM": am_pictures.pictures,
-        "ML": lambda: (other_pictures.planar_arm(), other_pictures.joint_rates(), *elbow_pictures.pictures("ML")),
+        "ML": lambda: (other_pictures.planar_arm(), other_pictures.joint_rates(), *other_pictures.pictures("ML")),
         "GR": lambda: (other_pictures.typical_arm(), other_pictures.screw_axes()),
         "KG": lambda: (other_pictures.canadarm2(),),
-        "JL": lambda: (*elbow_pictures.pictures("JL"), other_pictures.mapping()),
+        "JL": lambda: (*other_pictures.pictures("JL"), other_pictures.mapping()),
     }
     return made[document]()
 

@@ -6,7 +6,6 @@ from math import pi
 
 import numpy as np
 
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import generic_rank, null_space_motion, rate_growth, redundancy
 from rankdrop.reproduce.elbow import (
@@ -22,7 +21,7 @@ from rankdrop.reproduce.elbow import (
 )
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot import Array, open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Frame, resolve_task
 
 WRIST_CENTRE = Frame(0, 5)
 

@@ -9,13 +9,12 @@ import numpy as np
 
 from rankdrop.exact import Suppression, exact_chain, suppress
 from rankdrop.families import search
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian
 from rankdrop.local import sample, singular_values
 from rankdrop.reproduce import kg_text as kg
 from rankdrop.reproduce.formula import value
 from rankdrop.robot import Array, Robot, open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import Frame, resolve_task
 
 DAMAGED = "The copy at hand is damaged here; restored."
 SMALL, _NEWTON = 1e-9, 60

@@ -7,16 +7,14 @@ from math import degrees
 import numpy as np
 
 from rankdrop import conditions, explain
-from rankdrop.frames import Frame
 from rankdrop.kinematics import jacobian, pose
 from rankdrop.local import generic_rank, lost_directions, planar_two_link, rate_growth, rate_table, representation_at
-from rankdrop.reach import reach
 from rankdrop.reproduce import ml_decoupling
 from rankdrop.reproduce.elbow import angles, elbow_arm, rank_of, worst
 from rankdrop.reproduce.formula import matrix, value
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
-from rankdrop.robot import Array, open_robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.robot import Array, open_robot, reach
+from rankdrop.task import Frame, Task, resolve_task
 
 PLANAR = {"a1": 1.0, "a2": 0.7}
 """Lengths for the letters of the lecture [m]."""

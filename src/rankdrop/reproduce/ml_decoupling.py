@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop import conditions
-from rankdrop.frames import BODY, SPACE, Frame
 from rankdrop.kinematics import jacobian, link_poses
 from rankdrop.local import relations_at, singular_values
 from rankdrop.reproduce.elbow import (
@@ -21,7 +20,7 @@ from rankdrop.reproduce.elbow import (
 )
 from rankdrop.reproduce.item import Sheet, Shown, listed, rounded
 from rankdrop.robot import Robot, open_robot
-from rankdrop.task import resolve_task
+from rankdrop.task import BODY, SPACE, Frame, resolve_task
 
 
 def frames(sheet: Sheet) -> None:

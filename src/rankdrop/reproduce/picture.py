@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.local import Drawn, drawn_at
-from rankdrop.reach import reach
-from rankdrop.robot import Array, Robot
+from rankdrop.robot import Array, Robot, reach
 
 BLUE, RED, GREEN, BLACK, GREY, ORANGE = "#0072B2", "#D55E00", "#009E73", "#222222", "#777777", "#E69F00"
 """Okabe and Ito's colours, which stay apart for colour-blind eyes and in print; AM's blue, red and green."""

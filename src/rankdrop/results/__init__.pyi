@@ -4,11 +4,9 @@ from .analysis import unseen as unseen
 from .codec import Record as Record
 from .codec import json_text as json_text
 from .codec import plain as plain
-from .conditions.conditions import Conditions as Conditions
-from .conditions.known import condition_sentences as condition_sentences
-from .conditions.known import known_conditions as known_conditions
-from .conditions.text import arm_lines as arm_lines
-from .conditions.text import steps_text as steps_text
+from .conditions import Conditions as Conditions
+from .conditions_text import arm_lines as arm_lines
+from .conditions_text import steps_text as steps_text
 from .covered import Covered as Covered
 from .explanation.explanation import Explanation as Explanation
 from .explanation.explanation import far_to_dict as far_to_dict
@@ -17,6 +15,7 @@ from .explanation.failures import tolerant_sections as tolerant_sections
 from .explanation.failures import tolerant_to_dict as tolerant_to_dict
 from .explanation.parts import first_verdict as first_verdict
 from .explanation.parts import known_families as known_families
+from .explanation.text import condition_sentences as condition_sentences
 from .explanation.words import angle as angle
 from .explanation.words import angle_below as angle_below
 from .explanation.words import motion as motion
@@ -28,6 +27,7 @@ from .findings import history_to_csv as history_to_csv
 from .findings import history_to_npz as history_to_npz
 from .jacobian_in_frame import LinkJacobian as LinkJacobian
 from .known import known_analysis as known_analysis
+from .known import known_conditions as known_conditions
 from .stored import store_cloud as store_cloud
 from .verdict import Verdict as Verdict
 from .verdict import of_analysis as of_analysis

@@ -37,8 +37,7 @@ from rankdrop.robot.model import Robot
 from rankdrop.schema.violations import shown
 from rankdrop.sections import html, text
 from rankdrop.task import Task
-from rankdrop.text.cells import inside_limits, share_text
-from rankdrop.text.families import overview
+from rankdrop.text.families import inside_limits, overview, share_text
 from rankdrop.text.latex import latex_tables
 from rankdrop.tolerances import Tolerances
 from rankdrop.units import heading

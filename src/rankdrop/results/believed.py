@@ -13,16 +13,15 @@ import numpy as np
 
 from rankdrop.errors import RankdropError, ResultFileError
 from rankdrop.family.record import Family, Pin
-from rankdrop.frames import link_index
 from rankdrop.kinematics import jacobian
 from rankdrop.local.block import generic_rank
-from rankdrop.robot.budgets import RANGE, allowed_range
+from rankdrop.robot.files import RANGE, allowed_range
 from rankdrop.robot.model import Joint, JointKind, Robot
 from rankdrop.robot.numbers import wrapped
 from rankdrop.robot.transform import rigid
 from rankdrop.schema import load_schema
 from rankdrop.schema.violations import first_violation
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import Task, link_index, resolve_task
 
 if TYPE_CHECKING:
     from rankdrop.results.analysis import Analysis

@@ -14,7 +14,8 @@ from rankdrop.compare.covered import Spot
 from rankdrop.family.record import Family
 from rankdrop.results.codec import plain, robot_to_dict
 from rankdrop.robot.model import Robot
-from rankdrop.sections import Section, count, html, text
+from rankdrop.robot.quantities import count
+from rankdrop.sections import Section, html, text
 from rankdrop.task import Task
 from rankdrop.units import heading
 

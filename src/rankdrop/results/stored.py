@@ -23,11 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from rankdrop._handles import check_robot
 from rankdrop.errors import MissingExtraError
 from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import check_numbers, refine
 from rankdrop.jobs import Engine, Job, finish
+from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank, sampling_box
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict
 from rankdrop.robot.model import Array, Robot

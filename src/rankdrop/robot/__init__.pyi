@@ -1,6 +1,6 @@
-from .budgets import LARGEST_FILE as LARGEST_FILE
 from .dh import from_dh as from_dh
 from .drawing import Drawing as Drawing
+from .files import LARGEST_FILE as LARGEST_FILE
 from .ideal import near_ideal as near_ideal
 from .ideal import read_tolerance as read_tolerance
 from .model import Array as Array
@@ -8,6 +8,7 @@ from .model import Joint as Joint
 from .model import JointKind as JointKind
 from .model import Robot as Robot
 from .model import lost_told as lost_told
+from .model import with_tool as with_tool
 from .model import witness_text as witness_text
 from .models.mujoco import from_mujoco as from_mujoco
 from .models.mujoco import to_mujoco as to_mujoco
@@ -17,10 +18,12 @@ from .models.toolbox import from_toolbox as from_toolbox
 from .models.toolbox import to_toolbox as to_toolbox
 from .models.yourdfpy import from_yourdfpy as from_yourdfpy
 from .models.yourdfpy import to_yourdfpy as to_yourdfpy
+from .numbers import reach as reach
 from .open import CatalogEntry as CatalogEntry
 from .open import open_robot as open_robot
 from .open import search_catalog as search_catalog
 from .quantities import Angles as Angles
+from .quantities import count as count
 from .quantities import degrees_text as degrees_text
 from .quantities import quantity as quantity
 from .shapes import LARGEST_MESH as LARGEST_MESH
@@ -28,5 +31,4 @@ from .shapes import Mesh as Mesh
 from .shapes import Visual as Visual
 from .shapes import meshes_of as meshes_of
 from .shapes import visuals_of as visuals_of
-from .tool import with_tool as with_tool
 from .transform import from_xyz_rpy as from_xyz_rpy

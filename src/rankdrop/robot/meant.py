@@ -29,9 +29,8 @@ from rankdrop.robot.numbers import (
     frame_at,
     parallel_runs,
 )
-from rankdrop.robot.quantities import Angles
+from rankdrop.robot.quantities import Angles, count
 from rankdrop.robot.transform import cos_sin, dot, inverse, nearest_rotation, norm, rotation, times, translation
-from rankdrop.sections import count
 from rankdrop.tolerances import MEETING, NOTHING, SQUARE
 
 STEP = pi / 12

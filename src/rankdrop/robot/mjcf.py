@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.budgets import MOST_BODIES, RANGE, allowed_range
-from rankdrop.robot.files import Element, read_text, read_xml
+from rankdrop.robot.files import MOST_BODIES, RANGE, Element, allowed_range, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles

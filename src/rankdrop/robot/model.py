@@ -3,7 +3,7 @@
 And the numbers that decide its Jacobian, to know it by; names, limits, link frames, notes stay out of these.
 `fingerprint` holds every bit, for a proof that must not be used for another arm; `coarse_fingerprint` finds the same
 arm read from another file, where the last digits differ. Last, what people are told of its links and joints: by names
-and by the joint axes.
+and by the joint axes; and the arm with a tool at its tip.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from math import inf
@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rankdrop.errors import HIDDEN, RobotError
-from rankdrop.robot.budgets import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
+from rankdrop.robot.files import LARGEST_LENGTH, MOST_JOINTS, MOST_STEPS, allowed_range
 from rankdrop.robot.quantities import checked_lengths, degrees_text
 from rankdrop.robot.transform import Array as Array  # the name that all others take from here
-from rankdrop.robot.transform import norm
+from rankdrop.robot.transform import from_xyz_rpy, norm, times
 from rankdrop.sections import Section, html
 
 
@@ -397,3 +397,33 @@ def _through(robot: Robot, number: int) -> str:
 
 
 _ON = 1e-9  # farther from an axis [m], or turned by more [rad], is not on it
+
+
+TOOL = "tool point"
+"""What the tip of an arm with a tool is called."""
+
+
+def with_tool(robot: Robot, xyz: ArrayLike, rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> Robot:
+    """The arm with its end effector at a tool point: T(q) = exp(S_1 q_1) … exp(S_N q_N) · home · tool.
+
+    Singularities of the full pose stay where they are; what is lost is told at the new point.
+
+    Args:
+        robot: the arm.
+        xyz: (3,) the point, from the arm's tip in its axes [m].
+        rpy: roll, pitch, yaw of the tool's axes in those of the tip [rad], as in URDF.
+
+    Raises:
+        RobotError: not three finite numbers each.
+
+    Example:
+        >>> from rankdrop.robot.open import open_robot
+        >>> with_tool(open_robot("planar2r"), (0.1, 0, 0)).home[:3, 3].tolist()
+        [1.8, 0.0, 0.0]
+    """
+    point, turn = np.array(xyz, dtype=np.float64), np.array(rpy, dtype=np.float64)
+    for values, what in ((point, "x, y, z"), (turn, "roll, pitch, yaw")):
+        if values.shape != (3,) or not np.isfinite(values).all():
+            raise RobotError("this is no tool point", got=values.tolist(), allowed=f"three finite numbers {what}")
+    tool = from_xyz_rpy(point.tolist(), turn.tolist())
+    return replace(robot, home=times(robot.home, tool), tip=TOOL)

@@ -6,7 +6,8 @@ axes that are nearly parallel are: tables of calibrated arms have offsets of 300
 follow either convention of Denavit and Hartenberg, the normals are directed as theirs.
 
 From the normals follow the numbers, in floating point; and what became other in an arm that was made exact: which
-number of the chain, from what to what.
+number of the chain, from what to what. Last the one length that stands for the whole arm: its reach, the sum of its
+links.
 """
 
 from __future__ import annotations
@@ -14,16 +15,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import asin, atan2, degrees, floor, hypot, log10, pi, sqrt
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from rankdrop.robot.model import Array, JointKind, Robot
+from rankdrop.robot.model import Array, Joint, JointKind, Robot
 from rankdrop.robot.transform import dot, norm, times
 from rankdrop.tolerances import NOTHING
 
 FAR = 2.0
 """Frames farther from their axis's place in the arm than this times its size are no part of it."""
-_NOTHING = 1e-12  # share of the coordinates at which a length is rounding
+_NOTHING = 1e-12  # share of the coordinates that a length is made of at which it is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -377,3 +379,72 @@ def _ends(robot: Robot) -> tuple[Array, Array]:
 def _apart(one: Array, two: Array) -> float:
     """Angle between two directions or two rotations that are near [rad]."""
     return norm(one - two) / (sqrt(2.0) if one.ndim == 2 else 1.0)
+
+
+FAR_SLIDE = 10.0
+"""Limits of a slide that lie farther apart than this times the reach of the links say nothing of the arm: ±1e6 m of a
+mobile base, a rail of 20 m under an arm of one. The Stanford arm has 6."""
+
+_reaches: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()  # a robot never changes, and every view asks
+_links: WeakKeyDictionary[Robot, float] = WeakKeyDictionary()
+
+
+def link_lengths(robot: Robot) -> Array:
+    """Lengths ‖p_{i+1} − p_i‖ of the polygon tip → axis N → … → axis 1, p_i the point of axis i nearest to p_{i+1}.
+
+    Each length is fixed in one link, so the result depends neither on q nor on the frames of the source. A prismatic
+    joint adds its longest travel where `travel_limits` has any.
+
+    Returns:
+        (N,) length from joint i to the next one [m].
+    """
+    lengths = _polygon(robot)
+    for i, joint in enumerate(robot.joints):
+        if joint.kind is JointKind.PRISMATIC:
+            travel = max(abs(end) for end in travel_limits(robot, joint))
+            lengths[i] = travel if np.isfinite(travel) else 0.0
+    return lengths
+
+
+def travel_limits(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """Limits of a slide as far as they say something of the arm [m]; ±inf where there are none or too far."""
+    links = _links_reach(robot)
+    if links and joint.upper - joint.lower > FAR_SLIDE * links:
+        lower = joint.lower if abs(joint.lower) <= FAR_SLIDE * links else -np.inf
+        return lower, joint.upper if abs(joint.upper) <= FAR_SLIDE * links else np.inf
+    return joint.lower, joint.upper
+
+
+def reach(robot: Robot) -> float:
+    """Sum of the link lengths from the first axis to the tip [m]; 1 for an arm without length (a bare wrist)."""
+    known = _reaches.get(robot)
+    if known is None:
+        total = float(link_lengths(robot).sum())
+        known = _reaches[robot] = total if total > 0.0 else 1.0
+    return known
+
+
+def _links_reach(robot: Robot) -> float:
+    """Sum of the link lengths without the travel of slides [m]; 0 where they are nothing."""
+    known = _links.get(robot)
+    if known is None:
+        known = _links[robot] = float(_polygon(robot).sum())
+    return known
+
+
+def _polygon(robot: Robot) -> Array:
+    """`link_lengths` without the travel of slides; all 0 where no more than rounding is there."""
+    point = robot.home[:3, 3].copy()
+    lengths = np.zeros(len(robot.joints))
+    size = float(np.abs(point).max())
+    for i in range(len(robot.joints) - 1, -1, -1):
+        joint = robot.joints[i]
+        if joint.kind is JointKind.PRISMATIC:
+            continue
+        omega = joint.screw[3:]
+        foot = np.cross(omega, joint.screw[:3])  # the axis point nearest to the base origin
+        nearest = foot + omega * dot(omega, point - foot)
+        lengths[i] = norm(point - nearest)
+        point = nearest
+        size = max(size, float(np.abs(point).max()))
+    return lengths if lengths.sum() > _NOTHING * size else np.zeros(len(lengths))

@@ -14,9 +14,9 @@ from os import PathLike
 from pathlib import Path
 
 from rankdrop.errors import RobotError, UnknownRobotError, visible
-from rankdrop.reach import link_lengths
 from rankdrop.robot.files import read_text, read_xml
 from rankdrop.robot.model import Robot
+from rankdrop.robot.numbers import link_lengths
 from rankdrop.robot.toml_file import parsed_toml, robot_from_toml
 
 _SUFFIXES = (".toml", ".urdf", ".xacro", ".xml", ".mjcf", ".sdf")
@@ -301,7 +301,7 @@ _NOTHING = 1e-9  # [m]; a bare wrist has no length at all, and none is missing
 
 
 def with_size_note(robot: Robot) -> Robot:
-    """The same robot, with a note where its reach (see `rankdrop.reach`) is above 30 m or below 3 cm."""
+    """The same robot, with a note where its reach (see `rankdrop.robot.numbers`) is above 30 m or below 3 cm."""
     length = float(link_lengths(robot).sum())
     if not (length > _LARGEST or _NOTHING < length < _SMALLEST):
         return robot

@@ -21,7 +21,7 @@ from math import degrees, inf, isfinite, isinf, nan, pi, radians, sqrt
 from typing import Any
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import LONGEST_TEXT, RANGE, allowed_range
+from rankdrop.robot.files import LONGEST_TEXT, RANGE, allowed_range
 
 _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": radians(1.0), "°": radians(1.0)},
@@ -162,6 +162,11 @@ def degrees_text(q: Iterable[float], units: Iterable[str]) -> str:
     parts = (f"{round(degrees(x), 9) + 0.0:.4g}°" if unit == "rad" else f"{round(x, 9) + 0.0:.4g} m"
              for x, unit in zip(q, units, strict=True))  # fmt: skip
     return f"({', '.join(parts)})".replace("-", "−")
+
+
+def count(number: int, one: str, many: str = "") -> str:
+    """ "1 axis", "3 axes", "1,000 starts": `many` where it is not `one` with an s."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
 
 
 LETTERS_ALLOWED = "a letter, then letters and digits; not pi, sin, cos, nor s, c, t or q with a number"

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import LARGEST_NUMBER, LARGEST_TABLE
-from rankdrop.robot.entries import joint_kind, turn_notes
-from rankdrop.robot.files import read_text
+from rankdrop.robot.dh import joint_kind, turn_notes
+from rankdrop.robot.files import LARGEST_NUMBER, LARGEST_TABLE, read_text
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, quantity

@@ -1,6 +1,6 @@
 """The DH file and the screw file: a robot in TOML. The keys are described in docs/robot-files.md.
 
-`TomlLines` says on which line of a text a key stands: `tomllib` does not.
+`lines_of` says on which line of a text a key stands: `tomllib` does not.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import RobotError
-from rankdrop.robot.budgets import DOTS, LARGEST_TABLE
-from rankdrop.robot.dh import CONVENTIONS, dh_row, from_dh
-from rankdrop.robot.entries import Where, check_keys, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.dh import CONVENTIONS, Where, check_keys, dh_row, from_dh, joint_kind, joint_name, limits, relocate
+from rankdrop.robot.files import DOTS, LARGEST_TABLE
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, JointKind, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, Written, checked_lengths, quantity
@@ -26,44 +25,44 @@ _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]\]?\s*(?:#.*)?")
 _KEY = re.compile(r"""\s*(?:"([^"]*)"|'([^']*)'|([\w-]+))\s*[.=]""")
 
 
-class TomlLines:
-    """First lines of the tables and keys of a TOML text, found by reading it line by line.
+Lines = Mapping[tuple[str, int | None, str], int]
+"""The line, from 1, of a table, of which [[table]] of that name (from 0; None for a [table]), of a key in it or ""."""
+
+
+def lines_of(text: str) -> Lines:
+    """First lines of the tables and keys of a TOML text, found by reading it line by line."""
+    found: dict[tuple[str, int | None, str], int] = {}
+    table: tuple[str, int | None] = ("", None)
+    counts: dict[str, int] = {}
+    closing = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if closing:  # inside a text of several lines
+            closing = "" if closing in line else closing
+            continue
+        header = _HEADER.fullmatch(line)
+        if header is not None:
+            name = header[2]
+            if header[1] == "[[":
+                counts[name] = counts.get(name, -1) + 1
+            table = (name, counts.get(name))
+            found.setdefault((*table, ""), number)
+            continue
+        key = _KEY.match(line)
+        if key is not None:
+            found.setdefault((*table, key[1] or key[2] or key[3]), number)
+        closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
+    return found
+
+
+def line_of(lines: Lines, table: str, index: int | None, key: str) -> int:
+    """The line of a key, else of its table, else 1.
 
     Example:
-        >>> TomlLines('name = "x"\\n[[joints]]\\na = 1\\n[[joints]]\\na = 2').find("joints", 1, "a")
+        >>> line_of(lines_of('name = "x"\\n[[joints]]\\na = 1\\n[[joints]]\\na = 2'), "joints", 1, "a")
         5
     """
-
-    def __init__(self, text: str) -> None:
-        self._lines: dict[tuple[str, int | None, str], int] = {}
-        table: tuple[str, int | None] = ("", None)
-        counts: dict[str, int] = {}
-        closing = ""
-        for number, line in enumerate(text.splitlines(), 1):
-            if closing:  # inside a text of several lines
-                closing = "" if closing in line else closing
-                continue
-            header = _HEADER.fullmatch(line)
-            if header is not None:
-                name = header[2]
-                if header[1] == "[[":
-                    counts[name] = counts.get(name, -1) + 1
-                table = (name, counts.get(name))
-                self._lines.setdefault((*table, ""), number)
-                continue
-            key = _KEY.match(line)
-            if key is not None:
-                self._lines.setdefault((*table, key[1] or key[2] or key[3]), number)
-            closing = next((mark for mark in ('"""', "'''") if line.count(mark) % 2), "")
-
-    def exact(self, table: str, index: int | None, key: str) -> int | None:
-        """Line, from 1, of just this key (of the table for ""); None where it has none of its own."""
-        return self._lines.get((table, index, key))
-
-    def find(self, table: str, index: int | None, key: str) -> int:
-        """Line, from 1, of `key` in the table (`index` counts [[tables]] from 0); else of the table; else 1."""
-        places = ((table, index, key), (table, index, ""), ("", None, table))
-        return next((self._lines[place] for place in places if place in self._lines), 1)
+    places = ((table, index, key), (table, index, ""), ("", None, table))
+    return next((lines[place] for place in places if place in lines), 1)
 
 
 _HEAD = ("name", "maker", "aliases", "task", "about", "source", "notes", "lengths")
@@ -104,14 +103,14 @@ def robot_from_toml(
     document = parsed_toml(text, file, parse_float=Written)
     if edit is not None:
         edit(document)
-    lines = TomlLines(text)
+    lines = lines_of(text)
 
     def place(table: str, index: int | None) -> Where:
         joint = f", joint {index + 1}" if index is not None else ""
         title = f", [{table}]" if table and index is None else ""
 
         def where(key: str) -> str:
-            line = lines.find(table, index, key)
+            line = line_of(lines, table, index, key)
             return f"{file}, line {line}{joint}{title}" + (f", {key}" if key else "")
 
         return where

@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from rankdrop.errors import RobotError, visible
-from rankdrop.robot.budgets import LONGEST_TEXT, RANGE
-from rankdrop.robot.entries import turn_notes
-from rankdrop.robot.files import read_text, read_xml
+from rankdrop.robot.dh import turn_notes
+from rankdrop.robot.files import LONGEST_TEXT, RANGE, read_text, read_xml
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Mimic, Robot, Source, check_joints
 from rankdrop.robot.quantities import Angles, in_range

@@ -13,8 +13,7 @@ from collections.abc import Iterator, Sequence
 from rankdrop.compare.comparison import Comparison, ExactRow
 from rankdrop.family.record import CorankSummary, Family
 from rankdrop.robot.model import JointKind, Robot, lost_told, witness_text
-from rankdrop.text.cells import COUPLED, FREE, share_text
-from rankdrop.text.families import at_witness, columns, joint_cells, row_cells, within
+from rankdrop.text.families import COUPLED, FREE, at_witness, columns, joint_cells, row_cells, share_text, within
 
 _PLAIN = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from rankdrop._handles import check_robot
 from rankdrop.compare.comparison import (
     AGREES,
     ASKED,
@@ -14,21 +13,22 @@ from rankdrop.compare.comparison import (
     NOT_DERIVED,
     Comparison,
     ExactRow,
+    Match,
     in_exact_terms,
+    match,
 )
-from rankdrop.compare.match import Match, match
 from rankdrop.errors import OptionError, RankdropError
 from rankdrop.exact.family import ExactFamily
-from rankdrop.families.posture import posed
 from rankdrop.families.searching import check_numbers, search
 from rankdrop.families.share import check_within, near_shares
-from rankdrop.families.table import families
+from rankdrop.families.table import families, posed
 from rankdrop.family.record import CorankFamilies, family_out_of_units
+from rankdrop.kinematics import check_robot
 from rankdrop.local.block import generic_rank
 from rankdrop.problem import Problem
 from rankdrop.results.analysis import Analysis, Settings
-from rankdrop.results.conditions.conditions import Conditions
-from rankdrop.results.conditions.known import known_conditions
+from rankdrop.results.conditions import Conditions
+from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task, resolve_task, task_names
 from rankdrop.tolerances import DEFAULT, Tolerances

@@ -13,9 +13,9 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop.compare.match import Side
+from rankdrop.compare.comparison import Side
+from rankdrop.family.equation import System
 from rankdrop.family.record import rescaled, slides_of
-from rankdrop.family.system import System
 from rankdrop.local.block import generic_rank, sample, singular_values
 from rankdrop.local.nearest import nearest_singularity
 from rankdrop.problem import Problem, wrapped
@@ -25,7 +25,8 @@ from rankdrop.robot.ideal import Tolerance
 from rankdrop.robot.ideal import ideal as ideal_of
 from rankdrop.robot.model import Array, Robot
 from rankdrop.robot.numbers import Change
-from rankdrop.sections import Section, count
+from rankdrop.robot.quantities import count
+from rankdrop.sections import Section
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import in_metres, into_metres, metre_exponent, task_in_metres

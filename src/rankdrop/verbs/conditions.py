@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from rankdrop._handles import LARGEST_SEED, check_robot, whole_number
 from rankdrop.errors import OptionError
-from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
-from rankdrop.results.conditions.known import known_conditions
+from rankdrop.kinematics import LARGEST_SEED, check_robot, whole_number
+from rankdrop.results.conditions import Conditions, ConditionSettings
+from rankdrop.results.known import known_conditions
 from rankdrop.robot.model import Robot
 from rankdrop.task import Task
 from rankdrop.version import VERSION

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop._handles import check_robot
 from rankdrop.certify.bittree import Cells
 from rankdrop.certify.coverfile import (
     Batch,
@@ -40,6 +39,7 @@ from rankdrop.compare.covered import Explainer, spots
 from rankdrop.errors import OptionError
 from rankdrop.family.record import Family
 from rankdrop.jobs import Engine, Job, check_engine, finish, progress_of
+from rankdrop.kinematics import check_robot
 from rankdrop.local.block import joint_scale
 from rankdrop.results.analysis import Analysis
 from rankdrop.results.codec import robot_from_dict, robot_to_dict, task_from_dict

@@ -27,12 +27,12 @@ from rankdrop.exact.letters import assumptions, decided_by_numbers, doubled, sig
 from rankdrop.exact.merge import alone, merge
 from rankdrop.exact.reading.lint import round_points
 from rankdrop.exact.tree import Tree, rank_tree
-from rankdrop.families.posture import posed
+from rankdrop.families.table import posed
 from rankdrop.family.record import Check, Family, Sampled
 from rankdrop.local.block import singular_values
-from rankdrop.results.conditions.conditions import Conditions, ConditionSettings
+from rankdrop.results.conditions import Conditions, ConditionSettings
 from rankdrop.robot.model import Array, Robot
-from rankdrop.sections import count
+from rankdrop.robot.quantities import count
 from rankdrop.task import Task
 from rankdrop.tolerances import DEFAULT
 from rankdrop.units import into_units, out_of_units

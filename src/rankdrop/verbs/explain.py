@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot, one_configuration
 from rankdrop.certify.ball import check_budget
 from rankdrop.errors import OptionError
+from rankdrop.kinematics import check_robot, one_configuration
 from rankdrop.local.place import check_moves
 from rankdrop.local.verdict import rank_at
 from rankdrop.local.ways_out import check_step

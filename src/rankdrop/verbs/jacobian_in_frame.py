@@ -8,7 +8,6 @@ from math import atan2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import OptionError
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.algebra.work import OutOfTime, Work
@@ -17,7 +16,7 @@ from rankdrop.exact.arm.geometry import first_and_last
 from rankdrop.exact.arm.link_jacobian import check_frame, frame_jacobian, sizes
 from rankdrop.exact.determinants import ClosedInverse, closed_inverse
 from rankdrop.exact.writing.value import Quotient, number_at, single_angles
-from rankdrop.kinematics import jacobian, pose
+from rankdrop.kinematics import check_robot, jacobian, one_configuration, pose
 from rankdrop.local.block import sample
 from rankdrop.results.jacobian_in_frame import Agreement, LinkJacobian, Numbers, regular
 from rankdrop.robot.model import Array, JointKind, Robot

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rankdrop.local import skeleton
-from rankdrop.reach import reach
-from rankdrop.robot import Array, JointKind, Robot
+from rankdrop.robot import Array, JointKind, Robot, reach
 
 THIN = 0.022  # radius of a capsule, as a share of the reach
 _PARALLEL = 1e-6  # |z × z'| below which two axes are taken for parallel

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from rankdrop.frames import WORLD_ALIGNED
 from rankdrop.kinematics import pose
 from rankdrop.local import damped_inverse
 from rankdrop.robot import Array, Robot
-from rankdrop.task import Task
+from rankdrop.task import WORLD_ALIGNED, Task
 
 STEPS = 12  # of one pull: what a hand moves in a thirtieth of a second takes three
 DAMPING, THRESHOLD = 0.08, 0.12  # λ₀ and ε of `damped_inverse`: no damping away from singularities

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rankdrop.frames import link_index
 from rankdrop.local import arrow_of, ring_about
 from rankdrop.robot import Array
-from rankdrop.task import Task
+from rankdrop.task import Task, link_index
 from rankdrop.viewer.body import Body
 
 LENGTH = 0.45  # of an arrow, as a share of the size

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rankdrop.family import Family
-from rankdrop.robot import lost_told
-from rankdrop.sections import count
+from rankdrop.robot import count, lost_told
 from rankdrop.viewer import panel
 from rankdrop.viewer.controls import Controls
 

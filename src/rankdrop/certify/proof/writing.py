@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rankdrop._handles import one_configuration
 from rankdrop.certify.ball import LARGEST, certified_radius, settings_of
 from rankdrop.certify.coverfile import Plan
 from rankdrop.certify.displaced import ModelTolerance, displaced_jacobian, points_of
@@ -19,7 +18,7 @@ from rankdrop.certify.proof.regions import FREE, LETTERS, OUTSIDE
 from rankdrop.certify.setting import Setting, enclose, regular
 from rankdrop.disk import replace_file
 from rankdrop.errors import OptionError, ResultFileError
-from rankdrop.kinematics import task_jacobian
+from rankdrop.kinematics import one_configuration, task_jacobian
 from rankdrop.local.block import generic_rank, joint_scale
 from rankdrop.robot.model import Array, JointKind, Robot, fingerprint
 from rankdrop.task import Task, resolve_task

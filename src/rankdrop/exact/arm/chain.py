@@ -17,9 +17,8 @@ from rankdrop.exact.algebra.polynomial import Polynomial, flint, primitive
 from rankdrop.exact.algebra.ring import Ring
 from rankdrop.exact.algebra.work import OutOfTime
 from rankdrop.exact.arm.geometry import Section, decimals, first_and_last, named_lengths, sections
-from rankdrop.frames import BODY, WORLD_ALIGNED
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.task import Task, resolve_task
+from rankdrop.task import BODY, WORLD_ALIGNED, Task, resolve_task
 from rankdrop.units import UnitRobot, exponent, in_units, task_in_units
 
 Matrix = list[list[Polynomial]]

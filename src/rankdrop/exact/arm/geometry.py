@@ -20,9 +20,8 @@ from math import atan2, cos, pi, sin, tan
 import numpy as np
 
 from rankdrop.errors import OptionError, RobotError
-from rankdrop.reach import reach
 from rankdrop.robot.model import Array, JointKind, Robot
-from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at
+from rankdrop.robot.numbers import Line, Normal, axis_lines, common_normals, frame_at, reach
 from rankdrop.robot.quantities import LETTERS_ALLOWED, is_letter
 from rankdrop.tolerances import ALIGNED, NOTHING
 from rankdrop.units import exponent, shifted

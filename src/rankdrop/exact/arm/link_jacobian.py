@@ -20,8 +20,8 @@ from rankdrop.errors import OptionError, TaskError
 from rankdrop.exact.algebra.polynomial import Polynomial
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.structure import ExactStructure, listed
-from rankdrop.frames import BODY
 from rankdrop.robot.model import JointKind
+from rankdrop.task import BODY
 from rankdrop.tolerances import ALIGNED
 
 Columns = list[list[Polynomial]]

@@ -15,8 +15,8 @@ from math import acos, degrees
 from rankdrop.errors import OptionError
 from rankdrop.exact.arm.chain import Chain
 from rankdrop.exact.arm.geometry import Section
-from rankdrop.reach import reach
 from rankdrop.robot.model import JointKind
+from rankdrop.robot.numbers import reach
 from rankdrop.tolerances import ALIGNED
 from rankdrop.units import counted_length
 

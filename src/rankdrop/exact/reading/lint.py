@@ -24,7 +24,7 @@ from rankdrop.exact.merge import merge
 from rankdrop.exact.reading.meaning import Parsed, parse_conditions
 from rankdrop.exact.tree import rank_on
 from rankdrop.exact.writing.condition import RADIANS, AnglePin, Condition
-from rankdrop.family.system import System
+from rankdrop.family.equation import System
 from rankdrop.local.block import generic_rank, sampling_box, singular_values
 from rankdrop.problem import wrap
 from rankdrop.robot.model import Array, JointKind

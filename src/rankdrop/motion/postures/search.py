@@ -13,12 +13,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rankdrop._handles import check_robot, one_configuration
 from rankdrop.errors import ConfigurationError, MissingExtraError, OptionError, RobotError, TaskError
 from rankdrop.exact.arm.chain import Chain, exact_chain
 from rankdrop.exact.aspects import Signs, configuration_flags, signs_of
 from rankdrop.exact.posture_changes import CUSPS, OPEN, SIGNS, Decision, decide_postures
-from rankdrop.kinematics import pose
+from rankdrop.kinematics import check_robot, one_configuration, pose
 from rankdrop.local.block import generic_rank, sample
 from rankdrop.motion.inverse import apart, check_square, determinants, regular, solutions
 from rankdrop.motion.postures.record import Change, Postures, PosturesSettings, Solved

@@ -14,7 +14,7 @@ from rankdrop.local.failures import Failures
 from rankdrop.results.codec import Record, robot_to_dict
 from rankdrop.results.explanation.words import fixed, numbers, plural, short
 from rankdrop.sections import Section
-from rankdrop.text.cells import FREE, joint_symbol
+from rankdrop.text.families import FREE, joint_symbol
 from rankdrop.units import heading
 from rankdrop.version import VERSION
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.frames import BASE, TIP
 from rankdrop.local.rates import DirectionRates
 from rankdrop.local.second_order import proof_of
 from rankdrop.local.ways_out import Direction, JointEscape
 from rankdrop.results.explanation.parts import turned_task
 from rankdrop.results.explanation.words import angle, angle_below, motion, numbers, plural, power, raised, short
 from rankdrop.sections import Section
+from rankdrop.task import BASE, TIP
 
 if TYPE_CHECKING:
     from rankdrop.results.explanation.explanation import Explanation

@@ -19,7 +19,6 @@ from rankdrop.families.search_record import Outcome
 from rankdrop.families.searching import refine
 from rankdrop.family.record import Family
 from rankdrop.family.which import Incidence, families_at
-from rankdrop.frames import BASE, TIP
 from rankdrop.local.block import decompose
 from rankdrop.local.circuits import LARGEST_CHAIN, circuits_at, make_all
 from rankdrop.local.cofactors import hunt
@@ -41,7 +40,7 @@ from rankdrop.results.explanation.data import Asked, Blame, Far, Lost, Seen
 from rankdrop.results.explanation.words import angle, angle_below, short
 from rankdrop.results.known import known_analysis
 from rankdrop.robot.model import Array, Robot, geometry
-from rankdrop.task import Task
+from rankdrop.task import BASE, TIP, Task
 from rankdrop.tolerances import ENTRY, NEAR, SMALL, Tolerances
 from rankdrop.units import counted, counted_length
 

@@ -1,19 +1,22 @@
 """An explanation in words: section by section, most useful first.
 
-Parts of an explanation that are shown only on demand: ellipsoids, redundancy, coordinates of the orientation.
+Last the parts that are shown only on demand, ellipsoids, redundancy, coordinates of the orientation; and what has to
+hold on a family, one sentence each.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import degrees, isinf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rankdrop.frames import TIP
+from rankdrop.family.record import Family
 from rankdrop.local.cofactors import Hunt
-from rankdrop.results.conditions.known import condition_sentences
+from rankdrop.results.codec import Record
+from rankdrop.results.conditions_text import values_in_degrees
 from rankdrop.results.explanation.failures import failures_part
 from rankdrop.results.explanation.motion import answer, escape_part, far_part, proofs_part, rates_part
 from rankdrop.results.explanation.words import (
@@ -28,11 +31,15 @@ from rankdrop.results.explanation.words import (
     vector,
     wrench_text,
 )
+from rankdrop.results.known import shipped_conditions_record
 from rankdrop.results.verdict import of_explanation
+from rankdrop.robot.model import Robot
 from rankdrop.sections import Section
+from rankdrop.task import TIP, Task
 
 if TYPE_CHECKING:
     from rankdrop.results.explanation.explanation import Explanation
+
 
 TONE = {"regular": "good", "near": "warning", "singular": "bad", "always-singular": "bad"}
 """How the verdict is coloured."""
@@ -335,3 +342,78 @@ ANSWERS: dict[str, Callable[[Explanation, bool], Iterator[Section]]] = {"answer"
 """Parts that are shown by name only: the verdict with the way out in sentences, and what more there is to see."""
 DETAILS = frozenset(DETAIL_PARTS)
 """Parts that are shown only on demand."""
+
+
+LONGEST = 120
+"""Characters of a condition that is printed; of a longer one the joints are named."""
+_SHIFTED = 1e-12  # an angle that conditions count from elsewhere than the joint does [rad]
+
+
+def _written(robot: Robot, task: Task, family: Family) -> tuple[list[str], Record] | None:
+    """Conditions, beyond pinned joints, and lengths shipped for this family; None for another arm or another family.
+
+    Conditions that count an angle from elsewhere than the joint does are left out: they read as if they were of q.
+    """
+    record = shipped_conditions_record(robot, task)
+    if record is None:
+        return None
+    for one in record["families"]:
+        if (one["id"], one["name"], one["corank"]) == (family.id, family.name, family.corank):
+            bound = {*one["coupled"], *(pin["number"] for pin in one["pinned"])}
+            if any(abs(shift) > _SHIFTED for number, shift in enumerate(record["shifts"], 1) if number in bound):
+                return None
+            return one["conditions"][len(one["pinned"]) :], record["letters"]
+    return None
+
+
+def condition_sentences(robot: Robot, task: Task, family: Family) -> tuple[str, ...]:
+    """What has to hold on a family, one sentence each.
+
+    Joints at fixed values first: "θ4 = −26.76° or 153.24°". Then the exact conditions where they are shipped, with the
+    lengths that stand in them; else the fitted ones. Long ones are not printed: they name their joints.
+
+    Args:
+        robot: the arm.
+        task: its rows.
+        family: of the catalogue, of an analysis, or found on the spot.
+    """
+    pins = [
+        f"{_symbol(robot, one.number)} = {values_in_degrees(robot, one.number, one.values)}" for one in family.pinned
+    ]
+    fixed = {one.number for one in family.pinned}
+    written = _written(robot, task, family)
+    letters: Record = {}
+    if written is not None:
+        rest, letters = written
+        rest = [text for text in rest if not {*_joints([text])} <= fixed]
+    else:
+        rest = [f"{one} = 0" for one in family.equations if not set(one.joints) <= fixed]
+        if not family.equations:
+            return family.words or ("no condition found",)
+    short = [text for text in rest if len(text) <= LONGEST]
+    long = [text for text in rest if len(text) > LONGEST]
+    told = [*pins, *short]
+    if long:
+        joints = _joints(long)
+        where = "in the JSON" if written is None else "`rankdrop conditions` prints it"
+        count = "a long condition" if len(long) == 1 else f"{len(long)} long conditions"
+        told.append(f"{count} on joints {', '.join(map(str, joints))} ({where})")
+    there = [name for name in letters if any(re.search(rf"\b{re.escape(name)}\b", one) for one in short)]
+    if there:
+        values = ", ".join(f"{name} = {letters[name]:.6g} m".replace("-", "−") for name in there)
+        told[-1 - bool(long)] += f", {values}"
+    return tuple(told)
+
+
+def _symbol(robot: Robot, number: int) -> str:
+    return f"{'θ' if robot.variables[number - 1].unit == 'rad' else 'q'}{number}"
+
+
+def _joints(texts: Sequence[str]) -> list[int]:
+    """Joints that conditions are about: θ3, q2, s3, c23 for the sum of two."""
+    found: set[int] = set()
+    for text in texts:
+        found |= {int(number) for number in re.findall(r"[θq](\d+)", text)}
+        for digits in re.findall(r"\b[sc](\d+)\b", text):
+            found |= {int(digit) for digit in digits}
+    return sorted(found)

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, RobotError, visible
-from rankdrop.robot.budgets import RANGE
-from rankdrop.robot.files import Element
+from rankdrop.robot.files import RANGE, Element
 from rankdrop.robot.meant import as_meant
 from rankdrop.robot.model import Array, Joint, JointKind, Robot, Source, check_joints
 from rankdrop.robot.models.placed import placed

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from rankdrop.errors import MissingExtraError, visible
-from rankdrop.robot.budgets import RANGE
-from rankdrop.robot.files import Element
+from rankdrop.robot.files import RANGE, Element
 from rankdrop.robot.model import Array, JointKind, Robot
 from rankdrop.robot.models.placed import placed
 from rankdrop.robot.transform import rigid

@@ -18,7 +18,7 @@ from rankdrop.robot.model import Robot, lost_told, witness_text
 from rankdrop.sections import Section
 
 if TYPE_CHECKING:
-    from rankdrop.results.conditions.conditions import Conditions
+    from rankdrop.results.conditions import Conditions
 
 _BREAKS = tuple(re.compile(text) for text in (r"(?<=[,;]) ", r" (?=[+−=≠] (?!0$))", r" (?=\()", r" (?== 0$)"))
 """Places for a break, the better kinds first."""

@@ -20,7 +20,7 @@ from rankdrop.exact.family import Assumption, ExactFamily
 from rankdrop.exact.writing.notation import Step
 from rankdrop.family.record import Check
 from rankdrop.results.codec import Record, counted, plain, robot_to_dict, save_record
-from rankdrop.results.conditions.text import sections_of
+from rankdrop.results.conditions_text import sections_of
 from rankdrop.results.verdict import Verdict, of_conditions
 from rankdrop.robot.model import Robot, witness_text
 from rankdrop.sections import Section, html, text
@@ -204,7 +204,7 @@ class Conditions:
         save_record(self.to_dict(), path)
 
     def sections(self, *, width: int | None = None) -> tuple[Section, ...]:
-        """The conditions in words: see `rankdrop.results.conditions.text.sections_of`."""
+        """The conditions in words: see `rankdrop.results.conditions_text.sections_of`."""
         return sections_of(self, width=width)
 
     def latex(self) -> str:

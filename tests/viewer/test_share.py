@@ -75,7 +75,7 @@ def test_who_opens_the_link_finds_the_arm_there(viewer: Viewer) -> None:
     connection.close()
     until(lambda: bool(np.allclose(viewer.session.q, target, atol=1e-6)))
     until(lambda: state_text(ARM, target) in viewer.share._link.value)
-    assert viewer.share._line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}"
+    until(lambda: viewer.share._line.value == f"rankdrop view ur5e --deg --q={state_text(ARM, target)}")
 
 
 def test_a_recorded_session_is_a_path(viewer: Viewer) -> None:

@@ -21,6 +21,7 @@ def soundness():
     return module
 
 
+@pytest.mark.slow
 def test_a_few_hundred_hold(soundness):
     tally = soundness.run(300, 5, ("puma560", "almarkhi4"), tell=False)
     assert not any(tally.wrong.values()), tally.wrong

@@ -155,6 +155,7 @@ def test_the_record_satisfies_its_schema_and_tells_the_strata():
     assert all(one["residual"] <= EXACT for one in record["strata"])
 
 
+@pytest.mark.slow_at("fetch-vx,vy", "ur5-position", "puma560-orientation")
 @pytest.mark.parametrize(("name", "task"), [
     ("scara", "pose"), ("xarm5", None), ("open_manipulator", None), ("fetch", "vx,vy"), ("ur5", "position"),
     ("puma560", "orientation"),
@@ -186,6 +187,7 @@ def test_what_is_no_search_is_refused():
         search(open_robot("ur5"), 1, method="reciprocal", iterations=5)
 
 
+@pytest.mark.slow
 def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
     """Two families of the Cobotta pin joints 2 to 5 all at once: random starts of these four hardly ever lead there."""
     robot = open_robot("cobotta")
@@ -199,6 +201,7 @@ def test_families_of_four_conditions_are_met_from_a_joint_at_a_right_angle():
         "k2.f1", "k2.f2"}  # fmt: skip
 
 
+@pytest.mark.slow_at("stanford", "panda", "pa10")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "almarkhi4", "stanford"])
 def test_no_enclosure_around_one_is_called_free(name):
     """The oracle of certificates: a ball or box proven free holds none of them."""

@@ -104,12 +104,13 @@ def check_same(name: str, unit: str, starts: int) -> None:
     assert other.residual().holds(other.settings.tolerances) or not metres.sound_and_complete
 
 
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_rows_and_shares_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 500)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("name", "unit"), SLOW)
 def test_other_kinds_of_arms_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     check_same(name, unit, 2_000)
@@ -142,13 +143,14 @@ def check_exact(name: str, unit: str) -> None:
         assert other.letters[letter] == pytest.approx(value * 10.0**power, rel=1e-12)
 
 
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize(("name", "unit"), QUICK)
 def test_exact_conditions_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     pytest.importorskip("flint")
     check_exact(name, unit)
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize(("name", "unit"), SLOW)
 def test_exact_conditions_of_other_kinds_of_arms_do_not_depend_on_the_unit(name: str, unit: str) -> None:
     pytest.importorskip("flint")

@@ -27,7 +27,7 @@ LONGEST = 20.0
 
 TOOL = tool("make_arms_page")
 NAMES = [one["name"] for one in TOOL.skeletons()]
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in NAMES]
+ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in NAMES]
 
 
 @cache
@@ -72,6 +72,7 @@ def test_a_row_of_the_catalogue_is_what_is_shipped() -> None:
         assert (name in shelf.conditions_names()) == (codes(row)[1] == 0), name
 
 
+@pytest.mark.slow
 @pytest.mark.shipped
 def test_a_row_names_letters_or_numbers_as_they_are_shipped() -> None:
     for name in shelf.conditions_names():

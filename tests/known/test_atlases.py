@@ -42,7 +42,7 @@ from rankdrop.verbs.analyze import analyze
 from rankdrop.version import VERSION
 
 QUICK = ("planar3r", "puma560")
-ANEW = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in structures()]
+ANEW = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in structures()]
 
 
 def test_every_arm_of_the_catalogue_has_one_and_all_are_small():

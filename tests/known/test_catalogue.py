@@ -20,7 +20,7 @@ from rankdrop.task import resolve_task
 from rankdrop.verbs.analyze import analyze
 
 QUICK = ("irb140", "iiwa14", "stanford")
-ARMS = [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KINDS]
+ARMS = [pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand) for name in KINDS]
 
 
 @pytest.mark.parametrize("name", ARMS)

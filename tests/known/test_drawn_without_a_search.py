@@ -32,7 +32,7 @@ POINTS = "yumi"
 others: 2,400 configurations meet most of them."""
 UNFINISHED = ("rml63", "yumi")
 """Their analyses say so: not every singular configuration is on one of their families."""
-ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in structures() if name not in QUICK)]
+ARMS = [*QUICK, *(pytest.param(name, marks=pytest.mark.by_hand) for name in structures() if name not in QUICK)]
 
 
 @cache

@@ -20,7 +20,8 @@ QUICK = ("planar3r", "gp25", "ur30")
 ALONE = {"yumi", "rml63"}
 """Families too many for few starts, and no exact conditions: these are made anew in whole."""
 ARMS = [
-    pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in robot_names() if name not in ALONE
+    pytest.param(name, marks=() if name in QUICK else pytest.mark.by_hand)
+    for name in robot_names() if name not in ALONE
 ]
 
 

@@ -55,7 +55,8 @@ def holds(found: Postures) -> None:
     assert found.verdict == CUSPIDAL
 
 
-@pytest.mark.parametrize("name", ["crx10ia", *(pytest.param(one, marks=pytest.mark.slow) for one in list(Q)[1:])])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(Q))
 def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str) -> None:
     found = aspects_of(open_robot(name), q=Q[name], starts=300)
     holds(found)
@@ -114,7 +115,7 @@ def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: 
     assert max(len(one.q) for one in found.solved) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.by_hand
 @pytest.mark.parametrize("name", ["puma560", "ur5", "kr3r540", "stanford", "irb6640"])
 def test_nor_are_arms_of_six_joints(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert searched(open_robot(name), monkeypatch, 25).verdict == NOT_FOUND
@@ -206,6 +207,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
     return once
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_path_that_the_path_command_proves(run: Any, tmp_path: Path) -> None:
     out, none = tmp_path / "change.csv", tmp_path / "none.csv"
     q = ",".join(map(str, Q["crx10ia"]))

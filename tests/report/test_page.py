@@ -165,6 +165,7 @@ def test_what_is_taken_away_is_the_analysis() -> None:
     assert json.loads(json.dumps(record["record"], allow_nan=False)) == found.analysis.to_dict()
 
 
+@pytest.mark.slow
 def test_families_stand_inside_the_limits_or_say_that_they_do_not() -> None:
     found = shown("ur5")
     for family in found.analysis.families:

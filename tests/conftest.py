@@ -23,12 +23,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks `slow` what is run by hand, and the cases that a `slow_at` names by a parameter's value or the whole id."""
+    """Marks `slow` what is run by hand, what needs a browser, and the cases that a `slow_at` names: value or whole id."""
     for item in items:
         named = {word for mark in item.iter_markers("slow_at") for word in mark.args}
         call = getattr(item, "callspec", None)
         dear = call is not None and named & {call.id, *call.id.split("-"), *map(str, call.params.values())}
-        if dear or item.get_closest_marker("by_hand"):
+        if dear or item.get_closest_marker("by_hand") or item.get_closest_marker("browser"):
             item.add_marker(pytest.mark.slow)
 
 

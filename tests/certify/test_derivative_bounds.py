@@ -127,6 +127,7 @@ def test_the_bound_of_a_steep_screw_is_reached_by_its_own_column_and_by_one_behi
     assert (best[1:3] > 0.95).all()
 
 
+@pytest.mark.slow
 def test_brackets_are_the_derivatives():
     # what the two tests above call derivatives, against differences of the columns
     robot = arms.random_chain(np.random.default_rng(8), "rhprrr")

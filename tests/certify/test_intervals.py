@@ -61,6 +61,7 @@ def middles(found):
     return (low.T + high.T) / 2, (high.T - low.T) / 2
 
 
+@pytest.mark.slow_at("panda", "mimics")
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.02, 0.3])
 @pytest.mark.parametrize("along", [False, True])

@@ -66,6 +66,7 @@ def test_a_reader_that_has_gone_is_no_error_of_ours() -> None:
     assert done.returncode == exits.BAD_INPUT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [("--help",), ("explain", "--help"), ("completion", "bash")])
 def test_a_help_whose_reader_has_gone_ends_like_everything_else(words: tuple[str, ...]) -> None:
     read, write = os.pipe()

@@ -56,6 +56,7 @@ def test_the_canadarm2_has_eq_26_as_two_relations() -> None:
     assert max(np.abs(equation(q)).max() for equation in family.equations) > 1e-3
 
 
+@pytest.mark.slow
 def test_eq_15_splits_where_the_elbow_is_folded() -> None:
     found = conditions(open_robot("canadarm2"), coranks=1, points=0)
     folded = [one.texts for one in found.families if dict(one.pins).get(4) == ("pi",)]

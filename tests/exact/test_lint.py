@@ -45,6 +45,7 @@ def checked(text, name, lengths="auto"):
     return result
 
 
+@pytest.mark.slow_at("ur5")
 @pytest.mark.parametrize(
     ("robot", "text", "verdict"),
     [

@@ -264,6 +264,7 @@ def test_the_nearest_family_of_an_arm_of_pinned_joints_is_the_nearest_there_is(r
     assert {found.families[i].corank for i in seen.nearest} == {1}
 
 
+@pytest.mark.slow_at("xarm6", "canadarm2")
 @pytest.mark.parametrize("name", ["ur5", "puma560", "pa10", "panda", "canadarm2", "stanford", "xarm6"])
 def test_the_distance_does_not_contradict_the_search(name: str) -> None:
     """Within 5 % of the nearest singular configuration in 95 %, above it by over 20 % in 1 % at most."""
@@ -279,6 +280,7 @@ def test_the_distance_does_not_contradict_the_search(name: str) -> None:
         assert 0.0 < seen.at_least == far.at_least[row] <= far.nearest()[1][row]
 
 
+@pytest.mark.slow_at("sawyer", "gen3")
 @pytest.mark.parametrize("name", ["gen3", "sawyer", "rizon4"])
 def test_where_conditions_are_long_the_distance_is_right_near_and_far(name: str) -> None:
     """By the kinematics, from points of the set: from q alone walks were right in four of five random ones."""

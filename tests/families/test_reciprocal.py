@@ -28,6 +28,7 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
+@pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_configuration_is_singular_to_rounding(name):
     robot = open_robot(name)
@@ -50,6 +51,7 @@ def test_every_configuration_is_singular_to_rounding(name):
 FAMILIES = {"puma560": 3, "pa10": 4, "panda": 4, "scara": 1}
 
 
+@pytest.mark.slow_at("panda", "pa10")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_shoulder_elbow_and_wrist_are_among_them(name):
     robot = open_robot(name)
@@ -77,6 +79,7 @@ def test_every_stratum_has_families_of_its_own():
         assert all(met)
 
 
+@pytest.mark.slow_at("ur5-2")
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2)])
 def test_higher_coranks_are_drawn_too(name, corank):
     robot = open_robot(name)

@@ -163,6 +163,7 @@ def test_panda_inside_its_limits_is_never_stretched_straight():
     assert found.q[:, 3].max() <= -0.0698
 
 
+@pytest.mark.slow
 def test_descent_methods_follow_almarkhi_and_keep_their_history():
     robot = open_robot("pa10")
     task = resolve_task("pose", robot, length_scale=1.0)

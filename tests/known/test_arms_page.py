@@ -91,6 +91,7 @@ def test_no_arm_of_the_page_took_long() -> None:
     assert long <= {"fetch", "frankie", "tiago"}, "eight to ten joints, with a lift or a mobile base"
 
 
+@pytest.mark.slow_at("m1509_blue")
 @pytest.mark.parametrize("name", ANEW)
 def test_a_makers_file_fares_as_its_row_says(name: str) -> None:
     row = TOOL.skeleton_row(name)

@@ -58,6 +58,7 @@ def coranks(name: str) -> list[int]:
     return sorted({one.corank for one in shipped(name).families})
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_family_is_met(name: str) -> None:
     left = unmet(name)

@@ -210,6 +210,7 @@ def test_a_shipped_file_is_of_this_version_and_arm_and_verified(name: str) -> No
     assert found.lowest == 0
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ANEW)
 def test_derived_anew_it_is_the_same(name: str) -> None:

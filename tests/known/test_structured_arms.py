@@ -126,7 +126,7 @@ def test_what_holds_elsewhere_too_is_tightened_or_told(monkeypatch: pytest.Monke
     assert 0 < wide.soundness.agree < wide.soundness.tested
 
 
-@pytest.mark.slow_at("6-6")
+@pytest.mark.slow_at("6-6", "6-32")
 @pytest.mark.parametrize(("n", "seed"), [(6, 6), (6, 32)])
 def test_rows_are_sound_everywhere_and_singular_points_are_on_them(n: int, seed: int) -> None:
     found, rng = analysed(n, seed), np.random.default_rng(seed)

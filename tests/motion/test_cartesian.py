@@ -143,6 +143,7 @@ def test_without_a_start_the_solution_nearest_to_zero_is_taken() -> None:
     assert found.tool.chosen == "nearest to q = 0 (one of 8 found)"
 
 
+@pytest.mark.slow
 def test_where_it_cannot_be_followed_is_told_with_its_reason() -> None:
     away = POSES.copy()
     away[2, :3, 3] = away[1, :3, 3] + [3.0, 0.0, 0.0]

@@ -176,6 +176,7 @@ def test_a_free_path_that_is_too_fast_is_retimed_and_nothing_else() -> None:
     assert one.gains[1].after == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_a_distance_that_is_asked_for_is_kept_by_the_remedy() -> None:
     robot = open_robot("ur5e")
     q = np.linspace([0.0, -1.2, 1.2, 0.3, 0.4, 0.1], [0.2, -1.1, 1.3, 0.2, 0.06, 0.3], 21)
@@ -198,6 +199,7 @@ def test_a_path_to_the_edge_of_the_workspace_has_none_and_it_says_so() -> None:
     assert any(note.startswith("flip: 1 tried") for note in mended.notes)
 
 
+@pytest.mark.slow_at("quintic")
 @pytest.mark.parametrize("how", ["cubic", "quintic"])
 def test_cubics_and_quintics_are_mended_as_such(how: str) -> None:
     robot, t = open_robot("puma560"), np.linspace(0.0, 3.0, 41)

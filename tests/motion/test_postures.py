@@ -66,6 +66,7 @@ def test_arms_with_offset_wrists_change_posture_on_a_path_that_is_free(name: str
     assert "neither proof" in found.decision.words
 
 
+@pytest.mark.slow
 def test_wengers_arm_with_and_without_a_wrist() -> None:
     for rows, task in ((WENGER, "position"), (WRISTED, "pose")):
         found = aspects_of(arm(rows, task), poses=4, starts=200)

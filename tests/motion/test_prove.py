@@ -63,7 +63,7 @@ def through(targets: np.ndarray, ways: np.ndarray, rng: np.random.Generator) -> 
     return np.stack([start, end], axis=1).reshape(-1, targets.shape[1]), 2 * np.arange(len(targets)) + share
 
 
-@pytest.mark.slow_at("puma560", "stanford")
+@pytest.mark.slow_at("puma560", "stanford", "ur5", "pa10")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_free_stretch_holds_a_singular_configuration_put_on_the_path(name: str) -> None:
     robot = ARMS[name]()

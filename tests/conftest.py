@@ -23,7 +23,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks `slow` what is run by hand, what needs a browser, and the cases that a `slow_at` names: value or whole id."""
+    """Marks `slow` what is run by hand or in a browser, and what a `slow_at` names: a value, or the id of a case."""
     for item in items:
         named = {word for mark in item.iter_markers("slow_at") for word in mark.args}
         call = getattr(item, "callspec", None)

@@ -364,7 +364,7 @@ def test_balls_of_every_kind_of_joint_hold(tmp_path, name):
     assert verify(write_certificate(record, tmp_path / "b.json"), robot).holds
 
 
-@pytest.mark.slow_at("canadarm2-None", "xarm5-None", "stanford-None", "ur5-position", "panda-None", "pa10-None")
+@pytest.mark.slow_at("canadarm2", "xarm5", "stanford", "ur5", "panda", "pa10", "puma560", "fetch")
 @pytest.mark.parametrize(("name", "task"), [
     ("planar3r", None), ("planar2r", None), ("planar3r", "vx,vy"), ("scara", None), ("almarkhi4", None),
     ("stanford", None), ("canadarm2", None), ("puma560", "position"), ("puma560", "orientation"), ("ur5", "position"),

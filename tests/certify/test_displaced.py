@@ -64,7 +64,7 @@ def test_no_displaced_arm_goes_beyond_the_bound(name):
             assert (change <= bound * (1 + 1e-9) + 1e-13).all()  # rounding of the model
 
 
-@pytest.mark.slow_at("stanford")
+@pytest.mark.slow_at("stanford", "puma560")
 @pytest.mark.parametrize("name", ["puma560", "stanford"])
 def test_a_tool_point_is_moved_with_the_joints(name):
     robot = open_robot(name)

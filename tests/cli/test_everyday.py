@@ -33,6 +33,9 @@ def shell(line: str) -> Ended:
     return Ended(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
+@pytest.mark.slow_at(
+    "$R robots <&- >/dev/null", "$R analyze nosuch 2>/dev/full", "$R robots fanuc 2>&- >/dev/null", "$R --help >&-",
+)
 @pytest.mark.parametrize(
     ("line", "code", "words"),
     [

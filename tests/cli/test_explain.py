@@ -131,6 +131,7 @@ def test_configurations_as_people_write_them() -> None:
             parse_configuration(text, arm, deg=False)
 
 
+@pytest.mark.slow_at("140", "60")
 @pytest.mark.parametrize("width", [60, 80, 140])
 def test_no_number_is_broken_and_no_line_too_long(run, width: int) -> None:
     eight = ("fetch8", "--q", "0 0.1 0.2 0.3 0.4 0.5 0.6 0.7")

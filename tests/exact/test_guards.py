@@ -122,6 +122,7 @@ def test_exact_sets_become_one_row_only_with_every_combination_of_their_angles()
         assert less.pins != row.pins
 
 
+@pytest.mark.slow
 def test_a_disagreement_is_a_line_with_one_configuration() -> None:
     """PUMA, by decoupling and by a rank tree that has lost a set: the set is not printed, a point on it is."""
     chain = exact_chain(open_robot("puma560"))

@@ -42,6 +42,7 @@ def test_pa10_has_the_tables_of_am_and_their_exception() -> None:
     assert assumed.words.startswith("if d3 = d5, θ4 = π alone loses two freedoms")
 
 
+@pytest.mark.slow
 def test_the_canadarm2_has_eq_26_as_two_relations() -> None:
     found = conditions(open_robot("canadarm2"), coranks=1, points=0)
     (family,) = [one for one in found.families if not one.pins]

@@ -64,7 +64,7 @@ def test_two_ways_that_know_nothing_of_each_other_find_the_same_families(name: s
     assert sorted(named) == sorted(family.id for family in derived(name))
 
 
-@pytest.mark.slow_at("puma560")
+@pytest.mark.slow_at("puma560", "stanford")
 @pytest.mark.parametrize("name", ["stanford", "puma560"])
 def test_each_exact_family_that_is_missing_is_missed(name: str) -> None:
     for gone in derived(name):

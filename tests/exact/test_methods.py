@@ -85,7 +85,7 @@ def strata(name: str, count: int = 200) -> tuple[tuple[Point, ...], tuple[bool, 
     return tuple(points), tuple(rank < min(m, chain.n) for rank in rank_check(chain, points))
 
 
-@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors")
+@pytest.mark.slow_at("canadarm2-reciprocity", "canadarm2-cofactors", "puma560-singular_vector", "pa10-reciprocity")
 @pytest.mark.parametrize(("name", "method"), [*PAIRS, pytest.param("gen3", "cofactors", marks=pytest.mark.slow)])
 def test_the_conditions_hold_exactly_where_the_rank_drops_modulo_p(name: str, method: str) -> None:
     found = derived(name, method)

@@ -58,6 +58,7 @@ def test_numbers_hide_nothing_that_another_prime_shows(monkeypatch: pytest.Monke
     assert any("could not be looked into" in one for one in less.left)
 
 
+@pytest.mark.slow
 def test_sets_that_families_hold_are_no_loss() -> None:
     found = conditions(open_robot("puma560"), lengths="numbers", method="tree", points=0)
     assert found.verified

@@ -199,6 +199,7 @@ def test_every_set_of_the_rank_tree_lies_in_one_family(name):
         assert len(holding) == 1, (holding, point)
 
 
+@pytest.mark.slow
 def test_why_these_screws_and_this_frame_is_told():
     """KG's rules with counts: of Canadarm2's sixes 1–6 and 2–7 are in a row with joints 3, 4, 5."""
     found = suppress(exact_chain(open_robot("canadarm2")))

@@ -66,6 +66,7 @@ def test_families_explain_a_thousand_configurations(name: str) -> None:
     assert found.verified, (found.left, found.disagreements)
 
 
+@pytest.mark.slow_at("anthropomorphic")
 @pytest.mark.parametrize("name", ["anthropomorphic", "stanford", *slow("ur5", "irb140")])
 def test_families_explain_some_configurations_of_every_corank(name: str) -> None:
     found = conditions(open_robot(name), points=200, special=False)

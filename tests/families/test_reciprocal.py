@@ -28,7 +28,7 @@ from rankdrop.tolerances import DEFAULT
 ARMS = ("planar3r", "almarkhi4", "ur5", "puma560", "pa10", "panda", "stanford", "canadarm2", "scara")
 
 
-@pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford")
+@pytest.mark.slow_at("panda", "canadarm2", "pa10", "stanford", "puma560", "almarkhi4")
 @pytest.mark.parametrize("name", ARMS)
 def test_every_configuration_is_singular_to_rounding(name):
     robot = open_robot(name)
@@ -62,6 +62,7 @@ def test_shoulder_elbow_and_wrist_are_among_them(name):
     assert len(met) >= FAMILIES[name]
 
 
+@pytest.mark.slow
 def test_every_stratum_has_families_of_its_own():
     # at two joints a random wrench goes past the wrist centre, so that axes 4 and 6 align; nothing else comes of it
     robot = open_robot("puma560")
@@ -79,7 +80,7 @@ def test_every_stratum_has_families_of_its_own():
         assert all(met)
 
 
-@pytest.mark.slow_at("ur5-2")
+@pytest.mark.slow_at("ur5-2", "puma560-2")
 @pytest.mark.parametrize(("name", "corank"), [("puma560", 2), ("ur5", 2)])
 def test_higher_coranks_are_drawn_too(name, corank):
     robot = open_robot(name)

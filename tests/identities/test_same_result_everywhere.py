@@ -172,6 +172,7 @@ def test_enclosures_are_the_same_on_any_number_of_threads(threads: int) -> None:
         np.testing.assert_array_equal(got, want)
 
 
+@pytest.mark.slow_at("single-almarkhi", "baseline-almarkhi")
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", SETS)
 def test_a_search_ends_alike_on_every_set(name: str, method: str) -> None:

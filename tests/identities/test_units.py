@@ -220,6 +220,7 @@ def test_slides_without_limits_are_sampled_by_the_reach_of_the_links(travel: flo
     assert len(found.exact.families) == 1
 
 
+@pytest.mark.slow_at("ends0", "ends1")
 @pytest.mark.parametrize("ends", [(-1e6, 1e6), (-np.inf, np.inf), (0.0, 1e6), (0.3, np.inf)])
 def test_limits_far_beyond_the_arm_change_no_row(ends: tuple[float, float]) -> None:
     stanford = arm("stanford")

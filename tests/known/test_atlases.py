@@ -100,6 +100,7 @@ def test_every_family_is_sound_at_fresh_points(name):
         assert not len(strangers)
 
 
+@pytest.mark.slow_at("tiago", "gen3", "sawyer")
 @pytest.mark.parametrize("name", KINDS)
 def test_every_configuration_of_a_fresh_search_lies_on_a_family_of_its_corank(name):
     found = shipped(name)
@@ -120,6 +121,7 @@ def test_what_is_made_anew_is_of_many_structures():
     assert len(structures()) > 40
 
 
+@pytest.mark.slow_at("puma560")
 @pytest.mark.shipped  # rows take the partition of the exact conditions, which `test_shipped_conditions.py` derives anew
 @pytest.mark.parametrize("name", ANEW)
 def test_made_anew_it_is_the_same(name):

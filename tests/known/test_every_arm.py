@@ -35,6 +35,7 @@ def test_no_arm_is_left_out() -> None:
     assert set(conditions_names()) == set(robot_names()) - ALONE
 
 
+@pytest.mark.slow_at("ur30")
 @pytest.mark.shipped
 @pytest.mark.parametrize("name", ARMS)
 def test_analysis_and_exact_conditions_agree_and_are_those_shipped(name: str) -> None:

@@ -189,6 +189,7 @@ def test_a_first_pose_out_of_reach_and_bad_starts_are_errors() -> None:
         check_poses(ARM, POSES, [0, 1, 1])
 
 
+@pytest.mark.slow
 def test_the_command_follows_poses(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

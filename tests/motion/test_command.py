@@ -56,6 +56,7 @@ def test_exit_codes_tell_free_from_crossing(tmp_path: Path, run) -> None:
     assert (code, out.startswith("Comes nearer than 0.6")) == (3, True)
 
 
+@pytest.mark.slow
 def test_what_is_written_satisfies_the_schemas(tmp_path: Path, run) -> None:
     one, two = saved(tmp_path, "a.npy", CROSSING), saved(tmp_path, "b.npy", FREE)
     code, out, _ = run(one, "--json", tmp_path / "one.json", "--figure", tmp_path / "one.svg")

@@ -157,6 +157,7 @@ def test_retime_keeps_the_path_and_says_that_it_still_crosses() -> None:
     np.testing.assert_allclose(one.trajectory.q, WRIST[0] + line[:, None] * (WRIST[-1] - WRIST[0]), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_mended_path_needs_no_remedy() -> None:
     robot = open_robot("puma560")
     for one in wrist().remedies[:3]:
@@ -225,6 +226,7 @@ def test_what_is_not_proven_free_is_no_remedy(monkeypatch: pytest.MonkeyPatch) -
     assert any(note.startswith("flip") and "none of them was proven free" in note for note in mended.notes)
 
 
+@pytest.mark.slow
 def test_a_task_that_no_pose_tells_is_said_to_have_no_tool_path() -> None:
     task = Task("part", (0, 1), Frame(1, -1))  # rows in axes that turn
     found = rankdrop.check_path(open_robot("planar2r"), [[0.0, 0.5], [0.4, -0.1], [0.8, 0.5]], task=task)

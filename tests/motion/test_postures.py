@@ -106,6 +106,7 @@ STRUCTURES = {
 }
 
 
+@pytest.mark.slow_at("without offsets", "1, 2 meet", "2, 3 meet")
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_what_is_proven_not_cuspidal_is_not_found_to_be(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm(STRUCTURES[name])
@@ -126,6 +127,7 @@ def test_the_search_alone_finds_what_the_cusps_say(monkeypatch: pytest.MonkeyPat
     holds(searched(arm(WENGER), monkeypatch, 10))
 
 
+@pytest.mark.slow
 def test_neither_sense_nor_base_nor_unit_changes_the_counts() -> None:
     q = np.array([0.4, -0.731, 3.1241])
     kept = aspects_of(arm(WENGER), q=q, starts=200)
@@ -147,6 +149,7 @@ def test_solutions_are_solutions_and_all_of_a_puma_are_found() -> None:
     assert np.abs(np.linalg.det(task_jacobian(robot, found, task))).min() > 0
 
 
+@pytest.mark.slow
 def test_limits_hold_for_solutions_and_path() -> None:
     robot = open_robot("crx10ia")
     found = aspects_of(robot, q=Q["crx10ia"], starts=300, limits=True)

@@ -63,7 +63,7 @@ def through(targets: np.ndarray, ways: np.ndarray, rng: np.random.Generator) -> 
     return np.stack([start, end], axis=1).reshape(-1, targets.shape[1]), 2 * np.arange(len(targets)) + share
 
 
-@pytest.mark.slow_at("puma560", "stanford", "ur5", "pa10")
+@pytest.mark.slow_at("puma560", "stanford", "ur5", "pa10", "panda")
 @pytest.mark.parametrize("name", ARMS)
 def test_no_free_stretch_holds_a_singular_configuration_put_on_the_path(name: str) -> None:
     robot = ARMS[name]()
@@ -219,6 +219,7 @@ def test_a_path_that_only_touches_is_told_so_and_one_that_passes_is_free() -> No
     assert found.stretches[0].closest.distance == pytest.approx(1e-7, rel=0.2)
 
 
+@pytest.mark.slow_at("panda-k1.f1")
 @pytest.mark.parametrize(
     ("name", "number"), [("ur5", "k1.f1"), ("ur5", "k1.f3"), ("pa10", "k1.f1"), ("panda", "k1.f1")]
 )

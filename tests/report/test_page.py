@@ -36,6 +36,7 @@ def text_of(name: str) -> str:
     return page(shown(name))
 
 
+@pytest.mark.slow_at("stanford")
 @pytest.mark.parametrize("name", ["scara", "planar2r", "stanford"])
 def test_the_page_asks_for_nothing_from_outside(name: str) -> None:
     text = text_of(name)

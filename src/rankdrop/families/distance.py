@@ -34,7 +34,7 @@ from rankdrop.units import in_metres, into_metres, metre_exponent, out_of_metres
 STARTS = 24
 _RADII = (0.3, 1.0, 2.5)  # of the balls the starts come from [rad]
 _ITERATIONS = 25
-_STILL = 1e-9  # steps shorter than this change the distance by their square [rad]
+_STILL = 1e-6  # steps shorter than this change the distance by their square [rad]
 _LONGEST = 0.7  # step [rad]
 _FLATTEST = 1e-2  # curvatures of the Lagrangian are taken for at least this
 _RETURNS = 3  # steps straight onto the family at the end
@@ -57,15 +57,20 @@ class Coupled:
         self.rng = np.random.default_rng(seed)
 
     def points(self) -> Array:
-        """Ends of all starts."""
-        starts = self._starts(np.resize(_RADII, STARTS))
-        first = np.concatenate([self._walk(starts, leading) for leading in self.ways])
-        solved = np.abs(self.family.system.values(first)).max(axis=1) <= REACHED
-        distance = _lengths((first - self.target) / self.scale)[solved]
-        if not len(distance) or distance.min() == 0:
-            return first
-        starts = self._starts(np.full(STARTS // 2, 1.25 * distance.min()))
-        return np.concatenate([first, *(self._walk(starts, leading) for leading in self.ways)])
+        """Ends of all starts, and where walks stood that led farther away than another had ended."""
+        ends, nearest = self._ends(np.resize(_RADII, STARTS), np.inf)
+        if nearest == 0 or not np.isfinite(nearest):
+            return ends
+        return np.concatenate([ends, self._ends(np.full(STARTS // 2, 1.25 * nearest), nearest)[0]])
+
+    def _ends(self, radii: Array, nearest: float) -> tuple[Array, float]:
+        """Of starts in balls of these radii; how far the nearest is of what solves the equations, or was before."""
+        starts, ends = self._starts(radii), []
+        for leading in self.ways:
+            ends.append(self._walk(starts, leading, nearest))
+            solved = np.abs(self.family.system.values(ends[-1])).max(axis=1) <= REACHED
+            nearest = min(nearest, float(_lengths((ends[-1] - self.target) / self.scale)[solved].min(initial=np.inf)))
+        return np.concatenate(ends), nearest
 
     def _starts(self, radii: Array) -> Array:
         """The configuration itself, and points in balls around it; pinned joints at any of their values."""
@@ -82,12 +87,15 @@ class Coupled:
                 q[:, j] = options[self.rng.integers(len(options), size=len(q))]
         return np.asarray(np.minimum(np.maximum(q, self.box[0]), self.box[1]))
 
-    def _walk(self, q: Array, leading: int) -> Array:
-        """Newton steps of all starts on the first equations until they stand still, then straight onto the family."""
+    def _walk(self, q: Array, leading: int, farthest: float) -> Array:
+        """Newton steps of all starts on the first equations until they stand still, then straight onto the family.
+
+        Those that lead farther away than that may end anywhere.
+        """
         bounded = bool(np.isfinite(self.box[:, self.moves]).any())
         settings = _core.FootSettings(
             leading=leading, iterations=_ITERATIONS, returns=_RETURNS, still=_STILL, longest=_LONGEST, cut=CUT,
-            flattest=_FLATTEST, target=self.target.tolist(), scale=self.scale.tolist(),
+            flattest=_FLATTEST, farthest=farthest, target=self.target.tolist(), scale=self.scale.tolist(),
             periodic=self.robot.periodic.astype(int).tolist(), columns=np.flatnonzero(self.moves).tolist(),
             limits=np.ascontiguousarray(self.box) if bounded else None,
         )  # fmt: skip
